@@ -1,0 +1,1 @@
+"""Where plant, sensors, estimator and controller meet: scenarios, the loop, records and verdicts."""
