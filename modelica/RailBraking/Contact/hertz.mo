@@ -14,7 +14,7 @@ protected
   Types.Ratio ratio "a/b";
 algorithm
   E_effective := E/(2*(1 - nu^2));
-  r_effective := (16*r^2*r_rail^2/(1/r + 1/r_rail))^(1/3)/2;
+  r_effective := (16*r*r_rail/(1/r + 1/r_rail))^(1/3)/2;
   c := (3*Q*r_effective/(4*E_effective))^(1/3);
   ratio := (r/r_rail)^(2/3);
   a := c*sqrt(ratio);
