@@ -45,7 +45,7 @@ class Scenario(Table):
             )
         if self.controller.kind == "adhesion_based" and self.estimator.kind == "none":
             raise broken(
-                "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind must not be 'none'"
+                "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'"
             )
         if self.limits.stop_speed >= self.start.speed:
             raise broken(

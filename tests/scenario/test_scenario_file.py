@@ -110,7 +110,7 @@ REFUSALS = [
     (["controller.kind=abc"], "[controller] kind is 'abc'; there is 'full_brake', 'slip_two_state'"),
     (
         ["estimator.kind=none"],
-        "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind must",
+        "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is",
     ),
     (
         ["periods.controller=1.5 ms"],
