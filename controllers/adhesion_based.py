@@ -113,9 +113,7 @@ class AdhesionBased:
             ValueError: The sight carries no estimate of adhesion and pad friction.
         """
         if sight.adhesion is None or sight.pad_friction is None:
-            raise ValueError(
-                "AdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario."
-            )
+            raise ValueError("AdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario.")
         if sight.speed < self._tuning.speed_min:
             return self._full
         return tuple(
@@ -185,9 +183,7 @@ class LiteralAdhesionBased:
             ValueError: The sight carries no estimate of adhesion.
         """
         if sight.adhesion is None:
-            raise ValueError(
-                "LiteralAdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario."
-            )
+            raise ValueError("LiteralAdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario.")
         tuning = self._tuning
         if sight.speed < tuning.speed_min:
             return self._full
