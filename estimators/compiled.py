@@ -148,11 +148,13 @@ class CompiledFilter:
 
     def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
         """Predict over one period, then condition on `seen`; see `ExtendedKalmanFilter.step`."""
-        self.design.check(held, seen)
+        held_now, seen_now = self.held, self.seen
+        if held.shape != held_now.shape or seen.shape != seen_now.shape:
+            self.design.check(held, seen)
         if prior is not self._last:
             self.hold(prior)
-        self.held[:] = held
-        self.seen[:] = seen
+        held_now[:] = held
+        seen_now[:] = seen
         self.advance()
         self._last = posterior = frozen_estimate(self.mean.copy(), self.covariance.copy())
         return posterior

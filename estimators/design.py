@@ -150,8 +150,8 @@ class Design:
 
 def frozen_estimate(mean: Vector, covariance: Matrix) -> Estimate:
     """Return an estimate whose arrays can no longer be written: a belief is a value."""
-    mean.flags.writeable = False
-    covariance.flags.writeable = False
+    mean.setflags(write=False)
+    covariance.setflags(write=False)
     return Estimate(mean=mean, covariance=covariance)
 
 

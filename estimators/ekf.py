@@ -22,12 +22,14 @@ class Innovation:
         rows: Which readings are used, shape (r,): those that are there and no outliers.
         residual: Reading minus expected reading, shape (r,).
         jacobian: d(reading)/d(state) at the predicted mean, shape (r, n).
+        noise: Covariance of the readings themselves, shape (r, r).
         covariance: Of `residual`, shape (r, r).
     """
 
     rows: NDArray[np.intp]
     residual: Vector
     jacobian: Matrix
+    noise: Matrix
     covariance: Matrix
 
     @property
@@ -111,16 +113,20 @@ class ExtendedKalmanFilter:
         """Return what the readings, but for missing ones and outliers, say beyond `predicted`."""
         residual = seen - self.prediction.output(predicted.mean, held)
         jacobian = self.prediction.output_jacobian(predicted.mean, held)
-        covariance = jacobian @ predicted.covariance @ jacobian.T + self.design.reading_noise
-        allowed = self.design.outlier_limit**2 * np.diagonal(covariance)
-        missing = np.isnan(seen)
-        rows = np.flatnonzero(~missing & ~(residual**2 > allowed))
-        return Innovation(
-            rows=rows,
-            residual=residual[rows],
-            jacobian=jacobian[rows],
-            covariance=covariance[np.ix_(rows, rows)],
-        )
+        noise = self.design.reading_noise
+        covariance = jacobian @ predicted.covariance @ jacobian.T + noise
+        outside = residual**2 > self.design.outlier_limit**2 * np.diagonal(covariance)
+        unused = np.isnan(seen) | outside
+        rows = np.flatnonzero(~unused)
+        if rows.size < seen.size:
+            both = np.ix_(rows, rows)
+            residual, jacobian, noise, covariance = (
+                residual[rows],
+                jacobian[rows],
+                noise[both],
+                covariance[both],
+            )
+        return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
 
     def condition(self, predicted: Estimate, held: Vector, innovation: Innovation) -> Estimate:
         """Return the belief after the readings of `innovation`."""
@@ -133,9 +139,8 @@ class ExtendedKalmanFilter:
             raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
         gain = solution.T * self._free(held)[:, np.newaxis]
         kept = np.eye(len(P)) - gain @ H
-        noise = self.design.reading_noise[np.ix_(innovation.rows, innovation.rows)]
         # Joseph form: holds for the gated gain too, and rounding cannot make it indefinite, as (I − KH)P can.
-        covariance = kept @ P @ kept.T + gain @ noise @ gain.T
+        covariance = kept @ P @ kept.T + gain @ innovation.noise @ gain.T
         mean = predicted.mean + gain @ innovation.residual
         if not np.all(np.isfinite(mean)):
             raise FilterDiverged("Filter: the readings threw the mean to a value that is not finite.")

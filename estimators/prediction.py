@@ -195,8 +195,8 @@ class CasadiPrediction:
         result = np.zeros(expression.shape, order="F")  # CasADi counts down columns
         buffer, run = function.buffer()
         for place, array in enumerate((x, u, self.parameters)):
-            buffer.set_arg(place, memoryview(array))
-        buffer.set_res(0, memoryview(result.T))
+            buffer.set_arg(place, array.data)
+        buffer.set_res(0, result.T.data)
 
         def evaluate(x_now: Vector, u_now: Vector) -> Matrix:
             x[:] = x_now

@@ -172,9 +172,9 @@ static int condition(double *block, const double *free, const double *mean, cons
 {
     static const row zero;
     const double *seen = block + SEEN, *noise = block + READING_NOISE;
-    double expectation[M], H[H_ROW[M] + 1], residual[M], S[M][M], minus[M];
+    double expectation[M], H[H_ROW[M] + 1], residual[M], S[M][M], R[M][M], minus[M];
     row PH[M], gain[M], sum;              /* P H' and K, by columns: row a is column a of the r used readings */
-    int used[M], all[M], r = 0;
+    int used[M], all[M], related[M], relative[M][M], r = 0;
 
     model(expected, mean, block, expectation, H);
     for (int i = 0; i < M; i++) {
@@ -198,6 +198,14 @@ static int condition(double *block, const double *free, const double *mean, cons
         }
     if (!factorise(r, S))
         return READINGS_NOT_DEFINITE;
+    for (int a = 0; a < r; a++) {         /* R without its zeros: most often only its diagonal is left */
+        related[a] = 0;
+        for (int b = 0; b < r; b++)
+            if (noise[used[a] * M + used[b]] != 0.0) {
+                R[a][related[a]] = noise[used[a] * M + used[b]];
+                relative[a][related[a]++] = b;
+            }
+    }
 
     /* S K' = H P: forward, then back; the forward substitution of the residual gives its normalised square too */
     double white[M], after[WIDTH] = {0};
@@ -237,9 +245,7 @@ static int condition(double *block, const double *free, const double *mean, cons
         double excess[M];
         for (int a = 0; a < r; a++) {
             const int first = H_ROW[used[a]], count = H_ROW[used[a] + 1] - first;
-            excess[a] = -dot(count, H + first, H_COLUMN + first, sum);
-            for (int b = 0; b < r; b++)
-                excess[a] += gain[b][i] * noise[used[b] * M + used[a]];
+            excess[a] = -dot(count, H + first, H_COLUMN + first, sum) - dot(related[a], R[a], relative[a], minus);
         }
         combine(covariance[i], sum, r, excess, all, gain);
         for (int j = 0; j < i; j++)

@@ -30,7 +30,8 @@ def assert_same(one, other, tolerance):
     """Means in units of the states' spread or size, covariances as correlations."""
     size = np.maximum(np.abs(one.mean), one.deviation)
     assert np.max(np.abs(one.mean - other.mean) / size) < tolerance
-    assert np.max(np.abs(one.covariance - other.covariance) / np.outer(one.deviation, one.deviation)) < tolerance
+    spread = np.outer(one.deviation, one.deviation)
+    assert np.max(np.abs(one.covariance - other.covariance) / spread) < tolerance
 
 
 def test_compiled_equals_python_through_a_stop_with_dropouts_outliers_and_gates(rolling, kept):
