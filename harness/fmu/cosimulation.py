@@ -98,6 +98,7 @@ class CoSimulation:
         self._instance: Instance | None = None
         self._spent: PlantFailed | None = None
         self._sample = -1
+        self._ready = False  # started, not failed, not closed
         self._snapshots: list[int] = []
         self._looks_back = 1  # fmi2True: no state before the current time will ever be restored
 
@@ -121,6 +122,7 @@ class CoSimulation:
             for handle in self._snapshots:
                 self._instance.call("fmi2FreeFMUstate", ctypes.byref(ctypes.c_void_p(handle)), time=self.time)
         self._instance = None
+        self._ready = False
         self._stack.close()
 
     def _prepare(self, instance: Instance) -> None:
@@ -132,8 +134,9 @@ class CoSimulation:
         )
         inputs, outputs = self._binding.inputs, self._binding.outputs
         self._values = np.zeros(outputs.size)
-        # 0·y sums to a number exactly when all of y is finite, in one pass and without overflow.
-        self._total = np.zeros(outputs.size).dot
+        # A sum is finite exactly when all of y is, in one pass: so far scaled down, finite values cannot
+        # overflow, and numbers of any physical size stay normal.
+        self._total = np.full(outputs.size, 2.0**-512).dot
         carriers = {c.carrier for c in (*inputs.channels, *outputs.channels)}
         setters = {
             c: instance.function(f"fmi2Set{c}", pointer, pointer, size, pointer) for c in sorted(carriers)
@@ -172,10 +175,12 @@ class CoSimulation:
             self._send(instance, inputs)
             instance.exit_initialization(self._start_time)
             self._sample = 0
-            return self._receive(instance)
+            values = self._receive(instance)
         except PlantFailed as failed:
             self._spent = failed
             raise
+        self._ready = True
+        return values
 
     def step(self, inputs: Vector) -> Vector:
         """Hold `inputs` over one period and return the outputs at its end.
@@ -184,7 +189,7 @@ class CoSimulation:
             PlantFailed: The FMU did not return OK, or an output is not finite.
         """
         # Once per simulated millisecond: each line here is a measurable part of a stop.
-        if self._spent is not None or self._sample < 0:
+        if not self._ready:
             raise self._not_ready()
         period = self._period
         time = self._start_time + self._sample * period
@@ -262,6 +267,7 @@ class CoSimulation:
             instance.check(status, call, time, doing)
         except PlantFailed as failed:
             self._spent = failed
+            self._ready = False
             raise
 
     def _not_finite(self, values: Vector) -> None:
@@ -270,6 +276,7 @@ class CoSimulation:
         name = self._binding.outputs.elements[worst]
         failure = instance.failure("not_finite", "", self.time, variable=name, doing=f"{values[worst]}")
         self._spent = PlantFailed(failure)
+        self._ready = False
         raise self._spent
 
 

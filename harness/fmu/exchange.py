@@ -229,6 +229,8 @@ class ModelExchange:
 
     def _move(self, x: Vector, u: Vector) -> None:
         """Set state and inputs, unless the FMU is there already."""
+        if self._instance is None:
+            raise RuntimeError("a ModelExchange is used inside 'with'")
         point = x.tobytes() + u.tobytes()
         if point == self._at:
             return

@@ -8,7 +8,7 @@ import ctypes
 import tempfile
 from collections import deque
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from itertools import count
 from pathlib import Path
 from typing import Any, Final, Literal, cast
@@ -113,15 +113,15 @@ class Instance:
         interface = _interface(description, way)
         maker = FMU2Slave if way == "co-simulation" else FMU2Model
         try:
-            loaded = maker(
-                guid=description.guid,
-                unzipDirectory=str(folder),
-                modelIdentifier=interface.identifier,
-                instanceName=name,
-            )
-        except (
-            Exception
-        ) as error:  # FMPy: bare Exception for the loader, AttributeError for a missing function
+            # FMPy loads from the folder of the library, and stays there when loading fails.
+            with chdir(Path.cwd()):
+                loaded = maker(
+                    guid=description.guid,
+                    unzipDirectory=str(folder),
+                    modelIdentifier=interface.identifier,
+                    instanceName=name,
+                )
+        except Exception as error:  # FMPy: bare for the loader, AttributeError for a missing function
             raise FmuError(
                 f"{description.file}: its binary does not load on this machine: {error}. "
                 "Export the FMU again for this platform, with all functions of FMI 2.0."
