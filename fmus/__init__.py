@@ -1,1 +1,1 @@
-"""Modelica classes and CasADi functions in, checked FMI 2.0 FMUs out."""
+"""A Modelica class (or a CasADi function) goes in, a checked FMU comes out."""

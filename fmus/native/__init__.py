@@ -1,0 +1,9 @@
+"""The built-in compiler: rumoca's checked DAE → CasADi → C → FMI 2.0, no OpenModelica needed.
+
+dae (front end) → expressions, variables, conditions → index, structure → system (explicit equations) → model
+(CasADi functions) or code, description, package (the FMU).
+"""
+
+from fmus.native.model import Model, Variable, lower
+
+__all__ = ["Model", "Variable", "lower"]

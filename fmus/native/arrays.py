@@ -1,0 +1,163 @@
+"""Arrays of scalar CasADi expressions, and Modelica's operators on them.
+
+A Modelica value of any shape is a numpy object array of scalar `SX`; a scalar is 0-dimensional.
+"""
+
+from collections.abc import Callable, Iterable
+from functools import reduce
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+SX = ca.SX
+Array = NDArray[np.object_]
+
+
+def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
+    """Return an object array of `shape` filled row by row."""
+    out = np.empty(shape, dtype=object)
+    for place, value in zip(np.ndindex(*shape), values, strict=True):
+        out[place] = value
+    return out
+
+
+def boxed(value: Any) -> Array:
+    """Return `value` as an array; numpy unwraps 0-dimensional results."""
+    return value if isinstance(value, np.ndarray) else array([value])
+
+
+def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
+    """Return `function` of `count` scalars, applied elementwise with broadcasting."""
+    lifted = np.frompyfunc(function, count, 1)
+    return lambda *arguments: boxed(lifted(*arguments))
+
+
+def is_number(value: SX) -> bool:
+    """Return whether an expression is a plain number."""
+    return SX(value).is_constant()
+
+
+def whole(value: SX) -> int:
+    """Return a constant expression as int."""
+    return int(float(value))
+
+
+def choose(condition: SX, yes: SX, no: SX) -> SX:
+    """Return if-then-else; decided at once when the condition is a number."""
+    if is_number(condition):
+        return yes if float(condition) else no
+    return ca.if_else(condition, yes, no)
+
+
+def _power(base: SX, exponent: SX) -> SX:
+    # Small whole exponents as products: exact, fast, and differentiable at zero.
+    if is_number(exponent) and float(exponent) == whole(exponent) and 0 <= whole(exponent) <= 4:
+        return reduce(lambda a, b: a * b, [base] * whole(exponent), SX(1))
+    return base**exponent
+
+
+def _truncated(value: SX) -> SX:
+    return ca.if_else(value < 0, ca.ceil(value), ca.floor(value))
+
+
+def _product(a: Array, b: Array) -> Array:
+    return boxed(a * b if a.ndim == 0 or b.ndim == 0 else np.dot(a, b))
+
+
+def _plain(function: Callable[[Array, Array], Any]) -> Callable[[Array, Array], Array]:
+    return lambda a, b: boxed(function(a, b))
+
+
+BINARY: dict[str, Callable[[Array, Array], Array]] = {
+    "add": _plain(lambda a, b: a + b),
+    "subtract": _plain(lambda a, b: a - b),
+    "multiply": _product,
+    "divide": _plain(lambda a, b: a / b),
+    "power": each(_power, 2),
+    "elementwise_add": _plain(lambda a, b: a + b),
+    "elementwise_subtract": _plain(lambda a, b: a - b),
+    "elementwise_multiply": _plain(lambda a, b: a * b),
+    "elementwise_divide": _plain(lambda a, b: a / b),
+    "elementwise_power": each(_power, 2),
+    "less": each(lambda a, b: a < b, 2),
+    "less_equal": each(lambda a, b: a <= b, 2),
+    "greater": each(lambda a, b: a > b, 2),
+    "greater_equal": each(lambda a, b: a >= b, 2),
+    "equal": each(lambda a, b: a == b, 2),
+    "not_equal": each(lambda a, b: a != b, 2),
+    "and": each(ca.logic_and, 2),
+    "or": each(ca.logic_or, 2),
+}
+UNARY: dict[str, Callable[[Array], Array]] = {
+    "negate": lambda a: boxed(-a),
+    "plus": lambda a: a,
+    "not": each(ca.logic_not),
+}
+ELEMENTWISE: dict[str, Callable[..., Array]] = {
+    name: each(getattr(ca, name))
+    for name in "sqrt exp log log10 sin cos tan asin acos atan sinh cosh tanh sign floor ceil".split()
+} | {
+    "abs": each(ca.fabs),
+    "integer": each(ca.floor),
+    "no_event": lambda a: a,
+    "atan2": each(ca.atan2, 2),
+    "mod": each(lambda a, b: a - ca.floor(a / b) * b, 2),
+    "rem": each(lambda a, b: a - _truncated(a / b) * b, 2),
+    "div": each(lambda a, b: _truncated(a / b), 2),
+    "smooth": lambda _order, value: value,
+    "homotopy": lambda actual, _simplified: actual,
+}
+
+
+def _fold(pair: Callable[[SX, SX], SX]) -> Callable[..., Array]:
+    def folded(*arguments: Array) -> Array:
+        return each(pair, 2)(*arguments) if len(arguments) == 2 else array([reduce(pair, arguments[0].flat)])
+
+    return folded
+
+
+def _filled(value: SX, *sizes: Array) -> Array:
+    shape = tuple(whole(size.item()) for size in sizes)
+    return array([value] * int(np.prod(shape)), shape)
+
+
+def _identity(size: Array) -> Array:
+    n = whole(size.item())
+    return array([SX(float(i == j)) for i in range(n) for j in range(n)], (n, n))
+
+
+def _linspace(first: Array, last: Array, count: Array) -> Array:
+    n = whole(count.item())
+    a, b = first.item(), last.item()
+    return array([a + (b - a) * (k / (n - 1)) for k in range(n)], (n,))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    (x, y, z), (p, q, r) = a, b
+    return array([y * r - z * q, z * p - x * r, x * q - y * p], (3,))
+
+
+def _promoted_cat(axis: int) -> Callable[..., Array]:
+    """Return [a, b] (axis 1) or [a; b] (axis 0): concatenation of operands promoted to matrices."""
+    return lambda *parts: np.concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
+
+
+SHAPED: dict[str, Callable[..., Array]] = {
+    "min": _fold(ca.fmin),
+    "max": _fold(ca.fmax),
+    "sum": lambda a: array([reduce(lambda p, q: p + q, a.flat, SX(0))]),
+    "product": lambda a: array([reduce(lambda p, q: p * q, a.flat, SX(1))]),
+    "zeros": lambda *sizes: _filled(SX(0), *sizes),
+    "ones": lambda *sizes: _filled(SX(1), *sizes),
+    "fill": lambda value, *sizes: _filled(value.item(), *sizes),
+    "identity": _identity,
+    "linspace": _linspace,
+    "cat": lambda axis, *parts: np.concatenate(parts, whole(axis.item()) - 1),
+    "promoted_cat1": _promoted_cat(0),
+    "promoted_cat2": _promoted_cat(1),
+    "transpose": lambda a: a.T,
+    "cross": _cross,
+    "size": lambda a, axis: array([SX(float(a.shape[whole(axis.item()) - 1]))]),
+}

@@ -1,0 +1,218 @@
+"""Relations, conditions and time events of a class: what the event iteration remembers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from fmus.native.arrays import SX
+from fmus.native.dae import Binding, Dae, Node
+from fmus.native.expressions import Evaluator, Site, site
+
+# lhs − rhs with the sign that is positive where the relation holds
+SIGN = {"less": -1, "less_equal": -1, "greater": 1, "greater_equal": 1}
+
+
+@dataclass(slots=True)
+class Relations:
+    """Relations whose truth is kept between events.
+
+    Attributes:
+        memory: One symbol per distinct relation.
+        live: Its truth now.
+        indicator: Crosses zero where it changes; positive where it holds.
+        searched: Places of those whose zeros must be searched for; the others change at known `instants`.
+        slot: Relation id of the DAE to place in `memory`.
+        alone: Relation id to expression id of those only used by assertions, which are never remembered.
+        instants: When relations of time with parameters change, as expressions of the parameters.
+    """
+
+    memory: list[SX] = field(default_factory=list)
+    live: list[SX] = field(default_factory=list)
+    indicator: list[SX] = field(default_factory=list)
+    searched: list[int] = field(default_factory=list)
+    slot: dict[int, int] = field(default_factory=dict)
+    alone: dict[int, int] = field(default_factory=dict)
+    instants: list[SX] = field(default_factory=list)
+
+
+def find_relations(
+    dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX
+) -> Relations:
+    """Collect the relations of a class and make `evaluate` use their memory.
+
+    Args:
+        settled: Puts numbers for constants.
+        parameters: Symbols an instant may depend on.
+    """
+    conditions = dae.systems["conditions"]
+    asserted = _only_asserted(dae)
+    out = Relations(alone={r["id"]: r["expression"] for r in conditions["relations"] if r["id"] in asserted})
+    sites: list[tuple[Node, int, Binding]] = [
+        (r, r["expression"], {}) for r in conditions["relations"] if r["id"] not in asserted
+    ]
+    for root in conditions["structured_roots"]:
+        sites += [(root, root["expression"], point) for point in dae.iterate(root["domain"])]
+    place: dict[Site, SX] = {}
+    for root, expression, binding in sites:
+        (live,) = settled([evaluate.live(expression, binding).item()])
+        known = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, 30)), None)
+        if known is None:
+            known = len(out.live)
+            operation = dae.expressions[expression]["operation"]
+            sign = SIGN.get(operation.get("operator", ""))
+            indicator = live - 0.5
+            if sign:
+                sides = [evaluate(operation[k], binding).item() for k in ("lhs", "rhs")]
+                (indicator,) = settled([sign * (sides[0] - sides[1])])
+            out.live.append(live)
+            out.indicator.append(indicator)
+            out.memory.append(SX.sym(f"relation{known}"))
+        place[site(expression, binding)] = out.memory[known]
+        if not binding and "id" in root:
+            out.slot[root["id"]] = known
+    out.instants = _instants(dae, evaluate, settled, parameters)
+    for k, indicator in enumerate(out.indicator):
+        instant = _instant(indicator, evaluate.time, parameters)
+        if instant is None:
+            out.searched.append(k)
+        else:
+            _add(out.instants, instant)
+    evaluate.remember(place)
+    return out
+
+
+def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
+    """Return when lhs − rhs of a relation is zero, if it is linear in time and holds nothing but parameters."""
+    if not ca.depends_on(difference, time):
+        return None
+    slope = ca.jacobian(difference, time)
+    rest = ca.substitute(difference, time, SX(0))
+    known = {s.name() for s in ca.vertsplit(parameters)} if parameters.numel() else set[str]()
+    if any(s.name() not in known for s in [*ca.symvar(slope), *ca.symvar(rest)]):
+        return None
+    return ca.densify(-rest / slope)
+
+
+def _add(instants: list[SX], instant: SX) -> None:
+    if not any(ca.is_equal(instant, other, 30) for other in instants):
+        instants.append(instant)
+
+
+def _instants(
+    dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX
+) -> list[SX]:
+    """Return when relations between time and parameters change.
+
+    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again from
+    the relation itself, so that they move when a parameter is set.
+    """
+    out: list[SX] = []
+    for event in dae.systems["events"]["time_events"]:
+        span = event["provenance"]["span"]
+        nodes = dae.by_span.get((span["source"], span["start"], span["end"]), [])
+        found = False
+        for node in nodes:
+            operation = node["operation"]
+            if (
+                operation["kind"] != "binary"
+                or operation["operator"] not in SIGN
+                or node["binder_domain"] is not None
+            ):
+                continue
+            lhs, rhs = (evaluate(operation[k]).item() for k in ("lhs", "rhs"))
+            instant = _instant(settled([lhs - rhs])[0], evaluate.time, parameters)
+            if instant is not None:
+                found = True
+                _add(out, instant)
+        if not found:
+            raise dae.refuse(
+                f"a time event that is not linear in time is not supported: {dae.text(event['provenance'])}",
+                event["provenance"],
+            )
+    return out
+
+
+def _only_asserted(dae: Dae) -> set[int]:
+    """Return relations that feed nothing but assertions."""
+    conditions = dae.systems["conditions"]["conditions"]
+    used: set[int] = set()
+    asserted: set[int] = set()
+
+    def walk(i: int, into: set[int]) -> None:
+        operation = conditions[i]["operation"]
+        if operation["kind"] == "relation":
+            into.add(operation["relation"])
+        for key in ("condition", "lhs", "rhs"):
+            if isinstance(operation.get(key), int):
+                walk(operation[key], into)
+
+    for action in dae.systems["events"]["actions"]:
+        walk(action["guard"], asserted if action["operation"]["kind"] in ("assert", "warning") else used)
+    for owner in dae.systems["discrete_values"]["owners"]:
+        for branch in owner["branches"]:
+            if branch["activation"]["kind"] == "when":
+                walk(branch["activation"]["trigger"], used)
+    for residual in dae.systems["discrete_real"]["residuals"]:
+        if residual["activation"]["kind"] == "when":
+            walk(residual["activation"]["trigger"], used)
+    return asserted - used
+
+
+@dataclass(slots=True)
+class Conditions:
+    """Conditions of `when` clauses and assertions as expressions.
+
+    Attributes:
+        ticks: One symbol per periodic clock, and last the one that is 1 during initialisation.
+        remembered: Conditions whose last value is kept to see an edge.
+        last: Symbols of their last values.
+    """
+
+    dae: Dae
+    evaluate: Evaluator
+    relations: Relations
+    ticks: list[SX]
+    remembered: list[int] = field(default_factory=list)
+    last: list[SX] = field(default_factory=list)
+
+    def level(self, i: int) -> SX:
+        """Return whether condition `i` holds."""
+        node = self.dae.systems["conditions"]["conditions"][i]
+        operation = node["operation"]
+        kind = operation["kind"]
+        if kind == "relation":
+            relation = operation["relation"]
+            if relation in self.relations.slot:
+                return self.relations.memory[self.relations.slot[relation]]
+            return self.evaluate.live(self.relations.alone[relation], {}).item()
+        if kind == "always":
+            return SX(1)
+        if kind == "clock":
+            return self.ticks[operation["clock"]]
+        if kind == "initial":
+            return self.ticks[-1]
+        if kind == "not":
+            return ca.logic_not(self.level(operation["condition"]))
+        if kind in ("and", "or"):
+            join = ca.logic_and if kind == "and" else ca.logic_or
+            return join(self.level(operation["lhs"]), self.level(operation["rhs"]))
+        if kind == "discrete":
+            return self.evaluate(operation["expression"]).item()
+        raise self.dae.refuse(f"a condition of kind {kind} is not supported", node["provenance"])
+
+    def edge(self, i: int) -> SX:
+        """Return whether condition `i` has just become true."""
+        operation = self.dae.systems["conditions"]["conditions"][i]["operation"]
+        if operation["kind"] == "any_rise":
+            return ca.logic_or(self.edge(operation["lhs"]), self.edge(operation["rhs"]))
+        if operation["kind"] in ("clock", "initial"):
+            return self.level(i)
+        if i not in self.remembered:
+            self.remembered.append(i)
+            self.last.append(SX.sym(f"last_condition{i}"))
+        return ca.logic_and(self.level(i), ca.logic_not(self.last[self.remembered.index(i)]))
+
+    def active(self, activation: Node) -> SX:
+        """Return whether an equation with this activation is in force now."""
+        return SX(1) if activation["kind"] == "always" else self.edge(activation["trigger"])

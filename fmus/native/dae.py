@@ -1,0 +1,150 @@
+"""The front end: rumoca reads Modelica and hands over the checked, flat DAE with operands resolved."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import rumoca
+
+from fmus.errors import Refused, WrongQuestion
+
+FRONT = Path(__file__).parent / "front"
+SCHEMA = ("rumoca.checked-dae-template", 6)
+LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
+
+Node = dict[str, Any]
+"""A piece of the DAE as rumoca spells it; field names are its own."""
+
+Binding = Mapping[tuple[int, int], int]
+"""Values of loop variables: (domain, ordinal of the binder) to value."""
+
+
+@dataclass(frozen=True)
+class Dae:
+    """A flat Modelica class.
+
+    Attributes:
+        class_name: Full Modelica name.
+        content: rumoca's checked DAE template, schema `SCHEMA`.
+        sources: Source id to (file name, text); spans are byte offsets into the text.
+    """
+
+    class_name: str
+    content: Node
+    sources: Mapping[int, tuple[str, bytes]]
+
+    @property
+    def expressions(self) -> list[Node]:
+        """Expression nodes, indexed by id."""
+        return self.content["expressions"]
+
+    @property
+    def systems(self) -> Node:
+        """Equations: continuous, initialization, discrete, conditions, events, clocks, temporal."""
+        return self.content["systems"]
+
+    @property
+    def variables(self) -> list[Node]:
+        """Declared variables, arrays whole."""
+        return self.content["variables"]
+
+    @property
+    def functions(self) -> list[Node]:
+        """Modelica functions in static single assignment form."""
+        return self.content["functions"]
+
+    def shape(self, value_type: int) -> tuple[int, ...]:
+        """Return the dimensions of a value type."""
+        return tuple(self.content["value_types"][value_type]["value_type"]["dimensions"])
+
+    def extents(self, domain: int) -> tuple[int, ...]:
+        """Return the sizes of an iteration domain."""
+        return tuple(self.content["domains"][domain]["extents"])
+
+    def iterate(self, domain: int) -> Iterator[dict[tuple[int, int], int]]:
+        """Yield the loop variables of every point of an iteration domain, last index fastest."""
+        binders = self.content["domains"][domain]["domain"]["binders"]
+        ranges = [range(b["lower"], b["upper"] + (1 if b["step"] > 0 else -1), b["step"]) for b in binders]
+        for point in product(*ranges):
+            yield {(domain, ordinal): value for ordinal, value in enumerate(point)}
+
+    def where(self, provenance: Node | None) -> str:
+        """Return `file.mo:line` of a node's provenance."""
+        span = (provenance or {}).get("span")
+        if not span or span["source"] not in self.sources:
+            return self.class_name
+        name, text = self.sources[span["source"]]
+        line = text.count(b"\n", 0, span["start"]) + 1
+        return f"{name}:{line}"
+
+    def text(self, provenance: Node | None) -> str:
+        """Return the Modelica text of a node, on one line."""
+        span = (provenance or {}).get("span")
+        if not span or span["source"] not in self.sources:
+            return "?"
+        _, text = self.sources[span["source"]]
+        return " ".join(text[span["start"] : span["end"]].decode(errors="replace").split())
+
+    def refuse(self, construct: str, provenance: Node | None) -> Refused:
+        """Return the error for a construct that is not translated."""
+        return Refused(f"{self.where(provenance)}: {self.class_name}: {construct}")
+
+    @cached_property
+    def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
+        """Expression nodes by their place in the source."""
+        found: dict[tuple[int, int, int], list[Node]] = {}
+        for node in self.expressions:
+            span = node["provenance"]["span"]
+            found.setdefault((span["source"], span["start"], span["end"]), []).append(node)
+        return found
+
+
+def read(class_name: str, modelica_path: Path | None = None) -> Dae:
+    """Flatten and check a Modelica class.
+
+    Args:
+        class_name: Full name, such as `RailBraking.FMUs.TwoPartTrain`.
+        modelica_path: A `.mo` file, or the folder of a library with its `package.mo`; RailBraking when absent.
+
+    Raises:
+        WrongQuestion: The file or class is missing, or Modelica has an error; carries rumoca's words.
+    """
+    path = LIBRARY if modelica_path is None else Path(modelica_path)
+    if path.is_dir():
+        path = path / "package.mo"
+    if not path.is_file():
+        raise WrongQuestion(f"{class_name}: there is no Modelica file {path}.")
+    # A name that no folder has: for a real one rumoca also reads whatever else lies beside the file.
+    alias = f"single-file/{path.name}"
+    try:
+        if path.name == "package.mo":
+            model = rumoca.Session(roots=[str(path.parent.parent)]).load(str(path), model=class_name)
+        else:
+            model = rumoca.Session().loads(path.read_text(), model=class_name, filename=alias)
+        printed = model.codegen(str(FRONT)).files[0].content
+        files = model.to_dict("dae")["source_map"]["files"]
+    except rumoca.RumocaError as error:
+        raise WrongQuestion(
+            f"{class_name} does not compile ({path}): {str(error).replace(alias, str(path))}"
+        ) from error
+    content = json.loads(printed)
+    found = (content["schema"]["name"], content["schema"]["version"])
+    if found != SCHEMA:
+        raise WrongQuestion(
+            f"rumoca {rumoca.version()} writes the DAE as {found}, this compiler reads {SCHEMA}; "
+            "install the version pinned in pyproject.toml."
+        )
+    sources = {
+        number: (_short(str(path) if name == alias else name), text.encode()) for number, name, text in files
+    }
+    return Dae(class_name=class_name, content=content, sources=sources)
+
+
+def _short(name: str) -> str:
+    """Return a path relative to the working folder where that is possible."""
+    path = Path(name)
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else name

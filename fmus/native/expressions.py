@@ -1,0 +1,257 @@
+"""DAE expressions to arrays of CasADi expressions: operators, indexing, functions, comprehensions."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fmus.native.arrays import (
+    BINARY,
+    ELEMENTWISE,
+    SHAPED,
+    SX,
+    UNARY,
+    Array,
+    array,
+    boxed,
+    choose,
+    is_number,
+    whole,
+)
+from fmus.native.dae import Binding, Dae, Node
+
+# A discrete or continuous variable has one store of symbols, whichever way an expression refers to it.
+STORE = {
+    "discrete_real": "discrete",
+    "discrete_value": "discrete",
+    "pre_discrete_real": "pre",
+    "pre_discrete_value": "pre",
+    "pre_state": "state",
+    "output": "algebraic",
+}
+
+Site = tuple[int, tuple[tuple[tuple[int, int], int], ...]]
+"""One scalar occurrence of an expression: its id and the loop variables in force."""
+
+
+def site(expression: int, binding: Binding) -> Site:
+    """Return the occurrence of an expression under loop variables."""
+    return expression, tuple(sorted(binding.items()))
+
+
+@dataclass
+class Frame:
+    """What an expression may refer to besides model variables.
+
+    Attributes:
+        binding: Loop variables in force.
+        function: The function being evaluated, if any, with its arguments and definitions.
+        memo: Values already computed in this frame, by expression or call.
+    """
+
+    binding: Binding = field(default_factory=dict)
+    function: Node | None = None
+    arguments: list[Array] = field(default_factory=list)
+    definitions: dict[int, Array] = field(default_factory=dict)
+    memo: dict[Any, Any] = field(default_factory=dict)
+
+    def at(self, point: Binding) -> "Frame":
+        """Return this frame with further loop variables."""
+        return Frame({**self.binding, **point}, self.function, self.arguments, dict(self.definitions))
+
+
+class Evaluator:
+    """Turns expression ids into arrays of CasADi expressions.
+
+    Attributes:
+        symbols: (store, variable id) to the variable's symbols.
+        relations: Occurrences of relations that are remembered between events, with their memory symbol.
+        conditions: Symbols or expressions of DAE conditions that equations refer to, filled by the event part.
+    """
+
+    def __init__(self, dae: Dae, symbols: Mapping[tuple[str, int], Array], time: SX) -> None:
+        """Start with no relation remembered: every relation is live."""
+        self.dae, self.symbols, self.time = dae, symbols, time
+        self.relations: dict[Site, SX] = {}
+        self.conditions: Any = None
+        self._top = Frame()
+
+    def remember(self, relations: dict[Site, SX]) -> None:
+        """From now on replace these occurrences of relations by their memory symbols."""
+        self.relations = relations
+        self._top = Frame()
+
+    def __call__(self, expression: int, binding: Binding | None = None) -> Array:
+        """Return the value of an expression under loop variables."""
+        return self._value(expression, Frame(binding) if binding else self._top)
+
+    def live(self, expression: int, binding: Binding) -> Array:
+        """Return the value of a relation itself, not of its memory."""
+        return self._compute(expression, Frame(binding))
+
+    def _value(self, expression: int, frame: Frame) -> Array:
+        if expression not in frame.memo:
+            memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
+            frame.memo[expression] = (
+                array([memory]) if memory is not None else self._compute(expression, frame)
+            )
+        return frame.memo[expression]
+
+    def _compute(self, expression: int, frame: Frame) -> Array:
+        node = self.dae.expressions[expression]
+        operation = node["operation"]
+        method = getattr(self, f"_{operation['kind']}", None)
+        if method is None:
+            raise self._unsupported(f"expression of kind {operation['kind']}", node)
+        return method(operation, node, frame)
+
+    def _unsupported(self, construct: str, node: Node) -> Exception:
+        text = self.dae.text(node["provenance"])
+        return self.dae.refuse(f"{construct} is not supported: {text}", node["provenance"])
+
+    def _literal(self, operation: Node, node: Node, frame: Frame) -> Array:
+        ((kind, value),) = operation["value"].items()
+        if kind == "string":
+            raise self._unsupported("a String in an equation", node)
+        return array([SX(float(value))])
+
+    def _coordinate(self, operation: Node, node: Node, frame: Frame) -> Array:
+        coordinate = operation["coordinate"]
+        kind = coordinate["kind"]
+        if kind == "time":
+            return array([self.time])
+        if kind == "binder":
+            return array([SX(float(frame.binding[coordinate["domain"], coordinate["ordinal"]]))])
+        if kind == "function_parameter":
+            return frame.arguments[coordinate["ordinal"]]
+        if kind == "condition":
+            return array([self.conditions(coordinate["id"])])
+        store = STORE.get(kind, kind)
+        if (store, coordinate.get("id")) not in self.symbols:
+            raise self._unsupported(f"a reference of kind {kind}", node)
+        return self.symbols[store, coordinate["id"]]
+
+    def _unary(self, operation: Node, node: Node, frame: Frame) -> Array:
+        return UNARY[operation["operator"]](self._value(operation["operand"], frame))
+
+    def _binary(self, operation: Node, node: Node, frame: Frame) -> Array:
+        apply = BINARY.get(operation["operator"])
+        if apply is None:
+            raise self._unsupported(f"operator {operation['operator']}", node)
+        return apply(self._value(operation["lhs"], frame), self._value(operation["rhs"], frame))
+
+    def _conditional(self, operation: Node, node: Node, frame: Frame) -> Array:
+        *pairs, last = (self._value(operand, frame) for operand in operation["operands"])
+        out = last
+        for condition, value in reversed(list(zip(pairs[::2], pairs[1::2], strict=True))):
+            test = condition.item()
+            out = boxed(np.frompyfunc(lambda yes, no, test=test: choose(test, yes, no), 2, 1)(value, out))
+        return out
+
+    def _array(self, operation: Node, node: Node, frame: Frame) -> Array:
+        return np.stack([self._value(element, frame) for element in operation["elements"]]).astype(object)
+
+    def _range(self, operation: Node, node: Node, frame: Frame) -> Array:
+        first, step, last = (
+            operation[k]["value"] if operation.get(k) else 1 for k in ("start", "explicit_step", "stop")
+        )
+        values = range(first, last + (1 if step > 0 else -1), step)
+        return array([SX(float(value)) for value in values], (len(values),))
+
+    def _comprehension(self, operation: Node, node: Node, frame: Frame) -> Array:
+        points = list(self.dae.iterate(operation["domain"]))
+        values = [self._value(operation["body"], frame.at(point)) for point in points]
+        return (
+            np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
+        )
+
+    def _subscripts(self, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
+        """Return a numpy index; or, for one subscript known only at run time, its expression."""
+        places: list[Any] = []
+        for subscript in operation["subscripts"]:
+            if subscript["kind"] == "whole":
+                places.append(slice(None))
+                continue
+            value = self._value(subscript["expression"], frame)
+            if not all(is_number(v) for v in value.flat):
+                if len(operation["subscripts"]) == 1 and value.ndim == 0:
+                    return value.item()
+                raise self._unsupported("a matrix subscript that is only known at run time", node)
+            places.append([whole(v) - 1 for v in value.flat] if value.ndim else whole(value.item()) - 1)
+        return tuple(places)
+
+    def _index(self, operation: Node, node: Node, frame: Frame) -> Array:
+        base = self._value(operation["base"], frame)
+        places = self._subscripts(operation, node, frame)
+        if isinstance(places, tuple):
+            return boxed(base[places])
+        if base.ndim != 1:
+            raise self._unsupported("a matrix subscript that is only known at run time", node)
+        out = base[0]  # selection; beyond the bounds the nearest element, as no C code could raise here
+        for j in range(1, len(base)):
+            out = choose(places >= j + 0.5, base[j], out)
+        return array([out])
+
+    def _array_update(self, operation: Node, node: Node, frame: Frame) -> Array:
+        base = self._value(operation["base"], frame).copy()
+        places = self._subscripts(operation, node, frame)
+        value = self._value(operation["value"], frame)
+        if not isinstance(places, tuple):
+            if base.ndim != 1:
+                raise self._unsupported("a matrix subscript that is only known at run time", node)
+            return array(
+                [choose(places == j + 1, value.item(), base[j]) for j in range(len(base))], base.shape
+            )
+        base[places] = value.item() if value.ndim == 0 else value
+        return base
+
+    def _builtin(self, operation: Node, node: Node, frame: Frame) -> Array:
+        name = operation["builtin"]
+        apply = ELEMENTWISE.get(name) or SHAPED.get(name)
+        if apply is None:
+            raise self._unsupported(f"built-in operator {name}", node)
+        return apply(*(self._value(argument, frame) for argument in operation["arguments"]))
+
+    def _call(self, operation: Node, node: Node, frame: Frame) -> Array:
+        function = self.dae.functions[operation["function"]]
+        if function["external"]:
+            raise self._unsupported(f"external function {function['name']}", node)
+        for statement in function["statements"]:
+            if statement["kind"] == "assertion":
+                raise self.dae.refuse(
+                    f"an assert inside function {function['name']} is not supported; assert in the model that calls it",
+                    statement["provenance"],
+                )
+        key = ("call", operation["function"], tuple(operation["arguments"]))
+        if key not in frame.memo:
+            arguments = [self._value(argument, frame) for argument in operation["arguments"]]
+            frame.memo[key] = Frame(function=function, arguments=arguments)
+        return self._definition(function["results"][operation["output"]], frame.memo[key])
+
+    def _function_value(self, operation: Node, node: Node, frame: Frame) -> Array:
+        return self._definition(operation["definition"], frame)
+
+    _function_fold_parameter = _function_value
+    _function_fold_output = _function_value
+
+    def _definition(self, number: int, frame: Frame) -> Array:
+        """Return the value of a definition of the function in `frame`; its loops are unrolled."""
+        if number in frame.definitions:
+            return frame.definitions[number]
+        function = frame.function
+        assert function is not None
+        for fold in function["folds"]:
+            if number in fold["output_definitions"]:
+                current = [self._definition(k, frame) for k in fold["initial_definitions"]]
+                for point in self.dae.iterate(fold["domain"]):
+                    turn = frame.at(point)
+                    turn.definitions.update(zip(fold["parameter_definitions"], current, strict=True))
+                    current = [self._definition(k, turn) for k in fold["update_definitions"]]
+                frame.definitions.update(zip(fold["output_definitions"], current, strict=True))
+                return frame.definitions[number]
+        definition = function["definitions"][number]
+        value = self._value(definition["rhs"], frame)
+        shape = self.dae.shape(function["values"][definition["target"]]["value_type"])
+        frame.definitions[number] = value if value.shape == shape else np.broadcast_to(value, shape)
+        return frame.definitions[number]

@@ -1,0 +1,163 @@
+"""Structural index reduction: Pantelides' algorithm, then static selection of dummy derivatives.
+
+Sources: Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; Mattsson and Söderlind, SIAM J. Sci. Comput. 14
+(1993) 677. The states to keep are found as a full matching of least cost, where demoting a state costs what its
+`stateSelect` and `fixed` attributes say.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
+from fmus.errors import Refused
+from fmus.native.arrays import SX
+from fmus.native.structure import Equation
+
+RELUCTANCE = {"Never": 0.01, "Avoid": 0.1, "Default": 1.0, "Prefer": 10.0, "Always": 1000.0}
+"""Cost of demoting a state, by its stateSelect."""
+
+DEEPEST = 8
+"""Differentiations of one equation after which a model counts as singular; mechanics needs three."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reduced:
+    """An index-1 system.
+
+    Attributes:
+        unknowns: To be solved for, as many as `equations`.
+        states: (state, its derivative), states that were kept or made.
+        demoted: Names of former states.
+    """
+
+    equations: list[Equation]
+    unknowns: list[SX]
+    states: list[tuple[SX, SX]]
+    demoted: frozenset[str]
+
+
+def reduce_index(
+    equations: Sequence[Equation],
+    time: SX,
+    inputs: SX,
+    states: Sequence[SX],
+    derivatives: Sequence[SX],
+    algebraics: Sequence[SX],
+    cost: Sequence[float],
+    owner: str,
+) -> Reduced:
+    """Differentiate equations until the highest derivatives and the algebraic unknowns can be solved for.
+
+    Args:
+        states: With `derivatives`, one for one, and `cost`, what demoting each costs.
+
+    Raises:
+        Refused: The system is singular, or an equation with an input would have to be differentiated.
+    """
+    symbols = [*states, *derivatives, *algebraics]
+    n = len(states)
+    derivative_of = {i: n + i for i in range(n)}
+    work = list(equations)
+    source = list(range(len(work)))
+    differentiated: dict[int, int] = {}
+    match: dict[int, int] = {}
+
+    def incidence(e: Equation) -> set[int]:
+        return set(ca.jacobian_sparsity(e.residual, ca.vertcat(*symbols)).get_triplet()[1])
+
+    columns = ca.vertcat(*symbols)
+    contains = [set[int]() for _ in work]
+    for i, j in zip(
+        *ca.jacobian_sparsity(ca.vertcat(*[e.residual for e in work]), columns).get_triplet(), strict=True
+    ):
+        contains[i].add(j)
+
+    def augment(root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
+        """Find an augmenting path by depth-first search without recursion, which large models would exhaust."""
+        stack = [(root, iter(sorted(v for v in contains[root] if v not in derivative_of)))]
+        path: list[tuple[int, int]] = []
+        seen_equations.add(root)
+        while stack:
+            e, candidates = stack[-1]
+            free = next((v for v in sorted(contains[e]) if v not in derivative_of and v not in match), None)
+            if free is not None:
+                match[free] = e
+                for equation, variable in path:
+                    match[variable] = equation
+                return True
+            for v in candidates:
+                if v not in seen_variables:
+                    seen_variables.add(v)
+                    path.append((e, v))
+                    following = match[v]
+                    seen_equations.add(following)
+                    stack.append(
+                        (following, iter(sorted(w for w in contains[following] if w not in derivative_of)))
+                    )
+                    break
+            else:
+                stack.pop()
+                if path:
+                    path.pop()
+        return False
+
+    def differentiate(q: int) -> None:
+        e = work[q]
+        if inputs.numel() and ca.depends_on(e.residual, inputs):
+            raise Refused(
+                f"{e.where}: {owner}: this equation must be differentiated to find the states, but it contains an input."
+            )
+        terms = sorted(contains[q])
+        along = ca.jtimes(
+            e.residual,
+            ca.vertcat(*[symbols[v] for v in terms]),
+            ca.vertcat(*[symbols[derivative_of[v]] for v in terms]),
+        )
+        differentiated[q] = len(work)
+        work.append(Equation(along + ca.jacobian(e.residual, time), e.where))
+        source.append(source[q])
+        contains.append(incidence(work[-1]))
+
+    for first in range(len(equations)):
+        e = first
+        for _ in range(DEEPEST):
+            seen_equations, seen_variables = set[int](), set[int]()
+            if augment(e, seen_equations, seen_variables):
+                break
+            if not seen_variables and not any(v in derivative_of for v in contains[e]):
+                raise Refused(f"{work[e].where}: {owner}: this equation has no unknown left to determine.")
+            for v in sorted(seen_variables):
+                derivative_of[v] = len(symbols)
+                symbols.append(SX.sym(f"der({symbols[v].name()})"))
+            for q in sorted(seen_equations):
+                differentiate(q)
+            for v in sorted(seen_variables):
+                match[derivative_of[v]] = differentiated[match[v]]
+            e = differentiated[e]
+        else:
+            raise Refused(
+                f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
+            )
+
+    # Highest derivatives and algebraics must be solved for; among the lower ones the cheapest are demoted.
+    price = [1.0 + (cost[i] if i < n else 0.001) if i in derivative_of else 0.5 for i in range(len(symbols))]
+    rows, cols = zip(*[(e, v) for e, own in enumerate(contains) for v in own], strict=True)
+    weight = csr_matrix(([price[v] for v in cols], (rows, cols)), shape=(len(work), len(symbols)))
+    try:
+        _, chosen = min_weight_full_bipartite_matching(weight)
+    except ValueError as error:
+        raise Refused(f"{owner}: structurally singular after index reduction.") from error
+    solved = set(chosen.tolist())
+    missing = [symbols[v].name() for v in range(len(symbols)) if v not in derivative_of and v not in solved]
+    if missing:
+        raise Refused(f"{owner}: structurally singular: no equation left for {', '.join(missing)}.")
+    kept = [v for v in range(len(symbols)) if v not in solved]
+    return Reduced(
+        equations=work,
+        unknowns=[symbols[v] for v in sorted(solved)],
+        states=[(symbols[v], symbols[derivative_of[v]]) for v in kept],
+        demoted=frozenset(symbols[i].name() for i in range(n) if i in solved),
+    )

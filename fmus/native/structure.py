@@ -1,0 +1,189 @@
+"""Equations to assignments: block lower triangular ordering, elimination inside blocks, loops left to Newton."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+
+from fmus.errors import Refused
+from fmus.native.arrays import SX, is_number
+
+LARGEST_LOOP = 24
+"""Unknowns of one nonlinear loop after elimination. Newton's matrix is solved symbolically: cubic code size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """A scalar equation `residual = 0` and where it stands in the source."""
+
+    residual: SX
+    where: str
+
+
+@dataclass(slots=True)
+class Loops:
+    """Unknowns of nonlinear loops, solved at run time by Newton's method from their last value.
+
+    Every appearance of such an unknown in other expressions is one symbolic Newton step from `guesses`: at a
+    converged guess its value is the solution and, the residual being zero there, its derivative is that of the
+    implicit function, so Jacobians need nothing special.
+
+    Attributes:
+        guesses: Name of the unknown to the symbol that holds its last value.
+        updates: Name to the next Newton iterate.
+        residuals: Name to the residual at `guesses` of the equation matched with it.
+        blocks: Names of the unknowns of each loop.
+    """
+
+    guesses: dict[str, SX] = field(default_factory=dict)
+    updates: dict[str, SX] = field(default_factory=dict)
+    residuals: dict[str, SX] = field(default_factory=dict)
+    blocks: list[tuple[str, ...]] = field(default_factory=list)
+
+    def guess(self, unknown: SX) -> SX:
+        """Return the symbol that holds the last value of `unknown`."""
+        return self.guesses.setdefault(unknown.name(), SX.sym(f"guess({unknown.name()})"))
+
+
+def solve(
+    equations: Sequence[Equation], unknowns: Sequence[SX], targets: Sequence[SX], loops: Loops, owner: str
+) -> list[SX]:
+    """Return `targets` with the unknowns eliminated.
+
+    Args:
+        equations: As many as `unknowns`.
+        loops: Receives the nonlinear loops that are left.
+        owner: Class name for error messages.
+
+    Raises:
+        Refused: The system is not square, structurally singular, or has too large a nonlinear loop.
+    """
+    n = len(unknowns)
+    if len(equations) != n:
+        raise Refused(f"{owner}: {len(equations)} equations for {n} unknowns.")
+    if not n:
+        return list(targets)
+    residuals, columns = ca.vertcat(*[e.residual for e in equations]), ca.vertcat(*unknowns)
+    row, column = (np.array(k, dtype=int) for k in ca.jacobian_sparsity(residuals, columns).get_triplet())
+    pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
+    match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
+    if (match < 0).any():
+        left = sorted(set(range(n)) - set(match.tolist()))
+        raise Refused(
+            f"{owner}: structurally singular: no unknown left for the equation at "
+            + ", ".join(equations[i].where for i in np.flatnonzero(match < 0))
+            + "; no equation left for "
+            + ", ".join(unknowns[j].name() for j in left)
+            + "."
+        )
+    names: list[SX] = []
+    values: list[SX] = []
+    newton: list[tuple[SX, SX]] = []
+    for rows in _blocks(row, column, match):
+        block = [(equations[i], unknowns[match[i]]) for i in rows]
+        solved, core = _eliminate(block)
+        if core:
+            core_values, pending = _core(core, loops, owner)
+            names.append(ca.vertcat(*[unknown for _, unknown in core]))
+            values.append(core_values)
+            newton += pending
+        for unknown, expression in reversed(solved):
+            names.append(unknown)
+            values.append(expression)
+    updates = ca.vertcat(*[SX(residual) for _, residual in newton]) if newton else SX(0, 1)
+    done, out = ca.substitute_inplace(names, values, [*targets, updates])
+    solution = dict(
+        zip(
+            (s.name() for v in names for s in ca.vertsplit(v)),
+            (e for v in done for e in ca.vertsplit(v)),
+            strict=True,
+        )
+    )
+    for (unknown, _), residual in zip(newton, ca.vertsplit(out[-1]) if newton else [], strict=True):
+        # A second system with the same loop (the event system) refers to the same guess; the first one keeps it.
+        loops.updates.setdefault(unknown.name(), solution[unknown.name()])
+        loops.residuals.setdefault(unknown.name(), residual)
+    return list(out[: len(targets)])
+
+
+def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list[int]]:
+    """Return the rows of each strongly connected block, in an order in which they can be solved."""
+    n = len(match)
+    owner = np.empty(n, dtype=int)
+    owner[match] = np.arange(n)
+    graph = csr_matrix((np.ones(len(row)), (row, owner[column])), shape=(n, n))
+    _, label = connected_components(graph, directed=True, connection="strong")
+    before: dict[int, set[int]] = {int(k): set() for k in label}
+    for i, j in zip(label[row].tolist(), label[owner[column]].tolist(), strict=True):
+        if i != j:
+            before[i].add(j)
+    members: dict[int, list[int]] = {}
+    for i, k in enumerate(label.tolist()):
+        members.setdefault(k, []).append(i)
+    return [members[k] for k in TopologicalSorter(before).static_order()]
+
+
+def _eliminate(
+    block: list[tuple[Equation, SX]],
+) -> tuple[list[tuple[SX, SX]], list[tuple[Equation, SX]]]:
+    """Solve equations of a block that are linear in some unknown with a number as its coefficient.
+
+    Returns:
+        (unknown, expression) in the order of elimination, each in terms of later ones; and what is left, coupled.
+    """
+    equations, unknowns = [e for e, _ in block], [u for _, u in block]
+    if len(block) == 1:
+        slope = ca.jacobian(equations[0].residual, unknowns[0])
+        if ca.depends_on(slope, unknowns[0]):
+            return [], block
+        rest = ca.substitute(equations[0].residual, unknowns[0], SX(0))
+        return [(unknowns[0], -rest / slope)], []
+    solved: list[tuple[SX, SX]] = []
+    while len(equations) > 1:
+        columns = ca.vertcat(*unknowns)
+        jacobian = ca.jacobian(ca.vertcat(*[e.residual for e in equations]), columns)
+        rows, cols = jacobian.sparsity().get_triplet()
+        in_row, in_col = (
+            np.bincount(rows, minlength=len(unknowns)),
+            np.bincount(cols, minlength=len(unknowns)),
+        )
+        pivots = [
+            (int((in_row[i] - 1) * (in_col[j] - 1)), i, j)
+            for k, (i, j) in enumerate(zip(rows, cols, strict=True))
+            if is_number(jacobian.nz[k]) and float(jacobian.nz[k]) != 0.0
+        ]
+        if not pivots:
+            break
+        _, i, j = min(pivots)  # least fill-in (Markowitz)
+        unknown, equation = unknowns.pop(j), equations.pop(i)
+        expression = -ca.substitute(equation.residual, unknown, SX(0)) / jacobian[i, j]
+        solved.append((unknown, expression))
+        substituted = ca.substitute([e.residual for e in equations], [unknown], [expression])
+        equations = [Equation(r, e.where) for r, e in zip(substituted, equations, strict=True)]
+    if len(equations) == 1:
+        last, core = _eliminate([(equations[0], unknowns[0])])
+        return solved + last, core
+    return solved, list(zip(equations, unknowns, strict=True))
+
+
+def _core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX, list[tuple[SX, SX]]]:
+    """Return the values of coupled unknowns, and (unknown, residual at the guess) when Newton is needed."""
+    unknowns = ca.vertcat(*[u for _, u in core])
+    residuals = ca.vertcat(*[e.residual for e, _ in core])
+    matrix = ca.jacobian(residuals, unknowns)
+    if not ca.depends_on(matrix, unknowns):
+        return ca.densify(ca.solve(matrix, -ca.substitute(residuals, unknowns, SX.zeros(len(core))))), []
+    if len(core) > LARGEST_LOOP:
+        raise Refused(
+            f"{owner}: a nonlinear algebraic loop of {len(core)} unknowns, at most {LARGEST_LOOP} are supported: "
+            + ", ".join(f"{u.name()} ({e.where})" for e, u in core)
+        )
+    loops.blocks.append(tuple(u.name() for _, u in core))
+    guess = ca.vertcat(*[loops.guess(u) for _, u in core])
+    at, value = ca.substitute([matrix, residuals], [unknowns], [guess])
+    step = value / at if len(core) == 1 else ca.solve(at, value)
+    return ca.densify(guess - step), [(u, value[i]) for i, (_, u) in enumerate(core)]

@@ -1,0 +1,406 @@
+"""The checked DAE as explicit expressions: derivatives, algebraic variables, events, initial values."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from fmus.errors import Refused
+from fmus.native.arrays import SX, Array, choose, is_number
+from fmus.native.conditions import Conditions, Relations, find_relations
+from fmus.native.dae import Dae, Node
+from fmus.native.expressions import Evaluator
+from fmus.native.index import RELUCTANCE, reduce_index
+from fmus.native.structure import Equation, Loops, solve
+from fmus.native.variables import Scalar, Variables, declare, settle, vector
+
+# Longest first: `sample(` of a parameter's name inside another must not count.
+Message = tuple[str | SX, ...]
+"""Text of an assertion, with the expressions whose values stand in it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assertion:
+    """A condition that must hold while the model runs.
+
+    Attributes:
+        holds: Non-zero when all is well.
+        fatal: False for AssertionLevel.warning.
+    """
+
+    holds: SX
+    message: Message
+    fatal: bool
+    where: str
+
+
+@dataclass(slots=True, kw_only=True)
+class System:
+    """A class made explicit. Every expression is in `time`, the symbols below, and nothing else.
+
+    Attributes:
+        states, inputs, algebraics, discretes, free, dependent, structural: Its scalar variables.
+        derivative: Of `states`, one per state.
+        algebraic: Values of `algebraics`.
+        dependent_values: Of `dependent`, in `free` only.
+        relation: Memory of relations between events; `relation_live` their truth now.
+        indicators: Zero where a relation changes; `indicator_relation` says which.
+        instants: Times at which something changes, in parameters.
+        clocks: (phase, period) of sample clocks, s; `ticks` has a symbol for each and one for initialisation.
+        previous: Values of discretes before the event.
+        event_discretes, event_states, event_conditions: After one pass of the event iteration.
+        last_conditions: Values of `event_conditions` in the previous pass.
+        loops: Nonlinear loops of the running model; `start_loops` those of the initial equations.
+        start: Initial values of `states`; `calculated` where they depend on more than a number.
+        blocks: Nonlinear loops by the names of their unknowns.
+    """
+
+    class_name: str
+    time: SX
+    variables: Variables
+    states: list[Scalar]
+    algebraics: list[Scalar]
+    derivative: SX
+    algebraic: SX
+    start: SX
+    calculated: list[bool]
+    relation: SX
+    indicators: SX
+    indicator_relation: list[int]
+    instants: SX
+    clocks: list[tuple[float, float]]
+    ticks: SX
+    previous: SX
+    event_discretes: SX
+    event_states: SX
+    event_relations: SX
+    event_conditions: SX
+    last_conditions: SX
+    loops: Loops
+    start_loops: Loops
+    assertions: list[Assertion] = field(default_factory=list)
+
+    @property
+    def x(self) -> SX:
+        """States, shape (nx, 1)."""
+        return vector(self.states)
+
+    @property
+    def u(self) -> SX:
+        """Inputs, shape (nu, 1)."""
+        return vector(self.variables.inputs)
+
+    @property
+    def p(self) -> SX:
+        """Parameters, free ones first, then dependent ones."""
+        return ca.vertcat(vector(self.variables.free), vector(self.variables.dependent))
+
+    @property
+    def d(self) -> SX:
+        """Discrete variables."""
+        return vector(self.variables.discretes)
+
+    @property
+    def guesses(self) -> SX:
+        """Last values of the unknowns of nonlinear loops."""
+        return column(list(self.loops.guesses.values()))
+
+    @property
+    def start_guesses(self) -> SX:
+        """Last values of the unknowns of nonlinear initial loops."""
+        return column(list(self.start_loops.guesses.values()))
+
+
+def column(expressions: Sequence[SX]) -> SX:
+    """Return a dense column, also of nothing."""
+    return ca.densify(ca.vertcat(*expressions)) if expressions else SX(0, 1)
+
+
+def explicit(dae: Dae) -> System:
+    """Return a flat class in explicit form.
+
+    Raises:
+        Refused: It contains something that is not translated; names construct, file and line.
+    """
+    _refuse_unsupported(dae)
+    time = SX.sym("time")
+    of_id, symbols = declare(dae)
+    evaluate = Evaluator(dae, symbols, time)
+    v = settle(dae, of_id, symbols, evaluate)
+    parameters = ca.vertcat(vector(v.free), vector(v.dependent))
+    relations = find_relations(dae, evaluate, v.settled, parameters)
+    clocks = _clocks(dae, v)
+    ticks = [SX.sym(f"tick{k}") for k in range(len(clocks))] + [SX.sym("initial")]
+    conditions = Conditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
+    evaluate.conditions = conditions.level
+
+    equations = _settled(v, _equations(dae, evaluate, "continuous"))
+    reduced = reduce_index(
+        equations, time, vector(v.inputs), [s.symbol for s in v.states], v.derivatives,
+        [s.symbol for s in v.algebraics],
+        [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
+    )  # fmt: skip
+    states, algebraics = _sorted_out(v, reduced.states, reduced.demoted, dae)
+    loops, start_loops = Loops(), Loops()
+    derivative_symbols = [derivative for _, derivative in reduced.states]
+    live = column(relations.live)
+    derivative, algebraic, indicators = solve(
+        reduced.equations, reduced.unknowns,
+        [column(derivative_symbols), vector(algebraics), column([relations.indicator[k] for k in relations.searched])],
+        loops, dae.class_name,
+    )  # fmt: skip
+    start, calculated = _start(dae, evaluate, v, states, reduced.equations, reduced.unknowns, start_loops)
+
+    event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
+    assertions = _assertions(dae, evaluate, v, conditions)
+    targets = [
+        vector(v.discretes),
+        column(event_states),
+        live,
+        column([conditions.level(i) for i in conditions.remembered]),
+        *(e for a in assertions for e in (a.holds, *(piece for piece in a.message if isinstance(piece, SX)))),
+    ]
+    targets = v.settled(targets)
+    solved = solve(
+        [*reduced.equations, *_settled(v, event_equations)], [*reduced.unknowns, *(s.symbol for s in v.discretes)],
+        targets[:4], loops, dae.class_name,
+    )  # fmt: skip
+    # Assertions are judged between events, by discrete variables as they stand.
+    judged = iter(solve(reduced.equations, reduced.unknowns, targets[4:], loops, dae.class_name))
+    assertions = [
+        Assertion(
+            holds=next(judged),
+            message=tuple(next(judged) if isinstance(piece, SX) else piece for piece in a.message),
+            fatal=a.fatal,
+            where=a.where,
+        )
+        for a in assertions
+    ]
+    return System(
+        class_name=dae.class_name,
+        time=time,
+        variables=v,
+        states=states,
+        algebraics=algebraics,
+        derivative=column([derivative]),
+        algebraic=column([algebraic]),
+        start=start,
+        calculated=calculated,
+        relation=column(relations.memory),
+        indicators=column([indicators]),
+        indicator_relation=relations.searched,
+        instants=column(relations.instants),
+        clocks=clocks,
+        ticks=column(ticks),
+        previous=column(v.previous),
+        event_discretes=column([solved[0]]),
+        event_states=column([solved[1]]),
+        event_relations=column([solved[2]]),
+        event_conditions=column([solved[3]]),
+        last_conditions=column(conditions.last),
+        loops=loops,
+        start_loops=start_loops,
+        assertions=assertions,
+    )
+
+
+def _refuse_unsupported(dae: Dae) -> None:
+    temporal = dae.systems["temporal"]
+    for delay in temporal["delays"]:
+        raise dae.refuse(f"delay is not supported: {dae.text(delay['provenance'])}", delay["provenance"])
+    for kind in ("previous", "terminals"):
+        for node in temporal[kind]:
+            raise dae.refuse(f"{kind} is not supported", node.get("provenance"))
+    initialization = dae.systems["initialization"]
+    for kind in ("parameter_values", "discrete_values"):
+        for node in initialization[kind]:
+            raise dae.refuse(f"initial {kind.replace('_', ' ')} are not supported", node.get("provenance"))
+
+
+def _settled(v: Variables, equations: list[Equation]) -> list[Equation]:
+    residuals = v.settled([e.residual for e in equations])
+    return [Equation(SX(r), e.where) for r, e in zip(residuals, equations, strict=True)]
+
+
+def _equations(dae: Dae, evaluate: Evaluator, system: str) -> list[Equation]:
+    """Return the scalar equations of the continuous or initialization system."""
+    out: list[Equation] = []
+    for owner in dae.systems[system]["owners"]:
+        values: list[Array] = []
+        if owner["kind"] == "residual":
+            values = [evaluate(owner["residual"])]
+        elif owner["scalar_view"] == "RowMajorProjection":
+            values = [evaluate(body) for body in owner["bodies"]]
+        else:
+            values = [
+                evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]
+            ]
+        where = dae.where(owner.get("provenance"))
+        out += [Equation(SX(r), where) for value in values for r in value.flat]
+    return out
+
+
+def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
+    out: list[tuple[float, float]] = []
+    settable = {p.name.rpartition(".")[2] for p in [*v.free, *v.dependent]}
+    for clock in dae.systems["clocks"]["clocks"]:
+        operation = clock["operation"]
+        text = dae.text(clock["provenance"])
+        if operation["kind"] != "periodic":
+            raise dae.refuse(
+                f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"]
+            )
+        words = "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
+        moved = sorted(settable.intersection(words))
+        if moved:  # rumoca has already computed the period with the parameter's default
+            raise dae.refuse(
+                f"the period of {text} depends on {moved[0]}; declare it constant or final",
+                clock["provenance"],
+            )
+        lattice = operation["lattice"]
+        phase, period = (lattice[k]["num"] / lattice[k]["den"] for k in ("phase", "period"))
+        out.append((phase, period))
+    return out
+
+
+def _sorted_out(
+    v: Variables, kept: list[tuple[SX, SX]], demoted: frozenset[str], dae: Dae
+) -> tuple[list[Scalar], list[Scalar]]:
+    """Return states and algebraics after index reduction."""
+    by_name = {s.name: s for s in v.states}
+    states: list[Scalar] = []
+    for symbol, _ in kept:
+        if symbol.name() in by_name:
+            states.append(by_name[symbol.name()])
+            continue
+        # A derivative that became a state, such as der(x) of a constrained position.
+        states.append(
+            Scalar(
+                name=symbol.name(), kind="state", type="real", causality="local", symbol=symbol,
+                attributes={"unit": None, "description": None}, position=0, provenance={},
+            )
+        )  # fmt: skip
+    lowered = [s for s in v.states if s.name in demoted]
+    for s in lowered:
+        s.kind = "algebraic"
+    return states, [*v.algebraics, *lowered]
+
+
+def _start(
+    dae: Dae,
+    evaluate: Evaluator,
+    v: Variables,
+    states: list[Scalar],
+    equations: list[Equation],
+    unknowns: list[SX],
+    loops: Loops,
+) -> tuple[SX, list[bool]]:
+    """Return initial values of the states; `initial equation`s are solved together with the model's."""
+    given = v.settled([SX(s.start) if s.expression is None else s.expression for s in states])
+    calculated = [not is_number(SX(value)) for value in given]
+    initial = _settled(v, _equations(dae, evaluate, "initialization"))
+    if not initial:
+        return column(given), calculated
+    free = [s for s in states if not s.fixed]
+    if len(free) != len(initial):
+        raise Refused(
+            f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start value"
+            f" ({', '.join(s.name for s in free) or 'none'})."
+        )
+    (found,) = solve(
+        [*equations, *initial], [*unknowns, *(s.symbol for s in free)], [vector(free)], loops, dae.class_name
+    )
+    fixed = [(s.symbol, value) for s, value in zip(states, given, strict=True) if s.fixed]
+    if fixed:
+        symbols, values = ca.vertcat(*[s for s, _ in fixed]), ca.vertcat(*[value for _, value in fixed])
+        found = ca.substitute(found, symbols, values)
+        for table in (loops.updates, loops.residuals):
+            for name, expression in table.items():
+                table[name] = ca.substitute(expression, symbols, values)
+    place = {s.name: i for i, s in enumerate(free)}
+    start = [found[place[s.name]] if s.name in place else given[i] for i, s in enumerate(states)]
+    return column(start), [known or s.name in place for known, s in zip(calculated, states, strict=True)]
+
+
+def _event_equations(
+    dae: Dae, evaluate: Evaluator, v: Variables, conditions: Conditions, states: list[Scalar]
+) -> tuple[list[Equation], list[SX]]:
+    """Return the equations of the discrete variables, and the states after reinit."""
+    slot = {s.name: i for i, s in enumerate(v.discretes)}
+    branches: dict[int, list[tuple[SX, SX, str]]] = {}
+    for residual in dae.systems["discrete_real"]["residuals"]:
+        operation = dae.expressions[residual["residual"]]["operation"]
+        active, where = conditions.active(residual["activation"]), dae.where(residual["provenance"])
+        for name, value in zip(evaluate(operation["lhs"]).flat, evaluate(operation["rhs"]).flat, strict=True):
+            branches.setdefault(slot[str(name)], []).append((active, SX(value), where))
+    for owner in dae.systems["discrete_values"]["owners"]:
+        for branch in owner["branches"]:
+            active, where = conditions.active(branch["activation"]), dae.where(branch["provenance"])
+            for target, value in zip(owner["targets"], branch["values"], strict=True):
+                elements = evaluate(value["expression"])
+                for scalar, element in zip(v.of_id[target], elements.flat, strict=True):
+                    branches.setdefault(slot[scalar.name], []).append((active, SX(element), where))
+    equations: list[Equation] = []
+    for i, scalar in enumerate(v.discretes):
+        value, where = v.previous[i], dae.class_name
+        for active, element, where in reversed(branches.get(i, [])):  # noqa: B007 - the first branch has priority
+            value = choose(active, element, value)
+        equations.append(Equation(scalar.symbol - value, where))
+    after = [s.symbol for s in states]
+    place = {s.name: i for i, s in enumerate(states)}
+    for action in dae.systems["events"]["actions"]:
+        operation = action["operation"]
+        if operation["kind"] == "reinitialize":
+            i = _state_place(dae, v, operation, place, action)
+            active = conditions.edge(action["guard"])
+            after[i] = choose(active, evaluate(operation["value"]).item(), after[i])
+        elif operation["kind"] not in ("assert", "warning"):
+            raise dae.refuse(f"{operation['kind']} is not supported", action["provenance"])
+    return equations, after
+
+
+def _state_place(dae: Dae, v: Variables, operation: Node, place: dict[str, int], action: Node) -> int:
+    own = v.of_id[operation["state"]]
+    if len(own) != 1 or own[0].name not in place:
+        raise dae.refuse(
+            f"reinit of {own[0].name}, which is not a scalar state, is not supported", action["provenance"]
+        )
+    return place[own[0].name]
+
+
+def _assertions(dae: Dae, evaluate: Evaluator, v: Variables, conditions: Conditions) -> list[Assertion]:
+    out: list[Assertion] = []
+    for action in dae.systems["events"]["actions"]:
+        operation = action["operation"]
+        if operation["kind"] not in ("assert", "warning"):
+            continue
+        # The guard says when there is something to say; a warning's own condition says when all is well.
+        holds = ca.logic_not(conditions.level(action["guard"]))
+        if operation["kind"] == "warning":
+            holds = ca.logic_or(holds, evaluate(operation["condition"]).item())
+        out.append(
+            Assertion(
+                holds=SX(holds),
+                message=_message(dae, evaluate, operation["message"]),
+                fatal=operation["kind"] == "assert",
+                where=dae.where(action["provenance"]),
+            )
+        )
+    return out
+
+
+def _message(dae: Dae, evaluate: Evaluator, expression: int) -> Message:
+    node = dae.expressions[expression]
+    operation = node["operation"]
+    if operation["kind"] == "literal" and "string" in operation["value"]:
+        return (operation["value"]["string"],)
+    if operation["kind"] == "binary" and operation["operator"] == "add":
+        return _message(dae, evaluate, operation["lhs"]) + _message(dae, evaluate, operation["rhs"])
+    if operation["kind"] == "string_conversion":
+        return (SX(evaluate(operation["value"]).item()),)
+    raise dae.refuse(
+        f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"]
+    )
+
+
+__all__ = ["Assertion", "Relations", "System", "column", "explicit"]

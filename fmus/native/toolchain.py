@@ -1,0 +1,123 @@
+"""C sources to a shared library: the system's compiler, else the one inside the `ziglang` wheel."""
+
+import hashlib
+import importlib.util
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.errors import BuildFailed, CompilerMissing
+
+# -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine.
+FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compiler:
+    """A C compiler as a command.
+
+    Attributes:
+        command: Words before the arguments, such as ("/usr/bin/cc",).
+        version: First line of `--version`; part of every cache key.
+    """
+
+    command: tuple[str, ...]
+    version: str
+
+
+def compiler() -> Compiler:
+    """Return the compiler named by CC, else cc, gcc or clang on the PATH, else `python -m ziglang cc`.
+
+    Raises:
+        CompilerMissing: There is none.
+    """
+    for name in filter(None, (os.environ.get("CC"), "cc", "gcc", "clang")):
+        words = name.split()
+        found = shutil.which(words[0])
+        if found:
+            return _probe((found, *words[1:]))
+    if importlib.util.find_spec("ziglang") is not None:
+        return _probe((sys.executable, "-m", "ziglang", "cc"))
+    raise CompilerMissing(
+        "no C compiler: neither CC, cc, gcc nor clang is on the PATH and the Python package ziglang "
+        "is not installed; install one of them (`pip install ziglang` needs no administrator)."
+    )
+
+
+def shared_library(
+    sources: Mapping[str, str],
+    directory: Path,
+    name: str,
+    *,
+    units: Sequence[str] = (),
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+) -> Path:
+    """Compile C sources to `directory`/`name`.so (or .dll, .dylib), unless that very build is already there.
+
+    Args:
+        sources: File name to text.
+        units: The files to compile; every `.c` when empty. The others are there to be included.
+        directory: Made when absent; holds the library and beside it `name`.key, what it was built from.
+        name: Of the library, without suffix.
+        include: Folders with further headers; they are taken to change only with their path.
+        flags: Added after `FLAGS`.
+
+    Raises:
+        CompilerMissing: There is no C compiler.
+        BuildFailed: The compiler reports an error; the message carries its first lines.
+    """
+    chosen = compiler()
+    options = [*FLAGS, *flags, *(f"-I{folder}" for folder in include)]
+    key = hashlib.sha256(
+        json.dumps([chosen.command, chosen.version, options, [*units], sorted(sources.items())]).encode()
+    ).hexdigest()
+    library, stamp = directory / f"{name}{SUFFIX}", directory / f"{name}.key"
+    if library.exists() and stamp.exists() and stamp.read_text() == key:
+        return library
+    directory.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        for file, text in sources.items():
+            (Path(scratch) / file).write_text(text)
+        # Relative names only: an absolute path would end up in the library and change its bytes.
+        made = name + SUFFIX
+        compiled = units or sorted(file for file in sources if file.endswith(".c"))
+        done = subprocess.run(
+            [*chosen.command, *options, *compiled, "-o", made, *_linking()],
+            cwd=scratch, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            raise BuildFailed(f"{' '.join(chosen.command)} could not compile {name}:\n{_head(done.stderr)}")
+        stamp.unlink(missing_ok=True)
+        # Moved into place whole, so that a library already loaded somewhere is not written over.
+        half = directory / f".{name}.{os.getpid()}"
+        shutil.copyfile(Path(scratch) / made, half)
+        half.replace(library)
+    stamp.write_text(key)
+    return library
+
+
+def _linking() -> tuple[str, ...]:
+    return ("-lm", "-s", "-Wl,--build-id=none") if platform.system() == "Linux" else ("-lm",)
+
+
+def _probe(command: tuple[str, ...]) -> Compiler:
+    try:
+        done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CompilerMissing(f"C compiler {' '.join(command)} does not start: {error}.") from error
+    if done.returncode:
+        raise CompilerMissing(f"C compiler {' '.join(command)} does not start: {_head(done.stderr)}")
+    return Compiler(command=command, version=done.stdout.partition("\n")[0])
+
+
+def _head(text: str, lines: int = 12) -> str:
+    return "\n".join(text.splitlines()[:lines])

@@ -1,0 +1,246 @@
+"""The scalar variables of a flat class: symbols, start values, and which parameters may be set."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from graphlib import TopologicalSorter
+
+import casadi as ca
+import numpy as np
+
+from fmus.native.arrays import SX, Array, array, is_number
+from fmus.native.dae import Dae, Node
+from fmus.native.expressions import Evaluator
+
+KIND = {"output": "algebraic", "discrete_real": "discrete", "discrete_value": "discrete"}
+KINDS = ("parameter", "constant", "input", "state", "algebraic", "discrete")
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Scalar:
+    """One scalar variable on its way through the compiler.
+
+    Attributes:
+        kind: parameter, constant, input, state, algebraic or discrete.
+        type: real, integer, boolean or enumeration.
+        start: Value before initialisation, with every parameter at its default.
+        expression: Symbolic binding (parameters) or start (others), when there is one.
+        fixed: Whether the start value is an initial condition.
+    """
+
+    name: str
+    kind: str
+    type: str
+    causality: str
+    symbol: SX
+    attributes: Node
+    position: int
+    provenance: Node
+    start: float = 0.0
+    expression: SX | None = None
+    fixed: bool = False
+
+    def bound(self, name: str) -> float | None:
+        """Return the attribute minimum, maximum or nominal where it is a number."""
+        values = self.attributes.get(f"{name}_values")
+        if not values or values[min(self.position, len(values) - 1)] is None:
+            return None
+        return float(values[min(self.position, len(values) - 1)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variables:
+    """All scalars of a class by kind, in declaration order.
+
+    Attributes:
+        free: Parameters that may be set.
+        dependent: Parameters computed from `free` by `dependent_values`.
+        structural: Parameters whose value is compiled in: everything that is not Real, and final numbers.
+        constants: Symbols and values of constants and structural parameters.
+    """
+
+    of_id: dict[int, list[Scalar]]
+    symbols: dict[tuple[str, int], Array]
+    states: list[Scalar]
+    inputs: list[Scalar]
+    algebraics: list[Scalar]
+    discretes: list[Scalar]
+    free: list[Scalar]
+    dependent: list[Scalar]
+    dependent_values: list[SX]
+    structural: list[Scalar]
+    constants: tuple[SX, SX]
+    derivatives: list[SX]
+    previous: list[SX]
+
+    def settled(self, expressions: Sequence[SX]) -> list[SX]:
+        """Return expressions with constants and structural parameters replaced by their numbers."""
+        if not self.constants[0].numel():
+            return list(expressions)
+        return list(ca.substitute(list(expressions), [self.constants[0]], [self.constants[1]]))
+
+
+def vector(scalars: Sequence[Scalar]) -> SX:
+    """Return the column of the scalars' symbols."""
+    return ca.vertcat(*[s.symbol for s in scalars]) if scalars else SX(0, 1)
+
+
+def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Array]]:
+    """Return scalars by variable id, and the symbols expressions refer to.
+
+    Raises:
+        Refused: A String, an unknown type or role.
+    """
+    of_id: dict[int, list[Scalar]] = {}
+    symbols: dict[tuple[str, int], Array] = {}
+    for v in dae.variables:
+        kind, type_, names = KIND.get(v["role"], v["role"]), v["value_type"]["scalar"], v["scalar_names"]
+        if type_ not in ("real", "integer", "boolean", "enumeration"):
+            raise dae.refuse(f"variable {v['name']} of type {type_} is not supported", v["declaration"])
+        if kind not in KINDS:
+            raise dae.refuse(f"variable {v['name']} of role {kind} is not supported", v["declaration"])
+        shape = tuple(v["value_type"]["dimensions"])
+        own = [SX.sym(name) for name in names]
+        symbols[kind, v["id"]] = array(own, shape)
+        if kind == "state":
+            symbols["derivative", v["id"]] = array([SX.sym(f"der({name})") for name in names], shape)
+        if kind == "discrete":
+            symbols["pre", v["id"]] = array([SX.sym(f"pre({name})") for name in names], shape)
+        attributes = v["attributes"]
+        fixed = np.broadcast_to(
+            np.ravel(attributes["fixed"] if attributes["fixed"] is not None else False), len(names)
+        )
+        of_id[v["id"]] = [
+            Scalar(
+                name=name,
+                kind=kind,
+                type=type_,
+                causality=attributes["causality"],
+                symbol=symbol,
+                attributes=attributes,
+                position=i,
+                provenance=v["declaration"],
+                fixed=bool(fixed[i]),
+            )
+            for i, (name, symbol) in enumerate(zip(names, own, strict=True))
+        ]
+        if kind == "parameter" and attributes["binding"] is None and attributes["fixed"] not in (None, True):
+            if not np.all(attributes["fixed"]):
+                raise dae.refuse(f"parameter {v['name']}(fixed=false) is not supported", v["declaration"])
+    return of_id, symbols
+
+
+def settle(
+    dae: Dae, of_id: dict[int, list[Scalar]], symbols: dict[tuple[str, int], Array], evaluate: Evaluator
+) -> Variables:
+    """Find start values and sort parameters into free, dependent and structural ones."""
+    for v in dae.variables:
+        _start(v, of_id[v["id"]], evaluate)
+    every = [s for own in of_id.values() for s in own]
+    by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
+
+    # Numbers first: constants, then parameters that shape the equations or are final.
+    fixed_by_now = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
+    values = _numbers(dae, fixed_by_now, by_kind["parameter"])
+    constants = vector(fixed_by_now), ca.vertcat(*values) if values else SX(0, 1)
+    free, dependent = [], []
+    for p in by_kind["parameter"]:
+        if _is_structural(p):
+            continue
+        if p.expression is not None and constants[0].numel():
+            (p.expression,) = ca.substitute([p.expression], [constants[0]], [constants[1]])
+        (free if p.expression is None or is_number(p.expression) else dependent).append(p)
+    dependent, dependent_values = _in_order(dependent)
+    out = Variables(
+        of_id=of_id,
+        symbols=symbols,
+        states=by_kind["state"],
+        inputs=by_kind["input"],
+        algebraics=by_kind["algebraic"],
+        discretes=by_kind["discrete"],
+        free=free,
+        dependent=dependent,
+        dependent_values=dependent_values,
+        structural=[p for p in by_kind["parameter"] if _is_structural(p)],
+        constants=constants,
+        derivatives=[s for (store, _), own in symbols.items() if store == "derivative" for s in own.flat],
+        previous=[s for (store, _), own in symbols.items() if store == "pre" for s in own.flat],
+    )
+    _default_values(every, out)
+    return out
+
+
+def _is_structural(p: Scalar) -> bool:
+    """Return whether a parameter's value is compiled in.
+
+    Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the
+    front end, which does not say so; a final number cannot be set by anyone.
+    """
+    return p.type != "real" or (
+        not p.attributes["tunable"] and p.expression is not None and is_number(p.expression)
+    )
+
+
+def _start(v: Node, own: list[Scalar], evaluate: Evaluator) -> None:
+    a = v["attributes"]
+    bound = a["binding"] is not None and own and own[0].kind in ("parameter", "constant", "input")
+    expression, values = (a["binding"], a["binding_values"]) if bound else (a["start"], a["start_values"])
+    shape = tuple(v["value_type"]["dimensions"])
+    symbolic = None if expression is None else list(np.broadcast_to(evaluate(expression), shape).flat)
+    for i, s in enumerate(own):
+        s.expression = None if symbolic is None else SX(symbolic[i])
+        if s.expression is not None and is_number(s.expression):
+            s.start = float(s.expression)
+        elif values:
+            s.start = float(values[i])
+
+
+def _numbers(dae: Dae, scalars: list[Scalar], parameters: list[Scalar]) -> list[SX]:
+    """Return the values of constants and structural parameters, which may refer to each other."""
+    values = [SX(s.start) if s.expression is None else s.expression for s in scalars]
+    names, out = vector(scalars), ca.vertcat(*values) if values else SX(0, 1)
+    for _ in range(len(scalars) + 1):
+        if not out.numel() or not ca.depends_on(out, names):
+            break
+        out = ca.substitute(out, names, out)
+    for s, value in zip(scalars, ca.vertsplit(out) if scalars else [], strict=True):
+        if not is_number(value):
+            raise dae.refuse(
+                f"{s.name} must be a number when the FMU is built, but its binding depends on a parameter that can be set",
+                s.provenance,
+            )
+        s.start = float(value)
+    return [SX(s.start) for s in scalars]
+
+
+def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
+    """Return dependent parameters so that each comes after what it needs, with bindings in free ones only."""
+    names = vector(dependent)
+    before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
+    for i, p in enumerate(dependent):
+        before[i] = set(ca.jacobian_sparsity(SX(p.expression), names).get_triplet()[1])
+    done: dict[int, SX] = {}
+    for i in TopologicalSorter(before).static_order():
+        expression = SX(dependent[i].expression)
+        known = sorted(before[i])
+        if known:
+            expression = ca.substitute(
+                expression,
+                ca.vertcat(*[dependent[j].symbol for j in known]),
+                ca.vertcat(*[done[j] for j in known]),
+            )
+        done[i] = expression
+    return [dependent[i] for i in done], list(done.values())
+
+
+def _default_values(every: list[Scalar], v: Variables) -> None:
+    """Put numbers into `start` where a start or binding depends on parameters."""
+    symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
+    numbers = ca.vertcat(v.constants[1], *[SX(p.start) for p in v.free])
+    values = ca.substitute(ca.vertcat(*v.dependent_values), vector(v.free), ca.vertcat(*[SX(p.start) for p in v.free])) \
+        if v.dependent else SX(0, 1)  # fmt: skip
+    numbers = ca.vertcat(numbers, values)
+    open_ = [s for s in every if s.expression is not None and not is_number(s.expression)]
+    for s in open_:
+        value = ca.substitute(SX(s.expression), symbols, numbers)
+        if is_number(value):
+            s.start = float(value)
