@@ -132,9 +132,7 @@ def test_a_perfect_estimator_has_no_error_and_no_delay():
 def test_bias_spread_and_nees_of_a_known_error():
     time = uniform_stop()["time"].values
     error = np.where(np.arange(len(time)) % 2, 0.03, -0.01)[:, None] * np.ones(4)
-    errors = estimation.adhesion_errors(
-        uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02)
-    )
+    errors = estimation.adhesion_errors(uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02))
     # above 10 km/h an odd number of samples remains, so that halves are not quite halves
     assert errors.bias == pytest.approx((0.01,) * 4, abs=2e-5)
     assert errors.rmse == pytest.approx((np.sqrt(5e-4),) * 4, rel=1e-3)
@@ -146,9 +144,7 @@ def test_an_estimate_that_comes_late_is_late_by_that_much():
     time = uniform_stop()["time"].values
     truth = 0.1 + 0.02 * np.sin(2 * time)
     late = 0.1 + 0.02 * np.sin(2 * (time - 0.12))
-    trace = uniform_stop(
-        group_adhesion=truth[:, None] * np.ones(4), estimate_adhesion=late[:, None] * np.ones(4)
-    )
+    trace = uniform_stop(group_adhesion=truth[:, None] * np.ones(4), estimate_adhesion=late[:, None] * np.ones(4))
     assert estimation.adhesion_errors(trace).delay == pytest.approx((0.12,) * 4)
 
 
