@@ -57,13 +57,15 @@ def shared_library(
     directory: Path,
     name: str,
     *,
+    units: Sequence[str] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
 ) -> Path:
     """Compile C sources to `directory`/`name`.so (or .dll, .dylib), unless that very build is already there.
 
     Args:
-        sources: File name to text. Every `.c` is compiled, every other file is there to be included.
+        sources: File name to text.
+        units: The files to compile; every `.c` when empty. The others are there to be included.
         directory: Made when absent; holds the library and beside it `name`.key, what it was built from.
         name: Of the library, without suffix.
         include: Folders with further headers; they are taken to change only with their path.
@@ -76,7 +78,7 @@ def shared_library(
     chosen = compiler()
     options = [*FLAGS, *flags, *(f"-I{folder}" for folder in include)]
     key = hashlib.sha256(
-        json.dumps([chosen.command, chosen.version, options, sorted(sources.items())]).encode()
+        json.dumps([chosen.command, chosen.version, options, [*units], sorted(sources.items())]).encode()
     ).hexdigest()
     library, stamp = directory / f"{name}{SUFFIX}", directory / f"{name}.key"
     if library.exists() and stamp.exists() and stamp.read_text() == key:
@@ -87,9 +89,9 @@ def shared_library(
             (Path(scratch) / file).write_text(text)
         # Relative names only: an absolute path would end up in the library and change its bytes.
         made = name + SUFFIX
-        units = sorted(file for file in sources if file.endswith(".c"))
+        compiled = units or sorted(file for file in sources if file.endswith(".c"))
         done = subprocess.run(
-            [*chosen.command, *options, *units, "-o", made, *_linking()],
+            [*chosen.command, *options, *compiled, "-o", made, *_linking()],
             cwd=scratch, capture_output=True, text=True, check=False,
         )  # fmt: skip
         if done.returncode:

@@ -1,0 +1,253 @@
+"""The C file of an FMU: sizes, tables and model functions, followed by the static FMI side in `runtime/`."""
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+
+from fmus.native.arrays import SX
+from fmus.native.elimination import eliminate
+from fmus.native.system import Assertion, System, column
+from fmus.native.variables import Scalar, vector
+
+RUNTIME = Path(__file__).parent / "runtime"
+PARTS = ("layout.h", "evaluate.c", "events.c", "rosenbrock.c", "advance.c", "fmi2.c", "modelexchange.c", "cosimulation.c")
+SOLVERS = {"rodas3": 3, "rodas4": 4}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """Where the values of an FMU lie: a value reference is a place in one array of doubles.
+
+    Attributes:
+        outputs: Algebraic variables declared `output`; `locals` the other ones.
+        settings: Names of what the runtime itself offers, at the end.
+    """
+
+    states: list[Scalar]
+    inputs: list[Scalar]
+    parameters: list[Scalar]
+    free: int
+    outputs: list[Scalar]
+    locals: list[Scalar]
+    discretes: list[Scalar]
+
+    settings = ("_tolerance", "_solver", "_steps", "_rejected", "_jacobians", "_evaluations", "_events")
+
+    def reference(self, group: str) -> int:
+        """Return the value reference of the first variable of a group."""
+        place = 1
+        for name, size in (
+            ("states", len(self.states)),
+            ("derivatives", len(self.states)),
+            ("inputs", len(self.inputs)),
+            ("parameters", len(self.parameters)),
+            ("outputs", len(self.outputs)),
+            ("locals", len(self.locals)),
+            ("discretes", len(self.discretes)),
+            ("settings", len(self.settings)),
+        ):
+            if name == group:
+                return place
+            place += size
+        raise KeyError(group)
+
+
+def layout(system: System) -> Layout:
+    """Return where the variables of a system lie."""
+    v = system.variables
+    return Layout(
+        states=system.states,
+        inputs=v.inputs,
+        parameters=[*v.free, *v.dependent],
+        free=len(v.free),
+        outputs=[s for s in system.algebraics if s.causality == "output"],
+        locals=[s for s in system.algebraics if s.causality != "output"],
+        discretes=v.discretes,
+    )
+
+
+def split_algebraics(system: System) -> tuple[SX, SX]:
+    """Return the expressions of the layout's outputs and locals."""
+    pick = [s.causality == "output" for s in system.algebraics]
+    values = ca.vertsplit(system.algebraic) if pick else []
+    return (
+        column([e for e, is_output in zip(values, pick, strict=True) if is_output]),
+        column([e for e, is_output in zip(values, pick, strict=True) if not is_output]),
+    )
+
+
+def jacobian(system: System) -> SX:
+    """Return d(derivative)/d(state), sparse."""
+    return ca.jacobian(system.derivative, system.x)
+
+
+def functions(system: System) -> list[ca.Function]:
+    """Return the functions the runtime calls, as `runtime/layout.h` lists them."""
+    v = system.variables
+    here = [system.time, system.x, system.u, system.p, system.d, system.relation, system.guesses]
+    at_start = [system.time, system.u, system.p, system.d, system.relation, system.start_guesses]
+    outputs, locals_ = split_algebraics(system)
+    free, dependent = vector(v.free), column(v.dependent_values)
+    along_x, along_u, along_p = (SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free)))
+    moved = ca.jtimes(dependent, free, along_p) if v.dependent and v.free else SX.zeros(dependent.shape)
+    both = column([system.derivative, outputs])
+    knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, moved)
+    direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
+    nx = len(system.states)
+    loops, start = system.loops, system.start_loops
+    texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
+    ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
+    definitions: list[tuple[str, list[SX], list[SX]]] = [
+        ("f_ode", here, [system.derivative]),
+        ("f_jacobian", here, [system.derivative, jacobian(system), ft]),
+        ("f_outputs", here, [outputs]),
+        ("f_locals", here, [locals_]),
+        ("f_indicators", here, [system.indicators]),
+        ("f_loop", here, [column([loops.updates[k] for k in loops.guesses]), column([loops.residuals[k] for k in loops.guesses])]),
+        ("f_assertions", here, [column([a.holds for a in system.assertions]), column(texts)]),
+        ("f_directional", [*here, along_x, along_u, along_p], [direction[:nx], direction[nx:]]),
+        (
+            "f_event",
+            [system.time, system.x, system.u, system.p, system.previous, system.relation, system.last_conditions,
+             system.ticks, system.guesses],
+            [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
+        ),
+        ("f_parameters", [free], [dependent, _with(system.instants, v.dependent, dependent)]),
+        ("f_start", at_start, [system.start]),
+        ("f_start_loop", at_start, [column([start.updates[k] for k in start.guesses]), column([start.residuals[k] for k in start.guesses])]),
+    ]  # fmt: skip
+    return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
+
+
+def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
+    return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
+
+
+def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> dict[str, str]:
+    """Return the C files of an FMU: `model.c`, which includes the others.
+
+    Args:
+        guid: Checked at instantiation.
+        solver: rodas3 or rodas4, the default of the parameter `_solver`.
+        tolerance: Relative error of an internal step, the default of `_tolerance`.
+    """
+    lay = layout(system)
+    pattern = jacobian(system)
+    rows, columns = pattern.sparsity().get_triplet()
+    elimination = eliminate(len(lay.states), list(zip(rows, columns, strict=True)))
+    texts = sum(isinstance(piece, SX) for a in system.assertions for piece in a.message)
+    by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
+    sizes = {
+        "NX": len(lay.states),
+        "NU": len(lay.inputs),
+        "NP": len(lay.parameters),
+        "NF": lay.free,
+        "NO": len(lay.outputs),
+        "NL": len(lay.locals),
+        "ND": len(lay.discretes),
+        "NR": system.relation.numel(),
+        "NZ": system.indicators.numel(),
+        "NC": system.last_conditions.numel(),
+        "NT": len(system.clocks),
+        "NI": system.instants.numel(),
+        "NG": len(system.loops.guesses),
+        "NQ": len(system.start_loops.guesses),
+        "NA": len(system.assertions),
+        "NM": texts,
+        "NJ": pattern.nnz(),
+        "NLU": elimination.entries,
+        "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
+        "DEFAULT_SOLVER": SOLVERS[solver],
+        "DEFAULT_TOLERANCE": repr(float(tolerance)),
+        "MODEL_GUID": _quoted(guid),
+    }
+    guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
+    body = [
+        "/* Generated from Modelica; do not edit. */",
+        *(f"#define {name} {value}" for name, value in sizes.items()),
+        _table("double", "start_x", [s.start for s in lay.states]),
+        _table("double", "start_u", [s.start for s in lay.inputs]),
+        _table("double", "start_p", [s.start for s in lay.parameters]),
+        _table("double", "start_d", [s.start for s in lay.discretes]),
+        _table("double", "start_g", [s.start if s else 0.0 for s in guesses]),
+        _table("double", "start_q", [s.start if s else 0.0 for s in start_guesses]),
+        _table("double", "nominal_x", [nominal(s) for s in lay.states]),
+        _table("double", "nominal_g", [nominal(s) if s else 1.0 for s in guesses]),
+        _table("double", "nominal_q", [nominal(s) if s else 1.0 for s in start_guesses]),
+        _table("char", "x_calculated", [int(c) for c in system.calculated]),
+        _table("double", "clock_phase", [phase for phase, _ in system.clocks]),
+        _table("double", "clock_period", [period for _, period in system.clocks]),
+        _table("int", "indicator_relation", system.indicator_relation),
+        _table("int", "jacobian_row", rows),
+        _table("int", "jacobian_column", columns),
+        _table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
+        _names("x_name", [s.name for s in lay.states]),
+        _names("assertion_place", [a.where for a in system.assertions]),
+        f"static const char loop_names[] = {_quoted(', '.join(system.loops.guesses))};",
+        f"static const char start_loop_names[] = {_quoted(', '.join(system.start_loops.guesses))};",
+        _model_functions(system),
+        '#include "layout.h"',
+        elimination.code,
+        _assertion_texts(system.assertions),
+        *(f'#include "{part}"' for part in PARTS[1:]),
+        "",
+    ]
+    return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in PARTS}
+
+
+def nominal(s: Scalar) -> float:
+    """Return the size of a variable that counts as ordinary, 1 when the model does not say."""
+    return abs(s.bound("nominal") or 1.0)
+
+
+def _model_functions(system: System) -> str:
+    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
+    for function in functions(system):
+        generator.add(function)
+    text = generator.dump()
+    # CasADi allows any argument or result to be NULL; ours never are, and testing each costs more than using it.
+    text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
+    text = re.sub(r"if \(res\[(\d+)\]!=0\) res", "res", text)
+    return f"#include <math.h>\n#define CASADI_SYMBOL_EXPORT static\n{text}"
+
+
+def _assertion_texts(assertions: Sequence[Assertion]) -> str:
+    cases: list[str] = []
+    place = 0
+    for i, a in enumerate(assertions):
+        form = "".join("%g" if isinstance(piece, SX) else piece.replace("%", "%%") for piece in a.message)
+        count = sum(isinstance(piece, SX) for piece in a.message)
+        values = "".join(f", values[{place + k}]" for k in range(count))
+        place += count
+        cases.append(f"    case {i}: snprintf(text, size, {_quoted(form)}{values}); break;")
+    return "\n".join(
+        [
+            "static void assertion_text(int i, const double *values, char *text, size_t size) {",
+            "    (void)values;",
+            "    text[0] = 0;",
+            "    (void)size;",
+            "    switch (i) {",
+            *cases,
+            "    default: break;",
+            "    }",
+            "}",
+        ]
+    )
+
+
+def _table(type_: str, name: str, values: Sequence[float]) -> str:
+    # One entry more, because C has no empty arrays.
+    listed = ", ".join([*(repr(float(v)) if type_ == "double" else str(int(v)) for v in values), "0"])
+    return f"static const {type_} {name}[] = {{ {listed} }};".replace("inf", "INFINITY").replace("nan", "NAN")
+
+
+def _names(name: str, values: Sequence[str]) -> str:
+    return f"static const char *const {name}[] = {{ {', '.join([*map(_quoted, values), '0'])} }};"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text)

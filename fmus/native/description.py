@@ -1,0 +1,293 @@
+"""modelDescription.xml: variables, units and structure of an FMU."""
+
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from xml.sax.saxutils import quoteattr
+
+import casadi as ca
+
+from fmus.native.arrays import SX
+from fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
+from fmus.native.system import System, column
+from fmus.native.units import BASE, parse
+from fmus.native.variables import Scalar, vector
+
+TYPE = {"integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
+
+SETTINGS = {
+    "_tolerance": "Relative error of an internal step; absolute error is this times the nominal value",
+    "_solver": "3 RODAS3, 4 RODAS4",
+    "_steps": "Internal steps taken",
+    "_rejected": "Internal steps rejected",
+    "_jacobians": "Evaluations of the Jacobian",
+    "_evaluations": "Evaluations of the derivatives",
+    "_events": "Event iterations",
+}
+
+
+@dataclass(slots=True)
+class _Writer:
+    """Collects ScalarVariables and remembers their place, which ModelStructure refers to."""
+
+    rows: list[str] = field(default_factory=list)
+    index: dict[int, int] = field(default_factory=dict)
+
+    def add(
+        self,
+        name: str,
+        reference: int,
+        *,
+        causality: str,
+        variability: str,
+        initial: str | None,
+        type_: str = "Real",
+        start: float | None = None,
+        description: str = "",
+        attributes: dict[str, str] | None = None,
+    ) -> None:
+        self.index.setdefault(reference, len(self.rows) + 1)
+        inner = dict(attributes or {})
+        if start is not None:
+            inner["start"] = _number(start, type_)
+        head = {"name": name, "valueReference": str(reference)}
+        if description:
+            head["description"] = description
+        head |= {"causality": causality, "variability": variability}
+        if initial:
+            head["initial"] = initial
+        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
+
+
+def _attributes(values: dict[str, str]) -> str:
+    return "".join(f" {key}={quoteattr(value)}" for key, value in values.items())
+
+
+def _number(value: float, type_: str) -> str:
+    if type_ == "Boolean":
+        return "true" if value else "false"
+    return str(int(value)) if type_ == "Integer" else repr(float(value))
+
+
+def _type(s: Scalar) -> str:
+    return TYPE.get(s.type, "Real")
+
+
+def _declared(s: Scalar) -> dict[str, str]:
+    """Return unit and bounds of a variable as XML attributes."""
+    type_ = _type(s)
+    out: dict[str, str] = {}
+    if type_ == "Real" and s.attributes.get("unit"):
+        out["unit"] = s.attributes["unit"]
+    if type_ == "Boolean":
+        return out
+    for key, name in (("min", "minimum"), ("max", "maximum"), ("nominal", "nominal")):
+        value = s.bound(name)
+        if value is not None and abs(value) < 1e300 and (type_ == "Real" or key != "nominal"):
+            out[key] = _number(value, type_)
+    return out
+
+
+def write(
+    system: System, *, guid: str, identifier: str, interfaces: tuple[str, ...], solver: str, tolerance: float, step: float
+) -> str:
+    """Return modelDescription.xml.
+
+    Args:
+        interfaces: Of "me" and "cs".
+        step: Communication step to suggest, s.
+    """
+    lay = layout(system)
+    w = _Writer()
+    _variables(w, system, lay, solver, tolerance)
+    flags = {
+        "modelIdentifier": identifier,
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+    head = {
+        "fmiVersion": "2.0",
+        "modelName": system.class_name,
+        "guid": guid,
+        "generationTool": f"railgrip (rumoca {version('rumoca')}, CasADi {version('casadi')})",
+        "variableNamingConvention": "structured",
+        "numberOfEventIndicators": str(system.indicators.numel()),
+    }
+    # No generationDateAndTime: the same sources give the same bytes.
+    return "\n".join(
+        [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            f"<fmiModelDescription{_attributes(head)}>",
+            *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
+            *(
+                [f"  <CoSimulation{_attributes(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"]
+                if "cs" in interfaces
+                else []
+            ),
+            *_units(lay),
+            "  <LogCategories>",
+            '    <Category name="logStatusError" description="Why a call failed"/>',
+            '    <Category name="logStatusWarning" description="Assertions of level warning"/>',
+            "  </LogCategories>",
+            f'  <DefaultExperiment startTime="0" stopTime="1" tolerance="{tolerance!r}" stepSize="{step!r}"/>',
+            "  <ModelVariables>",
+            *w.rows,
+            "  </ModelVariables>",
+            *_structure(w, system, lay),
+            "</fmiModelDescription>",
+            "",
+        ]
+    )
+
+
+def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
+    def out(s: Scalar) -> str:
+        return "output" if s.causality == "output" else "local"
+
+    def text(s: Scalar) -> str:
+        return s.attributes.get("description") or ""
+
+    first = lay.reference
+    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
+    for i, s in enumerate(lay.states):
+        calculated = system.calculated[i]
+        declared = _declared(s)
+        if nominal(s) != 1.0:
+            declared["nominal"] = repr(nominal(s))
+        w.add(
+            s.name, first("states") + i, causality=out(s), variability="continuous",
+            initial="calculated" if calculated else "exact", start=None if calculated else s.start,
+            description=text(s), attributes=declared,
+        )  # fmt: skip
+    for i, s in enumerate(lay.states):
+        unit = s.attributes.get("unit")
+        attributes = {"unit": _per_second(unit)} if unit else {}
+        attributes["derivative"] = str(w.index[first("states") + i])
+        w.add(
+            f"der({s.name})", first("derivatives") + i, causality="local", variability="continuous",
+            initial="calculated", attributes=attributes,
+        )  # fmt: skip
+    for i, s in enumerate(lay.inputs):
+        w.add(
+            s.name, first("inputs") + i, causality="input", initial=None, type_=_type(s), start=s.start,
+            variability="continuous" if _type(s) == "Real" else "discrete", description=text(s), attributes=_declared(s),
+        )  # fmt: skip
+    for i, s in enumerate(lay.parameters):
+        free = i < lay.free
+        w.add(
+            s.name, first("parameters") + i, causality="parameter" if free else "calculatedParameter",
+            variability="tunable" if s.attributes["tunable"] or not free else "fixed",
+            initial="exact" if free else "calculated", type_=_type(s), start=s.start if free else None,
+            description=text(s), attributes=_declared(s),
+        )  # fmt: skip
+    for group, members in (("outputs", lay.outputs), ("locals", lay.locals)):
+        for i, s in enumerate(members):
+            w.add(
+                s.name, first(group) + i, causality=out(s), variability="continuous", initial="calculated",
+                description=text(s), attributes=_declared(s),
+            )  # fmt: skip
+    for i, s in enumerate(lay.discretes):
+        w.add(
+            s.name, first("discretes") + i, causality=out(s), variability="discrete", initial="calculated",
+            type_=_type(s), description=text(s), attributes=_declared(s),
+        )  # fmt: skip
+    for i, name in enumerate(lay.settings):
+        reference = first("settings") + i
+        if name == "_tolerance":
+            w.add(
+                name, reference, causality="parameter", variability="tunable", initial="exact", start=tolerance,
+                description=SETTINGS[name], attributes={"unit": "1"},
+            )  # fmt: skip
+        elif name == "_solver":
+            w.add(
+                name, reference, causality="parameter", variability="tunable", initial="exact", type_="Integer",
+                start=SOLVERS[solver], description=SETTINGS[name], attributes={"min": "3", "max": "4"},
+            )  # fmt: skip
+        else:
+            w.add(
+                name, reference, causality="local", variability="discrete", initial="calculated", type_="Integer",
+                description=SETTINGS[name],
+            )  # fmt: skip
+
+
+def _per_second(unit: str) -> str:
+    """Return the Modelica unit string of a derivative in time."""
+    if unit == "1":
+        return "1/s"
+    numerator, slash, denominator = unit.partition("/")
+    if not slash:
+        return f"{numerator}/s"
+    inner = denominator[1:-1] if denominator.startswith("(") else denominator
+    return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
+
+
+def _units(lay: Layout) -> list[str]:
+    names = {"1", "s"}
+    for group in (lay.states, lay.inputs, lay.parameters, lay.outputs, lay.locals, lay.discretes):
+        names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
+    names |= {_per_second(s.attributes["unit"]) for s in lay.states if s.attributes.get("unit")}
+    out = ["  <UnitDefinitions>"]
+    for name in sorted(names):
+        unit = parse(name)
+        if unit is None:
+            out.append(f"    <Unit name={quoteattr(name)}/>")
+            continue
+        base = {b: str(e) for b, e in zip(BASE, unit.exponents, strict=True) if e}
+        if unit.factor != 1.0:
+            base["factor"] = repr(unit.factor)
+        if unit.offset:
+            base["offset"] = repr(unit.offset)
+        out.append(f"    <Unit name={quoteattr(name)}><BaseUnit{_attributes(base)}/></Unit>")
+    return [*out, "  </UnitDefinitions>"]
+
+
+def _structure(w: _Writer, system: System, lay: Layout) -> list[str]:
+    first = lay.reference
+    nx = len(lay.states)
+    outputs, _ = split_algebraics(system)
+    unknowns = column([system.derivative, outputs])
+    knowns = ca.vertcat(system.x, system.u)
+    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(lay.inputs))]
+    jacobian = ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
+    depends: list[list[tuple[int, str]]] = [[] for _ in range(unknowns.numel())]
+    rows, columns = jacobian.sparsity().get_triplet()
+    for k, (row, col) in enumerate(zip(rows, columns, strict=True)):
+        kind = "constant" if jacobian.nz[k].is_constant() else "dependent"
+        depends[row].append((w.index[references[col]], kind))
+
+    def unknown(reference: int, on: list[tuple[int, str]] | None) -> tuple[int, str]:
+        index = w.index[reference]
+        if on is None:
+            return index, f'      <Unknown index="{index}"/>'
+        on = sorted(on)
+        return index, (
+            f'      <Unknown index="{index}" dependencies="{" ".join(str(i) for i, _ in on)}" '
+            f'dependenciesKind="{" ".join(kind for _, kind in on)}"/>'
+        )
+
+    derivatives = [unknown(first("derivatives") + i, depends[i]) for i in range(nx)]
+    shown = [unknown(first("outputs") + i, depends[nx + i]) for i in range(len(lay.outputs))]
+    for i, s in enumerate(lay.states):
+        if s.causality == "output":
+            reference = first("states") + i
+            shown.append(unknown(reference, [(w.index[reference], "constant")]))
+    discrete = [first("discretes") + i for i, s in enumerate(lay.discretes) if s.causality == "output"]
+    shown += [unknown(reference, None) for reference in discrete]
+    initial = [first("outputs") + i for i in range(len(lay.outputs))] + discrete
+    initial += [first("states") + i for i in range(nx) if system.calculated[i]]
+    initial += [first("derivatives") + i for i in range(nx)]
+    initial += [first("parameters") + i for i in range(lay.free, len(lay.parameters))]
+    out = ["  <ModelStructure>"]
+    for name, items in (
+        ("Outputs", shown),
+        ("Derivatives", derivatives),
+        ("InitialUnknowns", [unknown(reference, None) for reference in initial]),
+    ):
+        if items:
+            listed = items if name == "Derivatives" else sorted(items)
+            out += [f"    <{name}>", *(line for _, line in listed), f"    </{name}>"]
+    return [*out, "  </ModelStructure>"]
+
+
+__all__ = ["vector", "write"]

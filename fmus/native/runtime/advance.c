@@ -1,0 +1,150 @@
+/* Co-simulation: from one communication point to the next, with internal steps of their own size. */
+
+/* Take work.x1 at time t as the state. */
+static void accept(Instance *m, double t) {
+    State *s = &m->s;
+    memcpy(s->v + X, m->w.x1, NX * sizeof(double));
+    s->v[TIME] = t;
+    stale(s);
+}
+
+/* Shrink an accepted step of size h, at whose end work.z1 shows a crossing, to the first crossing in it.
+ *
+ * A secant estimate is probed half a tolerance beyond and before, which closes the bracket in a few steps when the
+ * indicator is smooth; bisection keeps it from ever being slow. Every probe is a Rosenbrock step from the same start. */
+static int locate(Instance *m, double t, double *h) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    double lo = 0, hi = *h, width = hi, at_hi[NX + 1];
+    double tolerance = EVENT_TIME + 4 * DBL_EPSILON * fabs(t);
+    memcpy(at_hi, w->x1, NX * sizeof(double));
+    for (int k = 0; hi - lo > tolerance; k++) {
+        double probe = hi, z[NZ + 1];
+        for (int i = 0; i < NZ; i++)
+            if (s->r[indicator_relation[i]] > 0.5 ? w->z1[i] < 0 : w->z1[i] > 0) {
+                double root = lo + (hi - lo) * w->z0[i] / (w->z0[i] - w->z1[i]);
+                if (!(root >= probe)) probe = root;
+            }
+        probe += k % 2 ? -0.4 * tolerance : 0.4 * tolerance;
+        if (k % 3 == 2) {
+            if (hi - lo > 0.5 * width) probe = 0.5 * (lo + hi);
+            width = hi - lo;
+        }
+        if (!(probe > lo && probe < hi)) probe = 0.5 * (lo + hi);
+        if (!(probe > lo && probe < hi)) break; /* neighbouring numbers */
+        if (try_step(m, t, probe)) return 1;
+        indicators(s, t + probe, w->x1, z);
+        if (crossed(s, z)) {
+            hi = probe;
+            memcpy(w->z1, z, sizeof z);
+            memcpy(at_hi, w->x1, NX * sizeof(double));
+        } else {
+            lo = probe;
+            memcpy(w->z0, z, sizeof z);
+        }
+    }
+    memcpy(w->x1, at_hi, NX * sizeof(double));
+    *h = hi;
+    return 0;
+}
+
+/* Take one internal step towards `target`; `event` tells whether it ended at a state event. */
+static int internal_step(Instance *m, double target, int *event) {
+    State *s = &m->s;
+    Work *w = &m->w;
+    const double t = s->v[TIME], order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
+    int rejected = 0, worst = 0;
+    memcpy(w->x0, s->v + X, NX * sizeof(double));
+    if (linearise(m, t, w->x0, w->f0, w->jacobian, w->ft)) return 1;
+    for (;;) {
+        double rest = target - t, h = s->h;
+        /* Two equal steps rather than one and a sliver. */
+        if (h >= 0.999 * rest)
+            h = rest;
+        else if (h > 0.5 * rest)
+            h = 0.5 * rest;
+        int failed = try_step(m, t, h);
+        double e = failed ? NAN : error_norm(m, &worst), scale;
+        if (e <= 1) {
+            double grown;
+            scale = e > 1e-8 ? 0.9 * pow(e, -order) : 6;
+            scale = scale > 6 ? 6 : scale < 0.2 ? 0.2 : scale;
+            if (rejected && scale > 1) scale = 1;
+            grown = h * scale;
+            /* A step that was cut short by the communication point says nothing against the size before it. */
+            s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
+            *event = 0;
+            if (NZ) {
+                indicators(s, t, w->x0, w->z0);
+                indicators(s, t + h, w->x1, w->z1);
+                if (crossed(s, w->z1)) {
+                    *event = 1;
+                    if (locate(m, t, &h)) return 1;
+                }
+            }
+            s->v[STEPS]++;
+            accept(m, !*event && h == rest ? target : t + h);
+            return 0;
+        }
+        rejected = 1;
+        s->v[REJECTED]++;
+        scale = isnan(e) || isinf(e) ? 0.1 : 0.9 * pow(e, -order);
+        s->h = h * (scale < 0.1 ? 0.1 : scale > 0.9 ? 0.9 : scale);
+        if (s->h < 16 * DBL_EPSILON * (1e-3 + fabs(t))) {
+            if (failed) return 1; /* which has left its own sentence */
+            for (int i = 0; i < NX; i++)
+                if (!isfinite(w->f0[i])) return failure(m, "der(%s) is not a number at time = %.9g s", x_name[i], t);
+            return failure(m, "the step size becomes too small at time = %.9g s because of %s = %.9g", t, x_name[worst], w->x0[worst]);
+        }
+    }
+}
+
+/* Whether the inputs set since the last call make something happen at once. */
+static int input_event(Instance *m) {
+    State *s = &m->s;
+    double z[NZ + 1];
+    if (!s->inputs_set) return 0;
+    s->inputs_set = 0;
+    if (DISCRETE_INPUTS) return 1;
+    if (!NZ) return 0;
+    if (NG && loops(m, s->v[TIME], s->v + X)) return -1;
+    indicators(s, s->v[TIME], s->v + X, z);
+    return crossed(s, z);
+}
+
+/* Advance to time `end`. */
+static int advance(Instance *m, double end) {
+    State *s = &m->s;
+    int jumped, crowd = 0, now;
+    double last = -INFINITY;
+    if (s->stale_parameters) {
+        dependent_parameters(s);
+        s->hi = next_time_event(s);
+    }
+    if ((now = input_event(m)) != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
+    while (s->v[TIME] < end || s->hi <= end) {
+        double target = s->hi < end ? s->hi : end;
+        int event = 0;
+        if (NX) {
+            while (!event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target))
+                if (internal_step(m, target, &event)) return 1;
+        } else {
+            double z[NZ + 1];
+            s->v[TIME] = target;
+            stale(s);
+            if (NZ) {
+                if (NG && loops(m, inside(s, target), s->v + X)) return 1;
+                indicators(s, target, s->v + X, z);
+                event = crossed(s, z);
+            }
+        }
+        if (!event) s->v[TIME] = target;
+        if (event || s->v[TIME] >= s->hi) {
+            if (events(m, 0, &jumped)) return 1;
+            crowd = s->v[TIME] - last < 1e-9 ? crowd + 1 : 0;
+            last = s->v[TIME];
+            if (crowd > 1000) return failure(m, "more than 1000 events within 1 ns at time = %.9g s: the model chatters", last);
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,205 @@
+/* Evaluation of the model: parameters, derivatives, nonlinear loops, outputs. */
+
+static void message(Instance *m, fmi2Status status, const char *category, const char *format, ...) {
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (m->callbacks.logger && (m->logging || status >= fmi2Warning))
+        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, category, "%s", text);
+}
+
+static int failure(Instance *m, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(m->failure, sizeof m->failure, format, arguments);
+    va_end(arguments);
+    return 1;
+}
+
+/* Equations are evaluated strictly between two time events, so that `time < T` keeps its side of T. */
+static double inside(const State *s, double t) {
+    return t >= s->hi ? nextafter(s->hi, -INFINITY) : t <= s->lo ? nextafter(s->lo, INFINITY) : t;
+}
+
+/* Solve the nonlinear loops at (t, x) by damped Newton iteration from their last solution. */
+static int loops(Instance *m, double t, const double *x) {
+    State *s = &m->s;
+    double next[NG + 1], residual[NG + 1], before[NG + 1], norm = 0, last = INFINITY;
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { next, residual };
+    if (!NG) return 0;
+    for (int k = 0; k < LOOP_ITERATIONS; k++) {
+        int converged = 1;
+        f_loop(a, r, 0, 0, 0);
+        norm = 0;
+        for (int i = 0; i < NG; i++) {
+            double e = fabs(residual[i]);
+            if (!(e <= norm)) norm = e;
+            if (!(fabs(next[i] - s->g[i]) <= LOOP_TOLERANCE * (fabs(next[i]) + nominal_g[i]))) converged = 0;
+        }
+        if (converged) {
+            memcpy(s->g, next, NG * sizeof *next);
+            return 0;
+        }
+        if (k && !(norm <= 2 * last)) { /* worse, or not a number: go half way */
+            for (int i = 0; i < NG; i++) s->g[i] = 0.5 * (s->g[i] + before[i]);
+            continue;
+        }
+        last = norm;
+        memcpy(before, s->g, NG * sizeof *before);
+        for (int i = 0; i < NG; i++) {
+            if (!isfinite(next[i])) goto failed;
+            s->g[i] = next[i];
+        }
+    }
+failed:
+    return failure(m, "the nonlinear loop of %s does not converge at time = %.9g s (residual %.3g)", loop_names, t, norm);
+}
+
+static int derivatives(Instance *m, double t, const double *x, double *dx) {
+    State *s = &m->s;
+    t = inside(s, t);
+    if (NG && loops(m, t, x)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { dx };
+    if (NX) f_ode(a, r, 0, 0, 0);
+    s->v[EVALUATIONS]++;
+    return 0;
+}
+
+/* Derivatives, their Jacobian and their partial derivative in time, sharing what they share. */
+static int linearise(Instance *m, double t, const double *x, double *dx, double *jacobian, double *ft) {
+    State *s = &m->s;
+    t = inside(s, t);
+    if (NG && loops(m, t, x)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { dx, jacobian, ft };
+    f_jacobian(a, r, 0, 0, 0);
+    s->v[EVALUATIONS]++;
+    s->v[JACOBIANS]++;
+    return 0;
+}
+
+static void indicators(State *s, double t, const double *x, double *z) {
+    t = inside(s, t);
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { z };
+    if (NZ) f_indicators(a, r, 0, 0, 0);
+}
+
+static void dependent_parameters(State *s) {
+    const double *a[] = { s->v + P };
+    double *r[] = { s->v + P + NF, s->instant };
+    if (!s->stale_parameters) return;
+    if (NP > NF || NI) f_parameters(a, r, 0, 0, 0);
+    s->stale_parameters = 0;
+}
+
+static void stale(State *s) { s->stale_derivatives = s->stale_outputs = s->stale_locals = 1; }
+
+/* Initial states from parameters and inputs, initial equations included. */
+static int start_states(Instance *m) {
+    State *s = &m->s;
+    double x[NX + 1], next[NQ + 1], residual[NQ + 1], before[NQ + 1], norm = 0, last = INFINITY;
+    const double *a[] = { s->v, s->v + U, s->v + P, s->d0, s->r, s->q };
+    double *r[] = { x }, *l[] = { next, residual };
+    for (int k = 0; NQ; k++) {
+        int converged = 1;
+        if (k == 4 * LOOP_ITERATIONS)
+            return failure(m, "the initial equations of %s do not converge (residual %.3g)", start_loop_names, norm);
+        f_start_loop(a, l, 0, 0, 0);
+        norm = 0;
+        for (int i = 0; i < NQ; i++) {
+            if (!(fabs(residual[i]) <= norm)) norm = fabs(residual[i]);
+            if (!(fabs(next[i] - s->q[i]) <= LOOP_TOLERANCE * (fabs(next[i]) + nominal_q[i]))) converged = 0;
+        }
+        if (converged) break;
+        if (k && !(norm <= 2 * last)) {
+            for (int i = 0; i < NQ; i++) s->q[i] = 0.5 * (s->q[i] + before[i]);
+            continue;
+        }
+        last = norm;
+        memcpy(before, s->q, NQ * sizeof *before);
+        memcpy(s->q, next, NQ * sizeof *next);
+    }
+    if (NX) f_start(a, r, 0, 0, 0);
+    for (int i = 0; i < NX; i++)
+        if (x_calculated[i] && !s->x_set[i]) s->x0[i] = x[i];
+    return 0;
+}
+
+static int events(Instance *m, int initial, int *jumped);
+
+/* Bring parameters and, before the run, initial states and discretes up to date. */
+static int prepare(Instance *m) {
+    State *s = &m->s;
+    dependent_parameters(s);
+    if (s->phase >= RUNNING || !s->stale_start) return 0;
+    s->stale_start = 0;
+    memcpy(s->v + D, s->d0, ND * sizeof(double));
+    memset(s->r, 0, sizeof s->r);
+    for (int k = 0; k < 20; k++) { /* initial states may depend on relations, and these on the states */
+        double r[NR + 1];
+        int jumped;
+        if (start_states(m)) return 1;
+        memcpy(r, s->r, sizeof r);
+        memcpy(s->v + X, s->x0, NX * sizeof(double));
+        memcpy(s->v + D, s->d0, ND * sizeof(double));
+        if (events(m, 1, &jumped)) return 1;
+        if (!NR || !memcmp(r, s->r, NR * sizeof *r)) break;
+    }
+    stale(s);
+    return 0;
+}
+
+static int fresh_derivatives(Instance *m) {
+    State *s = &m->s;
+    if (prepare(m)) return 1;
+    if (!s->stale_derivatives) return 0;
+    if (derivatives(m, s->v[TIME], s->v + X, s->v + DX)) return 1;
+    s->stale_derivatives = 0;
+    return 0;
+}
+
+static int fresh_algebraics(Instance *m, int locals) {
+    State *s = &m->s;
+    if (prepare(m)) return 1;
+    if (!(locals ? s->stale_locals : s->stale_outputs)) return 0;
+    double t = inside(s, s->v[TIME]);
+    if (NG && loops(m, t, s->v + X)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, s->v + X);
+    double *r[] = { s->v + (locals ? L : O) };
+    if (locals) {
+        if (NL) f_locals(a, r, 0, 0, 0);
+        s->stale_locals = 0;
+    } else {
+        if (NO) f_outputs(a, r, 0, 0, 0);
+        s->stale_outputs = 0;
+    }
+    return 0;
+}
+
+/* Judge the model's assertions; 1 when one that is an error does not hold. */
+static int assertions(Instance *m) {
+    State *s = &m->s;
+    double holds[NA + 1], values[NM + 1], t = inside(s, s->v[TIME]);
+    const double *a[] = ARGUMENTS(s, &t, s->v + X);
+    double *r[] = { holds, values };
+    if (!NA) return 0;
+    f_assertions(a, r, 0, 0, 0);
+    for (int i = 0; i < NA; i++) {
+        char text[512];
+        if (holds[i] != 0) {
+            s->warned[i] = 0;
+            continue;
+        }
+        if (s->warned[i]) continue;
+        assertion_text(i, values, text, sizeof text);
+        if (assertion_fatal[i]) return failure(m, "assertion (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
+        s->warned[i] = 1; /* once, until it holds again */
+        message(m, fmi2Warning, "logStatusWarning", "warning (%s) at time = %.9g s: %s", assertion_place[i], s->v[TIME], text);
+    }
+    return 0;
+}

@@ -1,0 +1,92 @@
+/* Event iteration: relations, discrete variables, when clauses, clocks. */
+
+static double next_time_event(const State *s) {
+    double t = INFINITY;
+    for (int i = 0; i < NT; i++)
+        if (s->tick[i] < t) t = s->tick[i];
+    for (int i = 0; i < NI; i++)
+        if (s->instant[i] > s->lo && s->instant[i] > s->v[TIME] && s->instant[i] < t) t = s->instant[i];
+    return t;
+}
+
+static void event_pass(State *s, const double *tick, double *d, double *x, double *r, double *c) {
+    const double *a[] = { s->v, s->v + X, s->v + U, s->v + P, s->previous, s->r, s->last, tick, s->g };
+    double *out[] = { d, x, r, c };
+    f_event(a, out, 0, 0, 0);
+}
+
+/* Repeat event passes until the remembered relations and the nonlinear loops agree with each other. */
+static int consistent(Instance *m, const double *tick, double *d, double *x, double *r, double *c) {
+    State *s = &m->s;
+    for (int k = 0; k < EVENT_ITERATIONS; k++) {
+        double g[NG + 1];
+        int same;
+        event_pass(s, tick, d, x, r, c);
+        same = !NR || !memcmp(r, s->r, NR * sizeof *r);
+        memcpy(s->r, r, NR * sizeof *r);
+        memcpy(s->v + D, d, ND * sizeof *d);
+        if (NG) {
+            memcpy(g, s->g, NG * sizeof *g);
+            if (loops(m, s->v[TIME], s->v + X)) return 1;
+            for (int i = 0; i < NG; i++)
+                if (!(fabs(g[i] - s->g[i]) <= 10 * LOOP_TOLERANCE * (fabs(g[i]) + nominal_g[i]))) same = 0;
+        }
+        if (same) return 0;
+    }
+    return failure(m, "the relations do not settle at the event at time = %.9g s", s->v[TIME]);
+}
+
+/* Handle everything that happens now. `initial` suppresses edges of when clauses; `jumped` tells of reinit. */
+static int events(Instance *m, int initial, int *jumped) {
+    State *s = &m->s;
+    double tick[NT + 1] = { 0 }, d[ND + 1], x[NX + 1], r[NR + 1], c[NC + 1], now = s->v[TIME];
+    *jumped = 0;
+    s->inputs_set = 0;
+    for (int i = 0; i < NT; i++)
+        if (s->tick[i] <= now + 1e-12 * (1 + fabs(now))) {
+            tick[i] = 1;
+            s->tick[i] = clock_phase[i] + clock_period[i] * (1 + floor((now - clock_phase[i]) / clock_period[i] + 0.5));
+        }
+    tick[NT] = initial;
+    s->lo = now >= s->hi ? s->hi : s->lo;
+    if (initial) s->lo = -INFINITY;
+    for (int i = 0; i < NI; i++)
+        if (s->instant[i] <= now && s->instant[i] > s->lo) s->lo = s->instant[i];
+    s->hi = next_time_event(s);
+    if (!ND && !NR && !NC) {
+        stale(s);
+        return 0;
+    }
+    if (!initial) s->v[EVENTS]++;
+    memcpy(s->previous, s->v + D, ND * sizeof(double));
+    if (initial) {
+        if (consistent(m, tick, d, x, r, c)) return 1;
+        memcpy(s->last, c, NC * sizeof *c);
+    }
+    for (int k = 0; k < EVENT_ITERATIONS; k++) {
+        int changed;
+        if (consistent(m, tick, d, x, r, c)) return 1;
+        changed = NX && memcmp(x, s->v + X, NX * sizeof *x);
+        if (changed) {
+            *jumped = 1;
+            memcpy(s->v + X, x, NX * sizeof *x);
+        }
+        changed |= ND && memcmp(d, s->previous, ND * sizeof *d);
+        changed |= NC && memcmp(c, s->last, NC * sizeof *c);
+        memcpy(s->previous, d, ND * sizeof *d);
+        memcpy(s->last, c, NC * sizeof *c);
+        memset(tick, 0, sizeof tick);
+        if (!changed) {
+            stale(s);
+            return 0;
+        }
+    }
+    return failure(m, "the event iteration does not end at time = %.9g s", now);
+}
+
+/* Whether an indicator lies strictly on the other side of what its relation remembers. */
+static int crossed(const State *s, const double *z) {
+    for (int i = 0; i < NZ; i++)
+        if (s->r[indicator_relation[i]] > 0.5 ? z[i] < 0 : z[i] > 0) return 1;
+    return 0;
+}

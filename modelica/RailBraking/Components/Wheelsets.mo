@@ -1,0 +1,72 @@
+within RailBraking.Components;
+model Wheelsets "Wheelsets that turn as one, with their contacts"
+  parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
+  parameter Types.Inertia J(start=209) "Inertia of all of them about their axles";
+  parameter Types.Length r(start=0.38) "Rolling radius";
+  parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
+  parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
+  parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
+  parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";
+  parameter Types.Ratio k_S(start=0.1) "Reduction of the creep stiffness in the area of slip";
+  parameter Types.Ratio A(start=0.4) "Friction at infinite slip speed over maximum friction";
+  parameter Types.InverseVelocity B(start=0.2) "Rate at which friction falls with slip speed";
+  parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
+  parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings";
+  parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings";
+  parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance";
+  parameter Types.Torque tau_small = 10 "Torque by which the track must exceed the brake to turn a locked group";
+  parameter Types.AngularVelocity w_start(start=50) "Angular velocity at the start";
+  final parameter Types.Ratio f_bearing = bearingFriction(mu_bearing, r_bearing, r) "Bearing resistance over load";
+  Interfaces.RealInput v(final unit="m/s") "Speed along the track";
+  Interfaces.RealInput load[n](each final unit="N") "Load of each wheelset";
+  Interfaces.RealInput mu0[n](each final unit="1") "Maximum friction coefficient at each wheelset";
+  Interfaces.RealInput brake_torque(final unit="N.m") "Torque that the brake can exert on the group";
+  Interfaces.BooleanInput standstill "= true, if the train stands";
+  Interfaces.RealOutput F[n](each final unit="N") "Braking force of the track on each wheelset";
+  Interfaces.RealOutput torque(final unit="N.m") "Torque that the brake does exert";
+  Interfaces.RealOutput capacity(final unit="N") "Force with which the group can hold the train at rest";
+  Interfaces.BooleanOutput locked(start=false, fixed=true) "= true, if the group does not turn";
+  Interfaces.RealOutput contact_power(final unit="W") "Heat made in the contacts";
+  Interfaces.RealOutput resistance_power(final unit="W") "Power of bearing and rolling resistance";
+  Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
+  Contact.WheelsetContact contact[n](
+    each r=r, each r_rail=r_rail, each E=E, each nu=nu,
+    each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small) "Contacts of each wheelset";
+protected
+  Types.Torque tau_track "Torque of the track, forward";
+  Types.Torque tau_resistance "Torque of bearing and rolling resistance";
+equation
+  for i in 1:n loop
+    contact[i].v = v;
+    contact[i].w = w;
+    contact[i].load = load[i];
+    contact[i].mu0 = mu0[i];
+    F[i] = contact[i].F;
+  end for;
+  tau_track = r*sum(F);
+  tau_resistance = (r*f_bearing + e_rolling)*sum(load);
+  // A level, not an edge: a group that is released and braked again at once cannot slip through to reverse rotation.
+  locked = standstill or (if pre(locked) then tau_track - brake_torque - tau_resistance <= tau_small
+    else w <= 0 and tau_track - brake_torque - tau_resistance < 0);
+  J*der(w) = if locked then 0 else tau_track - brake_torque - tau_resistance;
+  when locked then
+    reinit(w, 0);
+  end when;
+  torque = if locked then tau_track else brake_torque;
+  capacity = min((brake_torque + tau_resistance)/r, mu0*load);
+  contact_power = sum(contact.heat_flow);
+  resistance_power = tau_resistance*w;
+  annotation (Documentation(info="<html>
+<p>
+One wheelset, or several that a drive shaft couples. A brake slows rotation and never reverses it: when the
+angular velocity reaches zero while the brake is stronger than the track, the group is <code>locked</code>, its
+angular velocity is exactly zero, and it stays so until the torque of the track exceeds that of brake and
+resistance by <code>tau_small</code>.
+</p>
+<h4>Limitations</h4>
+<p>
+Forward rotation only. Shafts are rigid. The brake is as strong at rest as it was when sliding stopped. At standstill the contacts
+carry no force in this model; what holds the train there is accounted for by <code>capacity</code>.
+</p>
+</html>"));
+end Wheelsets;

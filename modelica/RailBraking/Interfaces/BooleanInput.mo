@@ -1,0 +1,2 @@
+within RailBraking.Interfaces;
+connector BooleanInput = input Boolean "Boolean signal that comes in";

@@ -1,0 +1,2 @@
+within RailBraking.Interfaces;
+connector BooleanOutput = output Boolean "Boolean signal that comes out";

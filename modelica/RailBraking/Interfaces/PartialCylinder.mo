@@ -1,0 +1,13 @@
+within RailBraking.Interfaces;
+partial block PartialCylinder "What fills and empties the brake cylinders of one group"
+  parameter Types.Pressure p_max(start=3.4e5) "Largest pressure that reaches the cylinders";
+  parameter Types.Volume V(start=6e-3) "Volume of all cylinders and hoses of the group";
+  parameter Types.Pressure p_start = 0 "Pressure at the start";
+  parameter Types.Pressure p_free = 1.01325e5 "Absolute pressure at which free air is counted";
+  RealInput command(start=0) "What the brake control asks for; its meaning is the extending class's";
+  RealOutput pressure(final unit="Pa") "Pressure in the cylinders, above the atmosphere";
+  RealOutput air_flow(final unit="m3/s") "Free air taken from the supply";
+  annotation (Documentation(info="<html>
+<p>Free air is counted at the temperature of the cylinder: V &Delta;p / p_free.</p>
+</html>"));
+end PartialCylinder;

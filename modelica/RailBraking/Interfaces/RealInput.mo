@@ -1,0 +1,2 @@
+within RailBraking.Interfaces;
+connector RealInput = input Real "Real signal that comes in";

@@ -1,0 +1,2 @@
+within RailBraking.Interfaces;
+connector RealOutput = output Real "Real signal that comes out";

@@ -1,0 +1,25 @@
+within RailBraking.Pneumatics;
+block IdealCylinder "Cylinders that follow a pressure command with a small lag"
+  extends Interfaces.PartialCylinder(command(final unit="Pa"));
+  parameter Types.Time T = 0.02 "Time constant";
+protected
+  Types.Pressure p(start=p_start, fixed=true) "Pressure in the cylinders";
+  Types.PressureRate rate "Rate of the pressure";
+equation
+  rate = (noEvent(min(max(command, 0), p_max)) - p)/T;
+  der(p) = rate;
+  pressure = p;
+  air_flow = V/p_free*noEvent(max(rate, 0));
+  annotation (Documentation(info="<html>
+<p>
+The command is kept between zero and <code>p_max</code>. A command that jumps is followed with the time constant <code>T</code>,
+20 ms unless set otherwise: what a proportional pressure control next to the cylinder can do, and fast
+against everything the vehicle does.
+</p>
+<h4>Limitations</h4>
+<p>
+No valve can do this with compressed air at the flow of a brake cylinder. The bounds have sharp corners in the command, not in the
+state, so that a solver sees none while the command is held.
+</p>
+</html>"));
+end IdealCylinder;

@@ -1,0 +1,36 @@
+within RailBraking.Pneumatics;
+block ValveDelay "Dead time of a fill and a vent valve that share a three-state command"
+  parameter Types.Time dead_fill = 0.05 "Dead time of the fill valve";
+  parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
+  final parameter Types.Time period = 0.002 "Resolution of the dead times";
+  Interfaces.RealInput command(start=0) "At or below -0.5 vent, at or above 0.5 fill, hold between";
+  Interfaces.RealOutput filling(final unit="1") "1 while the fill valve is open, else 0";
+  Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0";
+protected
+  discrete Real line[64](each start=0, each fixed=true) "Commands as sampled every period, newest first";
+  discrete Real fill(start=0, fixed=true) "1 while the fill valve is open";
+  discrete Real vent(start=0, fixed=true) "1 while the vent valve is open";
+equation
+  when sample(0, 0.002) then
+    line = shift(if command >= 0.5 then 1 elseif command <= -0.5 then -1 else 0, pre(line));
+    fill = if tap(line, dead_fill/period) >= 0.5 then 1 else 0;
+    vent = if tap(line, dead_vent/period) <= -0.5 then 1 else 0;
+  end when;
+  filling = fill;
+  venting = vent;
+initial equation
+  assert(dead_fill >= 0 and dead_fill <= 63*period, "ValveDelay: dead_fill must lie between 0 and 0.126 s, got " + String(dead_fill) + " s.");
+  assert(dead_vent >= 0 and dead_vent <= 63*period, "ValveDelay: dead_vent must lie between 0 and 0.126 s, got " + String(dead_vent) + " s.");
+  annotation (Documentation(info="<html>
+<p>
+A shift register, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever the dead time.
+A valve opens and closes with the same dead time. Dead times are rounded to the resolution; a command that changes
+between two samples acts up to 2 ms later.
+</p>
+<h4>Limitations</h4>
+<p>
+Dead times up to 126 ms. A pulse shorter than 2 ms may be missed; real valves miss pulses below some 20 ms. With unequal dead times both
+valves may be open at once for their difference, which costs air, as in service.
+</p>
+</html>"));
+end ValveDelay;

@@ -1,0 +1,13 @@
+package RailBraking "Railway braking at low adhesion: contact, pads, pneumatics, bogies and the trains made of them"
+  constant Types.Acceleration g = 9.81 "Acceleration of gravity";
+  annotation (
+    version="0.1.0",
+    Documentation(info="<html>
+<p>
+Plants and prediction models for research on wheel-slide protection and adhesion estimation. The classes of
+<a href=\"modelica://RailBraking.FMUs\">FMUs</a> are exported; everything else is what they are made of.
+Start with the <a href=\"modelica://RailBraking.UsersGuide\">User's Guide</a>.
+</p>
+<p>The library needs no other: not even the Modelica Standard Library.</p>
+</html>"));
+end RailBraking;
