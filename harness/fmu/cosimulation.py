@@ -84,9 +84,7 @@ class CoSimulation:
             FmuError: A parameter is wrong or the period is not positive.
         """
         if not (isfinite(period) and period > 0):
-            raise FmuError(
-                f"{description.file.name}: the communication period is a positive time, got {period} s."
-            )
+            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
         self._description = description
         self._binding = binding
         self._period = period
@@ -129,24 +127,16 @@ class CoSimulation:
         """Make the buffers, addresses and functions of the hot path."""
         pointer, size = ctypes.c_void_p, ctypes.c_size_t
         self._component = ctypes.c_void_p(instance.component)
-        self._do_step = instance.function(
-            "fmi2DoStep", pointer, ctypes.c_double, ctypes.c_double, ctypes.c_int
-        )
+        self._do_step = instance.function("fmi2DoStep", pointer, ctypes.c_double, ctypes.c_double, ctypes.c_int)
         inputs, outputs = self._binding.inputs, self._binding.outputs
         self._values = np.zeros(outputs.size)
         # A sum is finite exactly when all of y is, in one pass: so far scaled down, finite values cannot
         # overflow, and numbers of any physical size stay normal.
         self._total = np.full(outputs.size, 2.0**-512).dot
         carriers = {c.carrier for c in (*inputs.channels, *outputs.channels)}
-        setters = {
-            c: instance.function(f"fmi2Set{c}", pointer, pointer, size, pointer) for c in sorted(carriers)
-        }
-        getters = {
-            c: instance.function(f"fmi2Get{c}", pointer, pointer, size, pointer) for c in sorted(carriers)
-        }
-        self._senders = tuple(
-            _Sender(c, setters[c.carrier], self._component, inputs.size) for c in inputs.channels
-        )
+        setters = {c: instance.function(f"fmi2Set{c}", pointer, pointer, size, pointer) for c in sorted(carriers)}
+        getters = {c: instance.function(f"fmi2Get{c}", pointer, pointer, size, pointer) for c in sorted(carriers)}
+        self._senders = tuple(_Sender(c, setters[c.carrier], self._component, inputs.size) for c in inputs.channels)
         self._receivers = tuple(
             _Receiver(c, getters[c.carrier], self._component, self._values) for c in outputs.channels
         )
@@ -299,9 +289,7 @@ class _Sender:
         "status",
     )
 
-    def __init__(
-        self, channel: Channel, setter: Callable[..., int], component: ctypes.c_void_p, size: int
-    ) -> None:
+    def __init__(self, channel: Channel, setter: Callable[..., int], component: ctypes.c_void_p, size: int) -> None:
         n = len(channel.references)
         self.carrier = channel.carrier
         self.status = 0

@@ -173,9 +173,7 @@ def bind(
     if sum(len(c.variables) for c in tied.channels) != len(driven):
         twice = [v for c in tied.channels for v in c.variables]
         again = sorted({v for v in twice if twice.count(v) > 1})
-        raise FmuError(
-            f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}."
-        )
+        raise FmuError(f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}.")
     return Binding(
         inputs=tied,
         outputs=seen,
@@ -314,8 +312,7 @@ def _unit_of(found: Variable, target: _Target, ours: Unit, file: str, who: str) 
             return unit(found.unit_name)
         except FmuError as error:
             raise FmuError(
-                f"{who}: {file} gives '{found.name}' the unit '{found.unit_name}' without defining it, and "
-                f"{error}"
+                f"{who}: {file} gives '{found.name}' the unit '{found.unit_name}' without defining it, and {error}"
             ) from error
     if ours.dimension == "1":  # a number, an index or a truth value needs no unit
         return unit("1")
@@ -358,8 +355,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
         raise FmuError(f"{who}: unit is a text as 'bar', got {stated!r}.")
     if pattern and "{i}" not in name:
         raise FmuError(
-            f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', "
-            f"or by a list of {signal.size}."
+            f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', or by a list of {signal.size}."
         )
     sign = -1.0 if name.startswith("-") else 1.0
     return _Target(
@@ -380,9 +376,7 @@ def _all_missing(description: Description, missing: Sequence[str], causality: Ca
     offered = description.named(causality)
     lines = [f"'{name}'{_near(name, offered, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""
-    has = (
-        f"it has {', '.join(offered[:12])}{', …' if len(offered) > 12 else ''}" if offered else "it has none"
-    )
+    has = f"it has {', '.join(offered[:12])}{', …' if len(offered) > 12 else ''}" if offered else "it has none"
     return (
         f"{description.file}: no {causality} {', '.join(lines)}{rest}; {has}. "
         f"Name the variables it uses instead under {where}."

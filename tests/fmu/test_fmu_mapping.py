@@ -155,9 +155,7 @@ def test_everything_missing_is_told_at_once(foundry: Path):
 
 
 def test_what_is_not_needed_may_be_absent(foundry: Path):
-    binding = bind(
-        describe(tiny(foundry)), inputs=[], outputs=[signal("x"), signal("heat", "J", needed=False)]
-    )
+    binding = bind(describe(tiny(foundry)), inputs=[], outputs=[signal("x"), signal("heat", "J", needed=False)])
     assert binding.outputs.absent == ("heat",)
     assert binding.outputs.elements == ("x",)
 
@@ -190,9 +188,7 @@ def test_a_wrong_entry_is_refused(foreign: Description, entry: object, sentence:
 
 def test_an_array_needs_a_pattern_or_a_full_list(foreign: Description):
     outputs = [signal("speed", "m/s", 4)]
-    with pytest.raises(
-        FmuError, match=r"has 4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"
-    ):
+    with pytest.raises(FmuError, match=r"has 4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"):
         tied(foreign, {"speed": "x"}, outputs=outputs)
     with pytest.raises(FmuError, match=r"the list names 1 variables, the signal has 4 elements"):
         tied(foreign, {"speed": ["x"]}, outputs=outputs)
