@@ -83,8 +83,8 @@ def pad_gate(
     """Return the gate that holds the pad friction of a group still while its pads are released.
 
     Args:
-        pad_force: Normal force of both pads of one unit in N below which they count as released; 1–2 kN of the
-            56 kN at full brake: the torque of the pads is then within the errors of the other torques.
+        pad_force: Normal force of both pads of one unit in N below which they count as released; 1–2 kN
+            of the 56 kN at full brake: the torque of the pads is then within the errors of the other torques.
         A_piston: Area of a piston, m².
         i_rigging: Force of both pads over force of the piston.
         eta_rigging: Efficiency of the rigging.

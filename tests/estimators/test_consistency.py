@@ -62,7 +62,7 @@ def test_questions_without_an_answer_get_a_sentence():
         nees(estimate, np.zeros(3))
     with pytest.raises(EstimatorError, match="degrees ≥ 1"):
         chi_square_bounds(0)
-    with pytest.raises(EstimatorError, match="before the step at 5.0 s"):
+    with pytest.raises(EstimatorError, match=r"before the step at 5\.0 s"):
         delay(np.arange(3.0), np.zeros(3), np.zeros(3), 5.0, 0.1)
     with pytest.raises(EstimatorError, match=r"a mean of 2 states wants a covariance of shape \(2, 2\)"):
         Estimate(mean=np.zeros(2), covariance=np.eye(3))

@@ -90,7 +90,7 @@ def test_jacobians_are_the_slopes_of_the_functions(name, data):
             nudge = np.zeros(x.size)
             nudge[j] = step
             slope = (function(x + nudge, u) - function(x - nudge, u)) / (2.0 * step)
-            # Central differences: rounding of terms up to 1000 times the value, and h²/6 of a third derivative.
+            # Central differences: rounding of terms up to 1000 times the value; h²/6 of a third derivative.
             rounding = 1e3 * 2e-16 * (size + np.abs(jacobian[:, j] * x[j])) / step
             assert np.all(np.abs(jacobian[:, j] - slope) <= rounding + 1e-8 * np.abs(slope) + 1e-7)
 
@@ -124,5 +124,7 @@ def test_a_model_whose_functions_do_not_fit_its_names_is_refused():
     good = wheelset()
     names = (Name("v"), Name("w"))
     bad = SmallModel(names, good.inputs, good.parameters, good.outputs, good.derivative, good.output)
-    with pytest.raises(EstimatorError, match=r"derivative must map \(t, x, u, p\) of sizes \[1, 2, 2, 6\] to 2"):
+    with pytest.raises(
+        EstimatorError, match=r"derivative must map \(t, x, u, p\) of sizes \[1, 2, 2, 6\] to 2"
+    ):
         CasadiPrediction(bad, WHEELSET)
