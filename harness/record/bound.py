@@ -15,9 +15,7 @@ from harness.scenario.adhesion import GROUP_OF_WHEELSET
 
 Array = NDArray[np.float64]
 
-_STRIDE = (
-    0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are straight lines over so short a time
-)
+_STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are straight lines over so short a time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,9 +52,7 @@ class Brake:
             load: Of each group, shape (n, 4) [N].
             deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
         """
-        pad_force = (
-            self.eta_rigging * self.i_rigging * np.maximum(self.p_max * self.A_piston - self.F_spring, 0)
-        )
+        pad_force = self.eta_rigging * self.i_rigging * np.maximum(self.p_max * self.A_piston - self.F_spring, 0)
         torque = self.n_units * pad_friction * pad_force * self.r_friction
         rotation = self.J * deceleration[:, None] / self.r_wheel
         return np.maximum(torque - rotation, 0) / (self.r_wheel * load)

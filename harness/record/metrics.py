@@ -31,9 +31,7 @@ class Metrics:
     mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance, (v0^2 - v1^2)/(2 s)")]
     jerk_mean: Annotated[float, Figure("m/s3", "mean magnitude of the change of acceleration over 0.1 s")]
     jerk_rms: Annotated[float, Figure("m/s3", "root mean square of the change of acceleration over 0.1 s")]
-    energy_residual: Annotated[
-        float, Figure("1", "energy the plant left unexplained over kinetic energy at the start")
-    ]
+    energy_residual: Annotated[float, Figure("1", "energy the plant left unexplained over kinetic energy at the start")]
     utilisation: Annotated[float, Figure("1", "contact impulse of the train over that of the ideal bound")]
     utilisation_wheelset: Annotated[
         Each, Figure("1", "contact impulse of each wheelset over its share in the ideal bound")
@@ -53,21 +51,13 @@ class Metrics:
     actuations: Annotated[
         Each, Figure("1", "valve strokes of each group; turns of the pressure command with ideal actuation")
     ]
-    adhesion_rmse: Annotated[
-        Each | None, Figure("1", "RMS error of the estimated adhesion above 10 km/h, each group")
-    ]
-    adhesion_bias: Annotated[
-        Each | None, Figure("1", "mean error of the estimated adhesion above 10 km/h, each group")
-    ]
+    adhesion_rmse: Annotated[Each | None, Figure("1", "RMS error of the estimated adhesion above 10 km/h, each group")]
+    adhesion_bias: Annotated[Each | None, Figure("1", "mean error of the estimated adhesion above 10 km/h, each group")]
     adhesion_error_95: Annotated[
         Each | None, Figure("1", "bound of 95 % of the adhesion errors above 10 km/h, each group")
     ]
-    adhesion_nees: Annotated[
-        Each | None, Figure("1", "mean squared error over variance, above 10 km/h, each group")
-    ]
-    adhesion_delay: Annotated[
-        Each | None, Figure("s", "shift of the estimated adhesion that fits best, each group")
-    ]
+    adhesion_nees: Annotated[Each | None, Figure("1", "mean squared error over variance, above 10 km/h, each group")]
+    adhesion_delay: Annotated[Each | None, Figure("s", "shift of the estimated adhesion that fits best, each group")]
     pad_friction_rmse: Annotated[
         Each | None, Figure("1", "RMS error of the estimated pad friction above 10 km/h, each group")
     ]

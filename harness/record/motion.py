@@ -46,9 +46,7 @@ def energy_residual(trace: xarray.Dataset) -> float:
     errs.
     """
     lost = -_change(trace, "kinetic_energy")
-    found = sum(
-        _change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work")
-    )
+    found = sum(_change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
     return (lost - found) / float(trace["kinetic_energy"].values[0])
 
 

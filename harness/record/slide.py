@@ -23,9 +23,7 @@ def slip_histogram(trace: xarray.Dataset) -> tuple[tuple[float, ...], ...]:
     """Return the time [s] of each group in each slip class of `SLIP_EDGES`; shape (4, 9)."""
     times, slip = _sample_times(trace), trace["slip"].values
     classes = np.digitize(slip, SLIP_EDGES)
-    counts = [
-        np.bincount(classes[:, g], weights=times, minlength=len(SLIP_EDGES) + 1) for g in range(slip.shape[1])
-    ]
+    counts = [np.bincount(classes[:, g], weights=times, minlength=len(SLIP_EDGES) + 1) for g in range(slip.shape[1])]
     return tuple(tuple(map(float, row)) for row in counts)
 
 

@@ -115,9 +115,7 @@ def read_stop(directory: Path) -> StopRecord:
             fmus=content["fmus"],
         )
     except FileNotFoundError as problem:
-        raise RecordError(
-            f"{path}: there is no such result; `railgrip run FILE --out DIR` makes one"
-        ) from problem
+        raise RecordError(f"{path}: there is no such result; `railgrip run FILE --out DIR` makes one") from problem
     except (OSError, UnicodeDecodeError) as problem:
         raise RecordError(f"{path}: cannot be read: {problem}") from problem
     except (ValueError, KeyError, TypeError) as problem:

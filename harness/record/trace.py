@@ -96,9 +96,7 @@ def read_trace(path: Path) -> xarray.Dataset:
         with xarray.open_dataset(path, engine="h5netcdf", decode_times=False, decode_cf=False) as opened:
             trace = opened.load()
     except FileNotFoundError as problem:
-        raise RecordError(
-            f"{path}: there is no such trace; a stop writes it beside its stop.json"
-        ) from problem
+        raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
     except (OSError, ValueError) as problem:
         raise RecordError(f"{path}: is not a NetCDF file: {problem}") from problem
     if "time" not in trace.coords:

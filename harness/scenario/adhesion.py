@@ -18,9 +18,7 @@ Array = NDArray[np.float64]
 GROUP_OF_WHEELSET = (0, 0, 1, 2, 3, 3)
 """ω-group of each wheelset: motor bogies turn as one, the wheelsets of the Jacobs bogie alone."""
 
-_PLACE_STEP = (
-    5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
-)
+_PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,14 +133,10 @@ def _random(shape: Random, places: Array, seed: int) -> Array:
     behind = int(np.ceil(-min(places.min(), 0.0) / spacing)) + 2
     forward = _markov(generator(seed, "adhesion"), np.exp(-spacing / correlation), ahead)
     # The process is reversible: going back from its first value is the same recursion with draws of its own.
-    backward = _markov(
-        generator(seed, "adhesion.behind"), np.exp(-spacing / correlation), behind, start=forward[0]
-    )
+    backward = _markov(generator(seed, "adhesion.behind"), np.exp(-spacing / correlation), behind, start=forward[0])
     noise = np.concatenate([backward[:0:-1], forward])
     points = spacing * np.arange(1 - behind, ahead)
-    return np.interp(
-        places, points, np.clip(shape.mean + shape.deviation * noise, shape.minimum, shape.maximum)
-    )
+    return np.interp(places, points, np.clip(shape.mean + shape.deviation * noise, shape.minimum, shape.maximum))
 
 
 def _markov(draws: np.random.Generator, persistence: float, count: int, start: float | None = None) -> Array:
@@ -159,9 +153,7 @@ def _markov(draws: np.random.Generator, persistence: float, count: int, start: f
 def _from_curve(curve: Curve, places: Array) -> Array:
     columns = range(places.shape[1])
     last = curve.mu0.shape[1] - 1
-    return np.stack(
-        [np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1
-    )
+    return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)
 
 
 def _conditioned(mu0: Array, conditioning: Conditioning | None) -> Array:

@@ -31,11 +31,7 @@ def read_curve(path: Path, *, wheelsets: int) -> Curve:
         ValueError: What is wrong and in which line, without the file's name.
     """
     with path.open(newline="", encoding="utf-8-sig") as file:
-        rows = [
-            (line, row)
-            for line, row in enumerate(csv.reader(file), start=1)
-            if any(cell.strip() for cell in row)
-        ]
+        rows = [(line, row) for line, row in enumerate(csv.reader(file), start=1) if any(cell.strip() for cell in row)]
     if not rows:
         raise ValueError("is empty; the first line names the columns, such as time,mu0")
     header = [cell.strip() for cell in rows[0][1]]

@@ -39,9 +39,7 @@ class NamedFile:
         if isinstance(written, NamedFile):
             return written
         if not isinstance(written, str) or not written:
-            raise PydanticCustomError(
-                "file", "is {found}, but the path of a file is wanted", {"found": repr(written)}
-            )
+            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": repr(written)})
         context = cast("dict[str, Path] | None", info.context) or {}
         path = context.get(DIRECTORY, Path()) / written
         if not path.is_file():

@@ -38,9 +38,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as problem:
-        raise ScenarioError(
-            f"{path}: there is no such file; name a scenario or campaign file (*.toml)"
-        ) from problem
+        raise ScenarioError(f"{path}: there is no such file; name a scenario or campaign file (*.toml)") from problem
     except OSError as problem:
         raise ScenarioError(f"{path}: cannot be read: {problem.strerror}") from problem
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
@@ -121,9 +119,7 @@ def _place(
         if not isinstance(node, Mapping | list | tuple):
             continue
         known = sorted({name for branch in branches for name in branch.model_fields})
-        annotations = [
-            branch.model_fields[str(step)].annotation for branch in branches if step in branch.model_fields
-        ]
+        annotations = [branch.model_fields[str(step)].annotation for branch in branches if step in branch.model_fields]
         branches = [found for annotation in annotations for found in _models(annotation)] or branches
         path.append(step)
         if isinstance(node, Mapping):

@@ -31,9 +31,7 @@ class KalmanFilter(Table):
     kind: Literal["fmu", "python", "compiled"]
     model: str = Field(description="prediction class, such as TrainPrediction or TrainPredictionReduced")
     noise: str = Field(description="name of the noise set")
-    parameters: Parameters = Field(
-        default={}, description="the prediction's parameters that differ from its own"
-    )
+    parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
 
     _flat = field_validator("parameters", mode="before")(scalars)
 
@@ -59,9 +57,7 @@ class Limits(Table):
     """Where a stop ends and what adhesion may be used."""
 
     horizon: Duration = Field(description="a stop that takes longer ends here, with that outcome")
-    stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(
-        description="speed that counts as standstill"
-    )
+    stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(description="speed that counts as standstill")
     alpha_max: Friction = Field(
         description="most adhesion that may be used: a number, 'tsi' (0.15) or 'tsi_short_formation' (0.13); "
         "LOC&PAS TSI 4.2.4.6.1"

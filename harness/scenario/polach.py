@@ -34,9 +34,7 @@ class Polach(BaseModel):
     k_S: Annotated[  # noqa: N815 (the name in the literature)
         float, Unit("1", above=0, at_most=1), Field(description="slope reduction, area of slip")
     ]
-    A: Annotated[
-        float, Unit("1", above=0, at_most=1), Field(description="friction at infinite slip velocity over mu0")
-    ]
+    A: Annotated[float, Unit("1", above=0, at_most=1), Field(description="friction at infinite slip velocity over mu0")]
     B: Annotated[float, Unit("s/m", at_least=0), Field(description="decay of friction with slip velocity")]
 
     @model_validator(mode="before")

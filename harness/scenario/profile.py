@@ -54,9 +54,7 @@ class Constant(_Profile):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise broken(
-                "gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one"
-            )
+            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 
@@ -81,9 +79,7 @@ class _Varying(_Profile):
             except ValueError as problem:
                 raise broken(f"{name} {problem} (the profile runs over {self.over})") from problem
             if value < 0 or (value == 0 and name not in zero):
-                raise broken(
-                    f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}"
-                )
+                raise broken(f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}")
 
 
 class Trapezoid(_Varying):
@@ -104,9 +100,7 @@ class Trapezoid(_Varying):
             raise broken(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
         taken = self.extent("low") + 2 * self.extent("ramp")
         if taken > self.extent("period"):
-            raise broken(
-                f"low and two ramps take {taken:g} {self.unit}, longer than period {self.extent('period'):g}"
-            )
+            raise broken(f"low and two ramps take {taken:g} {self.unit}, longer than period {self.extent('period'):g}")
         return self
 
 
@@ -139,9 +133,7 @@ class SineSweep(_Varying):
         if min(frequencies) <= 0:
             raise broken(f"frequencies must be above 0, got {frequencies}")
         if self.amplitude >= self.mean:
-            raise broken(
-                f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0"
-            )
+            raise broken(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
         return self
 
 
@@ -159,9 +151,7 @@ class Random(_Varying):
     def _fits(self) -> Self:
         self._check_extents("correlation")
         if not self.minimum <= self.mean <= self.maximum:
-            raise broken(
-                f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}"
-            )
+            raise broken(f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}")
         return self
 
 
@@ -175,9 +165,7 @@ class FromTable(_Profile):
     def _readable(self) -> Self:
         curve = self.curve
         if curve.mu0.shape[1] > 1 and self.conditioning is not None:
-            raise broken(
-                f"{self.file.written} gives mu0 for each wheelset, and conditioning makes it from the first's"
-            )
+            raise broken(f"{self.file.written} gives mu0 for each wheelset, and conditioning makes it from the first's")
         return self
 
     @property

@@ -199,9 +199,7 @@ class Magnitude:
 
         return core_schema.no_info_plain_validator_function(
             read,
-            serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda magnitude: magnitude.written
-            ),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda magnitude: magnitude.written),
         )
 
 

@@ -40,13 +40,9 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
         if self.runs_over_distance and not self.vehicle.wheelset_offsets:
-            raise broken(
-                "adhesion runs over distance: [vehicle] must give wheelset_offsets, how far behind the first"
-            )
+            raise broken("adhesion runs over distance: [vehicle] must give wheelset_offsets, how far behind the first")
         if self.controller.kind == "adhesion_based" and self.estimator.kind == "none":
-            raise broken(
-                "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind must not be 'none'"
-            )
+            raise broken("[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'")
         if self.limits.stop_speed >= self.start.speed:
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "

@@ -18,9 +18,7 @@ class WheelEncoder(Table):
     """Pulse-timing encoder of each independent wheelset."""
 
     pulses: Annotated[StrictInt, Field(ge=1, le=10000)] = Field(description="pulses per revolution")
-    pitch_error: Deviation = Field(
-        description="1σ error of a tooth's pitch over the pitch; repeats each revolution"
-    )
+    pitch_error: Deviation = Field(description="1σ error of a tooth's pitch over the pitch; repeats each revolution")
     clock: Duration = Field(description="tick of the clock that times the pulses")
     cut_off: Annotated[float, Unit("m/s", at_least=0)] = Field(description="speed below which it reads zero")
 

@@ -1,40 +1,26 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field, StrictBool, ValidationInfo, field_serializer, field_validator
+from pydantic import Field, PlainValidator, StrictBool, ValidationInfo, field_serializer, field_validator
 
 from harness.scenario.file import NamedFile
 from harness.scenario.table import WHEELSETS, Length, Parameters, Speed, Table, broken, scalars
 
 
-class MappedVariable(Table):
-    """A variable of a foreign FMU: its name there and, where the FMU does not declare it, its unit."""
+def _map_entry(written: Any) -> Any:
+    """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
+    if isinstance(written, str | dict) or (
+        isinstance(written, list | tuple) and all(isinstance(element, str | dict) for element in written)
+    ):
+        return written
+    raise broken(
+        f"is {written!r}, but the name of an FMU variable is wanted, a list of them, "
+        'or { variable = "…", unit = "…", scale = … }'
+    )
 
-    variable: str
-    unit: str | None = Field(default=None, description="the FMU's unit, only if the FMU itself declares none")
 
-
-Mapping = dict[str, MappedVariable]
-
-
-class NameMap(Table):
-    """Our name → the FMU's variable, for plants whose names are not ours."""
-
-    inputs: Mapping = Field(default={}, description="what the plant is given")
-    outputs: Mapping = Field(default={}, description="what it answers")
-    parameters: Mapping = Field(default={}, description="what [vehicle.parameters] sets")
-
-    @field_validator("inputs", "outputs", "parameters", mode="before")
-    @classmethod
-    def _short_form(cls, written: Any) -> Any:
-        """Let `"speed" = "train.v"` mean `"speed" = { variable = "train.v" }`."""
-        if not isinstance(written, dict):
-            return written
-        return {
-            ours: {"variable": theirs} if isinstance(theirs, str) else theirs
-            for ours, theirs in written.items()
-        }
+MapEntry = Annotated[Any, PlainValidator(_map_entry)]
 
 
 class Vehicle(Table):
@@ -43,10 +29,10 @@ class Vehicle(Table):
     plant: str | NamedFile = Field(
         description="an FMU recipe of this project, or the path of an .fmu from the scenario's folder"
     )
-    parameters: Parameters = Field(
-        default={}, description="the plant's parameters that differ from its own values"
+    parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
+    map: dict[str, MapEntry] = Field(
+        default={}, description="our name → variable of a foreign FMU: text with {i} for arrays, list, or table"
     )
-    map: NameMap = Field(default=NameMap(), description="our name → variable of a foreign FMU")
     isolate: StrictBool = Field(default=False, description="run the FMU in a process of its own")
     wheelset_offsets: tuple[Length, ...] = Field(
         default=(),
@@ -61,9 +47,7 @@ class Vehicle(Table):
         if isinstance(written, NamedFile) or (isinstance(written, str) and written.endswith(".fmu")):
             return NamedFile.find(written, info)
         if not isinstance(written, str) or not written.isidentifier():
-            raise broken(
-                f"is {written!r}, which is neither the name of an FMU recipe nor the path of an .fmu"
-            )
+            raise broken(f"is {written!r}, which is neither the name of an FMU recipe nor the path of an .fmu")
         return written
 
     @field_serializer("plant")

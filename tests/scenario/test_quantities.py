@@ -47,9 +47,7 @@ def test_any_text_is_a_quantity_or_a_sentence(text):
     assert sentence.startswith("is ")
 
 
-@pytest.mark.parametrize(
-    ("unit", "written"), [("kg.m2", "2 kg*m**2"), ("N.m", "2 N*m"), ("m/s2", "2 m/s**2")]
-)
+@pytest.mark.parametrize(("unit", "written"), [("kg.m2", "2 kg*m**2"), ("N.m", "2 N*m"), ("m/s2", "2 m/s**2")])
 def test_a_magnitude_is_checked_against_units_as_fmi_spells_them(unit, written):
     assert Magnitude(written).si(unit) == 2.0
     with pytest.raises(ValueError, match="cannot be converted"):
@@ -61,9 +59,7 @@ def test_a_bare_magnitude_is_in_whatever_unit_is_wanted():
     assert Magnitude(True).si(None) == 1.0
 
 
-scalars = st.one_of(
-    st.integers(-(2**62), 2**62), st.booleans(), st.floats(allow_nan=False, allow_infinity=False)
-)
+scalars = st.one_of(st.integers(-(2**62), 2**62), st.booleans(), st.floats(allow_nan=False, allow_infinity=False))
 keys = st.text(alphabet="abcdefgh_", min_size=1, max_size=8)
 
 
@@ -94,9 +90,7 @@ tables = st.recursive(scalars, lambda inner: st.dictionaries(keys, inner, max_si
 def test_a_change_laid_over_tables_twice_is_laid_over_once(base, change):
     once = merged(base, change)
     assert merged(once, change) == once
-    assert {key: once[key] for key in base if key not in change} == {
-        k: v for k, v in base.items() if k not in change
-    }
+    assert {key: once[key] for key in base if key not in change} == {k: v for k, v in base.items() if k not in change}
 
 
 def test_overrides_do_not_depend_on_their_order():

@@ -28,9 +28,7 @@ def test_units_are_converted_and_bare_numbers_are_si():
 
 
 def test_a_resolved_scenario_loads_to_the_same_scenario():
-    scenario = load(
-        TRAPEZOID, ['vehicle.parameters.p_max=["3.4 bar", 2e5]', "limits.alpha_max=tsi_short_formation"]
-    )
+    scenario = load(TRAPEZOID, ['vehicle.parameters.p_max=["3.4 bar", 2e5]', "limits.alpha_max=tsi_short_formation"])
     again = scenario_of(scenario.resolved(), directory=TRAPEZOID.parent, origin="again")
     assert again == scenario
     assert again.digest() == scenario.digest()
@@ -39,11 +37,18 @@ def test_a_resolved_scenario_loads_to_the_same_scenario():
     assert scenario.vehicle.parameters["p_max[2]"].si("Pa") == 2e5
 
 
+def test_a_foreign_plant_is_mapped_by_name_list_or_table():
+    entries = ["speed='train.v'", "mu0={ variable = 'rail[{i}].grip', scale = 0.01 }", "slip=['a', 'b', 'c', 'd']"]
+    scenario = load(TRAPEZOID, [f"vehicle.map.{entry}" for entry in entries])
+    assert scenario.vehicle.map["speed"] == "train.v"
+    assert scenario.vehicle.map["mu0"] == {"variable": "rail[{i}].grip", "scale": 0.01}
+    again = scenario_of(scenario.resolved(), directory=TRAPEZOID.parent, origin="again")
+    assert again.digest() == scenario.digest()
+
+
 def test_the_digest_follows_values_and_not_spelling():
     base = load(TRAPEZOID).digest()
-    assert load(TRAPEZOID, ["start.speed=80000 m/h"]).start.speed == pytest.approx(
-        load(TRAPEZOID).start.speed
-    )
+    assert load(TRAPEZOID, ["start.speed=80000 m/h"]).start.speed == pytest.approx(load(TRAPEZOID).start.speed)
     assert load(TRAPEZOID, ["limits.horizon=90"]).digest() == base
     assert load(TRAPEZOID, ["seed=7"]).digest() != base
 
@@ -110,7 +115,7 @@ REFUSALS = [
     (["controller.kind=abc"], "[controller] kind is 'abc'; there is 'full_brake', 'slip_two_state'"),
     (
         ["estimator.kind=none"],
-        "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind must",
+        "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is",
     ),
     (
         ["periods.controller=1.5 ms"],
@@ -125,7 +130,7 @@ REFUSALS = [
         ["vehicle.parameters.x=[1, 'a']"],
         "[vehicle.parameters] x[2] is 'a', which is not a number with a unit",
     ),
-    (["vehicle.map.inputs.mu0=3"], "[vehicle.map.inputs.mu0] must be a table, got 3"),
+    (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, but the name of an FMU variable is wanted"),
     (
         ["vehicle.wheelset_offsets=[0, 1]"],
         "[vehicle] wheelset_offsets must be 6 rising distances that start with 0",
@@ -145,8 +150,8 @@ REFUSALS = [
 def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overrides, sentence):
     with pytest.raises(ScenarioError) as refusal:
         load(TRAPEZOID, overrides)
-    assert any(line.startswith(f"trapezoid.toml: {sentence}") for line in str(refusal.value).splitlines()), (
-        str(refusal.value)
+    assert any(line.startswith(f"trapezoid.toml: {sentence}") for line in str(refusal.value).splitlines()), str(
+        refusal.value
     )
 
 

@@ -28,7 +28,5 @@ def test_curves_follow_the_chosen_law():
 
 
 def test_a_constant_force_adds_up():
-    track = Track.model_validate(
-        {"force": "2 kN", "gradient": [{"begin": 0, "slope": "10 ‰"}], "train_mass": 1000}
-    )
+    track = Track.model_validate({"force": "2 kN", "gradient": [{"begin": 0, "slope": "10 ‰"}], "train_mass": 1000})
     assert track_force_of(track).at(1.0) == pytest.approx(2000 - 1000 * 9.81 * np.sin(np.arctan(0.01)))
