@@ -79,8 +79,10 @@ class Channel:
 class Side:
     """All signals that travel one way, laid out in one vector.
 
+    The layout does not depend on the FMU: what an FMU lacks is NaN among outputs and is ignored among inputs.
+
     Attributes:
-        layout: Where each present signal is in the vector.
+        layout: Where each signal is in the vector.
         elements: Scalar names of ours, in the order of the vector.
         absent: Signals that are not needed and that the FMU does not have.
         channels: One per FMI type in use.
@@ -205,12 +207,13 @@ def _side(
                 missing += gone
             else:
                 absent.append(signal.name)
-            continue
-        layout[signal.name] = slice(len(elements), len(elements) + len(targets))
-        for element, target in zip(signal.elements, targets, strict=True):
+            targets = ()
+        first = len(elements)
+        elements += signal.elements
+        layout[signal.name] = slice(first, len(elements))
+        for position, (element, target) in enumerate(zip(signal.elements, targets, strict=False), start=first):
             row = _tie(description, signal, element, target, where, causality, into_fmu=into_fmu)
-            rows[_carrier(row[0])].append((len(elements), *row))
-            elements.append(element)
+            rows[_carrier(row[0])].append((position, *row))
     if missing:
         raise FmuError(_all_missing(description, missing, causality, where))
     return Side(
