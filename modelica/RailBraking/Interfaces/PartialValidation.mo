@@ -1,0 +1,10 @@
+within RailBraking.Interfaces;
+partial model PartialValidation "A model that knows its answer and judges itself"
+  parameter Types.Ratio tolerance "Largest error that passes";
+  Types.Ratio error "Deviation from the closed form, relative to the size of the answer";
+equation
+  assert(abs(error) <= tolerance, "The answer is off by " + String(error) + ", more than " + String(tolerance) + ".");
+  annotation (Documentation(info="<html>
+<p>The simulation stops with a message where the error leaves the tolerance.</p>
+</html>"));
+end PartialValidation;

@@ -1,0 +1,30 @@
+within RailBraking.UsersGuide;
+class Overview "What is where"
+  annotation (
+    DocumentationClass=true,
+    Documentation(info="<html>
+<p>Packages use only those above them:</p>
+<table border=\"1\" cellspacing=\"0\" cellpadding=\"2\">
+<tr><td>Types</td><td>quantities with units</td></tr>
+<tr><td>Interfaces</td><td>signals, partial parts</td></tr>
+<tr><td>Contact</td><td>Hertz, Kalker, Polach; named surfaces</td></tr>
+<tr><td>Friction</td><td>pads and discs</td></tr>
+<tr><td>Pneumatics</td><td>cylinders, valves, rigging</td></tr>
+<tr><td>Components</td><td>wheelsets, brakes, bogie frames, body</td></tr>
+<tr><td>Tracks</td><td>gradients and curves</td></tr>
+<tr><td>Vehicles</td><td>trains and their predictions, without what an edition adds</td></tr>
+<tr><td>FMUs</td><td>the blocks that are exported</td></tr>
+<tr><td>Validation, Examples</td><td>closed-form answers; cases to run</td></tr>
+</table>
+<h4>Examples</h4>
+<p>
+<a href=\"modelica://RailBraking.Examples.EmergencyStopDry\">EmergencyStopDry</a>,
+<a href=\"modelica://RailBraking.Examples.EmergencyStopSlippery\">EmergencyStopSlippery</a>,
+<a href=\"modelica://RailBraking.Examples.ProtectedStop\">ProtectedStop</a>,
+<a href=\"modelica://RailBraking.Examples.DownhillStop\">DownhillStop</a>,
+<a href=\"modelica://RailBraking.Examples.BrakedWheelset\">BrakedWheelset</a>,
+<a href=\"modelica://RailBraking.Examples.CreepCurves\">CreepCurves</a>,
+<a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>.
+</p>
+</html>"));
+end Overview;

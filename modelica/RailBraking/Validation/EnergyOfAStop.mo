@@ -1,0 +1,17 @@
+within RailBraking.Validation;
+model EnergyOfAStop "Energy of motion becomes heat and work, nothing is lost"
+  extends Interfaces.PartialValidation(tolerance=1e-6);
+
+  FMUs.TwoPartTrain train(speed_start=85/3.6) "Train on a wet rail";
+  final parameter Types.Energy E = 84000*(85/3.6)^2/2 + 862*(85/3.6/0.38)^2/2 "Energy at the start";
+equation
+  train.mu0 = fill(0.12, 6);
+  train.track_force = 2000;
+  train.pressure_command = {3.4e5, 2e5, 2e5, 3.4e5};
+  error = (train.kinetic_energy + train.contact_heat + train.pad_heat + train.resistance_work)/E - 1;
+  annotation (
+    experiment(StopTime=45, Tolerance=1e-8, Interval=0.01),
+    Documentation(info="<html>
+<p>The motor bogies lock on the way: the balance holds through events.</p>
+</html>"));
+end EnergyOfAStop;
