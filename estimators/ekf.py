@@ -38,9 +38,7 @@ class Innovation:
     @property
     def squared(self) -> float:
         """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees for a consistent filter."""
-        return (
-            float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
-        )
+        return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
 
 
 class ExtendedKalmanFilter:
@@ -90,7 +88,8 @@ class ExtendedKalmanFilter:
 
         Raises:
             EstimatorError: `held` or `seen` has the wrong shape.
-            FilterDiverged: The mean is no longer finite or the covariance no longer positive definite.
+            FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
+                definite, as happens only when that of the states no longer is.
         """
         self.design.check(held, seen)
         predicted = self.predict(prior, held)

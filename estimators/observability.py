@@ -221,8 +221,7 @@ def along(
     """
     if not 1 <= window <= len(x) or stride < 1:
         raise EstimatorError(
-            f"observability: window wants 1 to {len(x)} samples and stride at least 1, "
-            f"got {window} and {stride}."
+            f"observability: window wants 1 to {len(x)} samples and stride at least 1, got {window} and {stride}."
         )
     size = _sizes(scale, prediction.states)
     starts = np.arange(0, len(x) - window + 1, stride)
@@ -251,7 +250,6 @@ def _sizes(scale: ArrayLike, states: tuple[str, ...]) -> Vector:
     size = np.asarray(scale, dtype=np.float64)
     if size.shape != (len(states),) or not np.all(size > 0.0):
         raise EstimatorError(
-            f"observability: scale wants a positive size for each of {', '.join(states)}, "
-            f"got {size.tolist()}."
+            f"observability: scale wants a positive size for each of {', '.join(states)}, got {size.tolist()}."
         )
     return size

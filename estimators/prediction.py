@@ -180,13 +180,10 @@ class CasadiPrediction:
         missing = [name for name in names if name not in parameters]
         unknown = [name for name in parameters if name not in names]
         if missing:
-            raise EstimatorError(
-                f"Prediction: no value for the parameters {', '.join(missing)}; give every one."
-            )
+            raise EstimatorError(f"Prediction: no value for the parameters {', '.join(missing)}; give every one.")
         if unknown:
             raise EstimatorError(
-                f"Prediction: the model has no parameters {', '.join(unknown)}; "
-                f"it has {', '.join(names) or 'none'}."
+                f"Prediction: the model has no parameters {', '.join(unknown)}; it has {', '.join(names) or 'none'}."
             )
         self.parameters = np.array([parameters[name] for name in names], dtype=np.float64)
         self.equations = Equations(model)
