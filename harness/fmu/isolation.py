@@ -201,7 +201,9 @@ class IsolatedCoSimulation:
         line = self._line
         if line is None:
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
-        line.settimeout(patience or self._patience)
+        allowed = patience or self._patience
+        if line.gettimeout() != allowed:  # changing it is a call to the system, twice for each step
+            line.settimeout(allowed)
         try:
             send(line, request, payload)
             kind, answer = receive(line)
