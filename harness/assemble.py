@@ -30,7 +30,7 @@ from fmus.native.toolchain import shared_library
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
 from harness.loop.cycle import Believer, Clock, Ended, run
-from harness.loop.edge import OUTPUT, OUTPUTS
+from harness.loop.edge import OUTPUT
 from harness.loop.ports import Actuation, Controller, Plant
 from harness.loop.sensors import READING
 from harness.record import signals
@@ -271,35 +271,26 @@ def _plant(
         trusted=own or vehicle.trust,
         tell=tell,
     )
-    whole = len(binding.outputs.elements) == OUTPUTS and binding.inputs.size == signals.GROUPS + signals.WHEELSETS + 1
     with plant as opened:
-        yield opened if whole else _Partial(opened, binding.inputs.layout, binding.outputs.layout, radius)
+        yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
 
 
-class _Partial:
-    """A foreign plant that lacks some outputs, or the track force: they are missing, or follow from others."""
+class _WithSlip:
+    """A foreign plant that does not show slip: it follows from the speeds it shows and the nominal radii."""
 
-    def __init__(
-        self, plant: Plant, inputs: Mapping[str, slice], outputs: Mapping[str, slice], radius: tuple[float, ...]
-    ) -> None:
+    def __init__(self, plant: Plant, radius: tuple[float, ...]) -> None:
         self._plant = plant
-        self._sent = signals.GROUPS + signals.WHEELSETS + (1 if "track_force" in inputs else 0)
-        self._places = [(OUTPUT[name], theirs) for name, theirs in outputs.items()]
-        self._radius = None if "slip" in outputs else np.array(radius)
+        self._radius = np.array(radius)
 
     def start(self, inputs: Vector) -> Vector:
-        return self._whole(self._plant.start(inputs[: self._sent]))
+        return self._whole(self._plant.start(inputs))
 
     def step(self, inputs: Vector) -> Vector:
-        return self._whole(self._plant.step(inputs[: self._sent]))
+        return self._whole(self._plant.step(inputs))
 
-    def _whole(self, seen: Vector) -> Vector:
-        truth = np.full(OUTPUTS, np.nan)
-        for ours, theirs in self._places:
-            truth[ours] = seen[theirs]
-        if self._radius is not None:
-            speed = max(float(truth[OUTPUT["speed"]][0]), 1e-3)
-            truth[OUTPUT["slip"]] = 1.0 - self._radius * truth[OUTPUT["wheelset_speed"]] / speed
+    def _whole(self, truth: Vector) -> Vector:
+        speed = max(float(truth[OUTPUT["speed"]][0]), 1e-3)
+        truth[OUTPUT["slip"]] = 1.0 - self._radius * truth[OUTPUT["wheelset_speed"]] / speed
         return truth
 
 
