@@ -84,14 +84,11 @@ class Train:
         table = dict(zip(["time", *real, *boolean], np.array(rows).T, strict=True))
         columns = {name: [table[s] for s in scalars(name)] for name in WATCHED}
         return {"time": table["time"]} | {
-            name.partition("[")[0]: np.stack(own, axis=1) if "[" in name else own[0]
-            for name, own in columns.items()
+            name.partition("[")[0]: np.stack(own, axis=1) if "[" in name else own[0] for name, own in columns.items()
         }
 
     @staticmethod
-    def _set(
-        slave: FMU2Slave, reference: Mapping[str, int], inputs: Mapping[str, Signal], time: float
-    ) -> None:
+    def _set(slave: FMU2Slave, reference: Mapping[str, int], inputs: Mapping[str, Signal], time: float) -> None:
         names, values = [], []
         for name, signal in inputs.items():
             now = signal(time)

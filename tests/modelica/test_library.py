@@ -46,9 +46,7 @@ def test_one_class_named_for_its_file_with_a_description(path: Path) -> None:
     if within:
         assert source.startswith(f"within {within};\n")
     head = re.search(rf'^{KINDS}\s+{name}(?:\s*=[^"]*)?\s+"([A-Z][^"]*[^."])"', source, re.MULTILINE)
-    assert head, (
-        "a class named for its file, with a description that begins with a capital and has no full stop"
-    )
+    assert head, "a class named for its file, with a description that begins with a capital and has no full stop"
     assert len(re.findall(rf"^{KINDS}\s+\w+", code(path), re.MULTILINE)) == 1
 
 

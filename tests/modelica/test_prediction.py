@@ -28,9 +28,7 @@ def test_states_inputs_and_outputs_stand_in_the_filters_order(prediction: Model)
     names = [v.name for v in prediction.states]
     reduced = len(names) == 13
     assert names == (FULL_STATES[:13] if reduced else FULL_STATES)
-    assert [v.name for v in prediction.inputs] == [f"cylinder_pressure[{i}]" for i in range(1, 5)] + [
-        "track_force"
-    ]
+    assert [v.name for v in prediction.inputs] == [f"cylinder_pressure[{i}]" for i in range(1, 5)] + ["track_force"]
     deflections = [] if reduced else [f"deflection[{i}]" for i in range(1, 7)]
     speeds = [f"wheelset_speed[{i}]" for i in range(1, 5)]
     assert [v.name for v in prediction.outputs] == ["speed", *speeds, *deflections, "acceleration"]
@@ -58,8 +56,8 @@ def test_a_prediction_that_knows_the_state_knows_the_acceleration(
         u = [*stop["cylinder_pressure"][k], 0.0]
         dx = np.asarray(prediction.derivative(0, x, u, p)).ravel()
         assert dx[0] == pytest.approx(stop["acceleration"][k], rel=1e-2 if reduced else 1e-4)
-        # The plant's own rate by central differences over 20 ms. With J of 222 kg m2 a torque of 14 kN m wrong
-        # by 0.2 % makes 0.1 rad/s2; a load wrong by 4 kN on a wheelset of the trailer bogie 1 rad/s2.
+        # The plant's own rate by central differences over 20 ms. With J of 222 kg m2 a torque of 14 kN m
+        # wrong by 0.2 % makes 0.1 rad/s2; a load wrong by 4 kN on a wheelset of the trailer bogie 1 rad/s2.
         seen = (stop["wheelset_speed"][k + 1] - stop["wheelset_speed"][k - 1]) / 0.02
         assert dx[1:5] == pytest.approx(seen, abs=2.0 if reduced else 0.1)
         assert np.all(dx[5:13] == 0)

@@ -22,9 +22,7 @@ def friction(value: float) -> Signal:
     return lambda _: [value] * 6
 
 
-def brake(
-    train: Train, km_h: float, mu0: float | Signal, surface: dict[str, float], **more: object
-) -> Record:
+def brake(train: Train, km_h: float, mu0: float | Signal, surface: dict[str, float], **more: object) -> Record:
     settings = {
         "parameters": surface | {"speed_start": km_h / 3.6},
         "until": 60.0,
@@ -44,9 +42,7 @@ def balance(stop: Record) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("km_h", "metres"), [(85, 264), (115, 474), (120, 515)])
-def test_emergency_stops_on_a_dry_rail_take_the_published_distance(
-    train: Train, km_h: float, metres: float
-) -> None:
+def test_emergency_stops_on_a_dry_rail_take_the_published_distance(train: Train, km_h: float, metres: float) -> None:
     """Two per cent is the agreement asked for with parameters that are estimates to five."""
     stop = brake(train, km_h, 0.55, DRY)
     assert stop["speed"][-1] == 0.0
@@ -236,10 +232,6 @@ def test_a_short_pulse_keeps_its_length_through_the_dead_time(pneumatic_train: T
 def test_ideal_cylinders_follow_and_keep_their_bounds(train: Train) -> None:
     stop = brake(train, 80, 0.3, WET, pressure=lambda t: [9e5, -1e5, 1e5, 2e5], until=1.0, keep=1)
     at_time_constant = stop["cylinder_pressure"][20]
-    assert at_time_constant == pytest.approx(
-        (1 - np.exp(-1)) * np.array([3.4e5, 0.0, 1e5, 2e5]), rel=1e-3, abs=1e-6
-    )
+    assert at_time_constant == pytest.approx((1 - np.exp(-1)) * np.array([3.4e5, 0.0, 1e5, 2e5]), rel=1e-3, abs=1e-6)
     assert stop["cylinder_pressure"][-1] == pytest.approx([3.4e5, 0.0, 1e5, 2e5], abs=1.0)
-    assert stop["air_used"][-1] == pytest.approx(
-        (9e-3 * 3.4e5 + 6e-3 * 1e5 + 9e-3 * 2e5) / 1.01325e5, rel=1e-3
-    )
+    assert stop["air_used"][-1] == pytest.approx((9e-3 * 3.4e5 + 6e-3 * 1e5 + 9e-3 * 2e5) / 1.01325e5, rel=1e-3)
