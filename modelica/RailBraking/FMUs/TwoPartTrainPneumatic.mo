@@ -20,7 +20,8 @@ block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and
 protected
   Pneumatics.ValveCylinder cylinder[4](
     p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free, each T_fill=T_fill, each T_vent=T_vent,
-    each dead_fill=dead_fill, each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak) "Cylinders of each group";
+    each dead_fill=dead_fill, each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak)
+    "Cylinders of each group";
   Pneumatics.HystereticRigging rigging[4](
     each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring,
     each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group";
