@@ -67,7 +67,11 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
     except tomllib.TOMLDecodeError as error:
         raise WrongQuestion(f"{file} is not TOML: {error}.") from error
     recipes: dict[str, Recipe] = {}
+    keys = [field.alias or key for key, field in Recipe.model_fields.items()]
     for name, table in tables.items():
+        for key in table if isinstance(table, dict) else ():
+            if key not in keys:
+                raise WrongQuestion(f"{file}: [{name}] has no key '{key}'; it has {', '.join(keys)}.")
         try:
             recipes[name] = Recipe.model_validate(table)
         except ValidationError as error:
