@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.lapack import dposv
+from scipy.linalg import get_lapack_funcs
 
 from estimators.belief import Estimate, Matrix, Vector
 from estimators.design import Design, frozen_estimate
@@ -12,6 +12,9 @@ from estimators.discretisation import advanced, transition
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
 from estimators.prediction import Prediction
+
+(POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
+"""LAPACK's solver for positive definite systems: factor, solution, and 0 if there was a factor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,9 +38,7 @@ class Innovation:
     @property
     def squared(self) -> float:
         """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees for a consistent filter."""
-        return (
-            float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
-        )
+        return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
 
 
 class ExtendedKalmanFilter:
@@ -87,7 +88,8 @@ class ExtendedKalmanFilter:
 
         Raises:
             EstimatorError: `held` or `seen` has the wrong shape.
-            FilterDiverged: The mean is no longer finite or the covariance no longer positive definite.
+            FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
+                definite, as happens only when that of the states no longer is.
         """
         self.design.check(held, seen)
         predicted = self.predict(prior, held)
@@ -134,7 +136,7 @@ class ExtendedKalmanFilter:
             return predicted
         P, H = predicted.covariance, innovation.jacobian
         # Straight from LAPACK: scipy's checked wrapper takes longer than the rest of this function.
-        _, solution, info = dposv(innovation.covariance, H @ P)
+        _, solution, info = POSV(innovation.covariance, H @ P)
         if info != 0:
             raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
         gain = solution.T * self._free(held)[:, np.newaxis]

@@ -1,5 +1,6 @@
 """From a scenario to the parties of its stop: the only place that names concrete classes."""
 
+import hashlib
 import platform
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
@@ -9,6 +10,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ from estimators.prediction import CasadiPrediction
 from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from fmus.build import fmu
 from fmus.native import Model, lower
+from fmus.native.toolchain import shared_library
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
 from harness.loop.cycle import Believer, Clock, Ended, run
@@ -46,6 +49,9 @@ from harness.scenario.track import track_force_of
 from harness.train import brake_groups_of, brake_of
 
 Vector = NDArray[np.float64]
+
+BUILD = Path("build/native")
+"""Where compiled filters and contacts are kept and found again."""
 
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the train's nominal data."""
@@ -336,7 +342,7 @@ def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
         states, outputs = prediction.states, prediction.outputs
         noises = noise.process_noise(states), noise.reading_noise(outputs)
         if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-            filter_ = CompiledFilter(prediction, *noises, period, gate)
+            filter_ = CompiledFilter(prediction, *noises, period, gate, directory=BUILD)
         else:
             filter_ = ExtendedKalmanFilter(prediction, *noises, period, gate)
         radius = parameters["r_wheel"]
@@ -456,9 +462,24 @@ def contact_of(scenario: Scenario) -> Callable[[Vector, Vector, Vector, Vector],
     values = {v.name: v.start for v in model.parameters} | scenario.adhesion.polach.plant_parameters()
     parameters = np.array([values[v.name] for v in model.parameters])
     order = [("slip", "speed", "load", "mu0").index(v.name) for v in model.inputs]
+    compiled = _compiled_contact()
 
     def adhesion(slip: Vector, speed: Vector, load: Vector, mu0: Vector) -> Vector:
         given = np.stack([np.ravel(values) for values in (slip, speed, load, mu0)])[order]
-        return np.asarray(model.output(0.0, np.zeros((0, 1)), given, parameters)).reshape(np.shape(slip))
+        return np.asarray(compiled(given, parameters)).reshape(np.shape(slip))
 
     return adhesion
+
+
+@cache
+def _compiled_contact() -> ca.Function:
+    """Return the contact as C: the search for peaks evaluates it a million times a stop."""
+    model = lowered("RailBraking.FMUs.ContactPoint")
+    given, parameters = ca.SX.sym("given", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
+    function = ca.Function("contact", [given, parameters], [model.output(0, ca.SX(0, 1), given, parameters)])
+    generator = ca.CodeGenerator("contact.c")
+    generator.add(function)
+    source = generator.dump()
+    name = f"contact_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+    library = shared_library({"contact.c": source}, BUILD, name, flags=("-fvisibility=default",))
+    return ca.external("contact", str(library.resolve()))

@@ -101,6 +101,8 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
         shape = tuple(v["value_type"]["dimensions"])
         own = [SX.sym(name) for name in names]
         symbols[kind, v["id"]] = array(own, shape)
+        if kind == "constant":  # expressions refer to both in the same way
+            symbols["parameter", v["id"]] = symbols[kind, v["id"]]
         if kind == "state":
             symbols["derivative", v["id"]] = array([SX.sym(f"der({name})") for name in names], shape)
         if kind == "discrete":

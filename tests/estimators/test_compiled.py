@@ -34,19 +34,19 @@ def assert_same(one, other, tolerance):
     assert np.max(np.abs(one.covariance - other.covariance) / spread) < tolerance
 
 
-def test_compiled_equals_python_through_a_stop_with_dropouts_outliers_and_gates(rolling, kept):
-    """35 s in steps of 1 ms, the two filters compared all along; neither sees the other's belief."""
+def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling, kept):
+    """The two filters are compared all along; neither sees the other's belief."""
     parts = (rolling, DENSITY, READING, PERIOD, GATE, 5.0)
     plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts, directory=kept)
     one = two = plain.start(FIRST_MEAN, FIRST_VARIANCE)
     random = np.random.default_rng(7)
     left_out = 0
-    for k in range(35_000):
+    for k in range(6_000):
         held = np.array([max(0.0, 2e4 * np.sin(k / 900.0)), 500.0 * np.cos(k / 3000.0)])
         seen = rolling.output(one.mean, held) + np.sqrt(READING) * random.standard_normal(3)
         if k % 5:
             seen[1] = np.nan
-        if k % 400 == 0:
+        if k % 100 == 0:
             seen[0] += 3.0
         one, two = plain.step(one, held, seen), fast.step(two, held, seen)
         left_out += int(fast.used[0] == 0.0)

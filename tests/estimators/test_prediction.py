@@ -124,7 +124,5 @@ def test_a_model_whose_functions_do_not_fit_its_names_is_refused():
     good = wheelset()
     names = (Name("v"), Name("w"))
     bad = SmallModel(names, good.inputs, good.parameters, good.outputs, good.derivative, good.output)
-    with pytest.raises(
-        EstimatorError, match=r"derivative must map \(t, x, u, p\) of sizes \[1, 2, 2, 6\] to 2"
-    ):
+    with pytest.raises(EstimatorError, match=r"derivative must map \(t, x, u, p\) of sizes \[1, 2, 2, 6\] to 2"):
         CasadiPrediction(bad, WHEELSET)
