@@ -34,7 +34,7 @@ class Stamp:
 
     Attributes:
         inputs: Digest of everything that was read: Modelica files, recipe, compiler.
-        source: Digest of what came out of the compiler's front half; the C compiler runs again only when it moved.
+        source: Digest of the C code and XML; the C compiler runs again only when it moved.
         compiler: native or openmodelica.
         face: The FMU as lock.toml records it; empty when OpenModelica built it.
     """

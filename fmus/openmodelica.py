@@ -16,11 +16,11 @@ TYPE = {frozenset({"me"}): "me", frozenset({"cs"}): "cs", frozenset({"me", "cs"}
 def script(recipe: Recipe, library: Path) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
 
-    Every command prints its value; the last line of the output is the FMU's path as a string. Errors come out of
-    `getErrorString()`, because a failing command only answers false or "".
+    Every command prints its value. Errors come out of `getErrorString()`, because a failing command itself
+    only answers false or "".
     """
     package = library / "package.mo" if library.is_dir() else library
-    # Co-simulation with CVODE; directional derivatives are on unless switched off, said here so that it stays so.
+    # Co-simulation with CVODE. Directional derivatives are on by default; said here so that it stays so.
     options = ["--fmiFlags=s:cvode"] if "cs" in recipe.interfaces else []
     kind = TYPE[frozenset(recipe.interfaces)]
     prefix = recipe.class_name.replace(".", "_")
@@ -69,13 +69,15 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
 def errors(output: str) -> list[str]:
     """Return the error messages in what omc printed; notifications and warnings are none.
 
-    A message reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place, and ends
-    where the next one begins.
+    A message reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place,
+    and ends where the next one begins.
     """
     starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Error|Warning|Notification): ', re.MULTILINE)
     found = list(starts.finditer(output))
     ends = [m.start() for m in found[1:]] + [len(output)]
-    return [output[m.start() : end].strip(' "\n') for m, end in zip(found, ends, strict=False) if m[1] == "Error"]
+    return [
+        output[m.start() : end].strip(' "\n') for m, end in zip(found, ends, strict=False) if m[1] == "Error"
+    ]
 
 
 @lru_cache(maxsize=1)
