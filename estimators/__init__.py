@@ -1,1 +1,7 @@
-"""What we believe about the train: adhesion and pad friction estimated from what the sensors show."""
+"""What we believe about the train: adhesion and pad friction estimated from what the sensors show.
+
+`prediction` says what a filter asks of a model, `ekf` is the extended Kalman filter in numpy (the reference),
+and `compiled` the same filter generated as C. `gate` holds a state still while nothing can be learned about
+it, `tuning` names the noises, `consistency` tells whether a filter knows what it does not know, and
+`observability` what can be known at all.
+"""

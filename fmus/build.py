@@ -16,7 +16,7 @@ from fmus import lock, openmodelica
 from fmus.errors import CompilerMissing, FmuError, WrongQuestion
 from fmus.lock import Entry
 from fmus.native import package, toolchain
-from fmus.native.dae import LIBRARY, read
+from fmus.native.dae import read
 from fmus.native.system import explicit
 from fmus.recipe import Cookbook, Recipe, read_recipes
 
@@ -73,10 +73,11 @@ def fmu(name: str, compiler: Compiler = "auto", directory: Path = OUTPUT) -> Pat
 
 def build_one(
     name: str, compiler: Compiler = "auto", directory: Path = OUTPUT, *, book: Cookbook | None = None,
-    library: Path = LIBRARY,
+    library: Path | None = None,
 ) -> Built:  # fmt: skip
-    """Bring the FMU of one recipe up to date."""
+    """Bring the FMU of one recipe up to date, from the library of its class unless another is given."""
     recipe = (read_recipes() if book is None else book)[name]
+    library = library or recipe.library
     chosen = choose(compiler)
     path, stamp_file = directory / f"{name}.fmu", directory / f"{name}.json"
     stamp = _read_stamp(stamp_file) if path.exists() else None
@@ -100,9 +101,9 @@ def build_one(
     return done("built", Stamp(inputs=inputs, source=key, compiler=chosen, face=face))
 
 
-def translate(recipe: Recipe, library: Path = LIBRARY) -> tuple[package.Source, Entry]:
+def translate(recipe: Recipe, library: Path | None = None) -> tuple[package.Source, Entry]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its face for lock.toml."""
-    system = explicit(read(recipe.class_name, library))
+    system = explicit(read(recipe.class_name, library or recipe.library))
     source = package.sources(
         system,
         interfaces=recipe.interfaces,
@@ -162,7 +163,7 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
 
 def _is_current(name: str, book: Cookbook, compiler: Compiler, directory: Path) -> bool:
     stamp = _read_stamp(directory / f"{name}.json") if (directory / f"{name}.fmu").exists() else None
-    return stamp is not None and stamp.inputs == _inputs_digest(book[name], choose(compiler), LIBRARY)
+    return stamp is not None and stamp.inputs == _inputs_digest(book[name], choose(compiler), book[name].library)
 
 
 def _read_stamp(file: Path) -> Stamp | None:

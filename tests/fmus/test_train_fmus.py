@@ -26,6 +26,10 @@ HELD = {
     "slip": 0.02,
     "speed": 20.0,
     "load": 1.0e5,
+    # Of the train that thinks in bar and kN.
+    "demand": [3.0, 2.5, 2.5, 3.0],
+    "rail_grip": [0.20, 0.21, 0.22, 0.23, 0.24, 0.25],
+    "drag": 0.5,
 }
 
 

@@ -65,7 +65,8 @@ resistance by <code>tau_small</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Forward rotation only. Shafts are rigid. The brake is as strong at rest as it was when sliding stopped. At standstill the contacts
+Forward rotation only. Shafts are rigid. The brake is as strong at rest as it was when sliding stopped. At standstill
+the contacts
 carry no force in this model; what holds the train there is accounted for by <code>capacity</code>.
 </p>
 </html>"));

@@ -1,0 +1,80 @@
+"""Does a filter know what it does not know? Errors and innovations measured in their own claimed spread."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import chi2
+
+from estimators.belief import Estimate, Vector
+from estimators.errors import EstimatorError
+
+
+def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None) -> float:
+    """Return the normalised estimation error squared eᵀP⁻¹e, chi-square of as many degrees as states.
+
+    Args:
+        estimate: A belief.
+        truth: True state at the same instant, shape (n,).
+        states: Indices of the states to judge, with their joint covariance; all when None.
+
+    Raises:
+        EstimatorError: The truth has another shape than the mean.
+
+    Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), §5.4.
+    """
+    if truth.shape != estimate.mean.shape:
+        raise EstimatorError(
+            f"nees: the truth wants the {estimate.mean.size} states of the estimate, got shape {truth.shape}."
+        )
+    chosen = np.arange(truth.size) if states is None else np.asarray(states)
+    error = (truth - estimate.mean)[chosen]
+    return float(error @ np.linalg.solve(estimate.covariance[np.ix_(chosen, chosen)], error))
+
+
+def chi_square_bounds(degrees: int, runs: int = 1, confidence: float = 0.95) -> tuple[float, float]:
+    """Return the interval that holds the mean of `runs` independent chi-square values with this probability.
+
+    The NEES of n states has n degrees, the NIS of a step as many as readings were used. Values at successive
+    steps of one run are not independent: average over runs, not over time.
+
+    Raises:
+        EstimatorError: No degrees, no runs, or a confidence outside (0, 1).
+    """
+    if degrees < 1 or runs < 1 or not 0.0 < confidence < 1.0:
+        raise EstimatorError(
+            "chi_square_bounds: wants degrees ≥ 1, runs ≥ 1 and a confidence strictly between 0 and 1, "
+            f"got {degrees}, {runs}, {confidence}."
+        )
+    tail = 0.5 * (1.0 - confidence)
+    low, high = chi2.ppf((tail, 1.0 - tail), degrees * runs) / runs
+    return float(low), float(high)
+
+
+def delay(time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step_at: float, tolerance: float) -> float:
+    """Return how long after a step of the truth the estimate is within `tolerance` of it, for good.
+
+    Args:
+        time: Instants in s, increasing, shape (k,).
+        truth: The quantity that steps, shape (k,).
+        estimate: What the filter says, shape (k,), same unit.
+        step_at: Instant of the step in s; the record should end before the truth steps again.
+        tolerance: Error that counts as arrived, in the unit of the quantity.
+
+    Returns:
+        Seconds from `step_at` to the first instant from which on the error stays within `tolerance`; infinity
+        if it does not within the record.
+
+    Raises:
+        EstimatorError: The record holds nothing after the step.
+    """
+    after = time >= step_at
+    if not np.any(after):
+        raise EstimatorError(f"delay: the record ends at {time[-1]} s, before the step at {step_at} s.")
+    outside = np.flatnonzero(np.abs(np.asarray(estimate) - np.asarray(truth))[after] > tolerance)
+    instants = time[after]
+    if outside.size == 0:
+        return float(instants[0] - step_at)
+    arrived = outside[-1] + 1
+    return float(instants[arrived] - step_at) if arrived < instants.size else math.inf

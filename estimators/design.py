@@ -1,0 +1,181 @@
+"""What a filter is made of, checked once."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from estimators.belief import Estimate, Matrix, Vector, sealed
+from estimators.errors import EstimatorError
+from estimators.gate import Gate
+from estimators.prediction import Prediction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Design:
+    """Names, noises and gate of a filter, from which both implementations are built.
+
+    Attributes:
+        states: Names of the n states.
+        inputs: Names of the held inputs.
+        outputs: Names of the m readings.
+        spread: Process noise that one period adds, shape (n, n).
+        reading_noise: Covariance of the readings, shape (m, m).
+        period: Seconds between two steps.
+        gated_states: Index of every state that a gate may freeze.
+        gating_inputs: Index of the input that decides, one for each of `gated_states`.
+        gate_threshold: Frozen below this value, in the unit of the gating inputs.
+        outlier_limit: A reading further than this many standard deviations from what was expected is left
+            out; infinity if every reading counts.
+    """
+
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    spread: Matrix
+    reading_noise: Matrix
+    period: float
+    gated_states: tuple[int, ...]
+    gating_inputs: tuple[int, ...]
+    gate_threshold: float
+    outlier_limit: float
+
+    @classmethod
+    def of(
+        cls,
+        prediction: Prediction,
+        process_noise: ArrayLike,
+        reading_noise: ArrayLike,
+        period: float,
+        gate: Gate | None,
+        outlier_limit: float | None,
+    ) -> Self:
+        """Check the parts of a filter against each other.
+
+        Args:
+            prediction: The model.
+            process_noise: Density of the process noise in (unit of the state)²/s: shape (n,) for independent
+                noises, or (n, n). Positive semidefinite.
+            reading_noise: Covariance of the readings: shape (m,) of variances, or (m, m). Positive definite.
+            period: Seconds, positive.
+            gate: What to freeze and when, or None.
+            outlier_limit: Standard deviations beyond which a reading is left out, or None to use every
+                reading.
+
+        Raises:
+            EstimatorError: One of them does not fit; the message says which.
+        """
+        states, inputs, outputs = prediction.states, prediction.inputs, prediction.outputs
+        for kind, names in (("state", states), ("input", inputs), ("output", outputs)):
+            if len(set(names)) != len(names):
+                raise EstimatorError(f"Filter: the prediction names a {kind} twice in {', '.join(names)}.")
+        if not states or not outputs:
+            raise EstimatorError("Filter: a prediction needs at least one state and one output.")
+        if not (math.isfinite(period) and period > 0.0):
+            raise EstimatorError(f"Filter: period is a positive number of seconds, got {period}.")
+        if outlier_limit is not None and not outlier_limit > 0.0:
+            raise EstimatorError(
+                "Filter: outlier_limit is a positive number of standard deviations, "
+                f"got {outlier_limit}; None uses every reading."
+            )
+        density = noise_matrix("process_noise", process_noise, states)
+        if np.min(np.linalg.eigvalsh(density)) < -1e-12 * np.max(np.abs(density), initial=0.0):
+            raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
+        reading = noise_matrix("reading_noise", reading_noise, outputs)
+        if not positive_definite(reading):
+            raise EstimatorError(
+                "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
+                "a small floor for a perfect sensor."
+            )
+        return cls(
+            states=states,
+            inputs=inputs,
+            outputs=outputs,
+            spread=density * period,
+            reading_noise=reading,
+            period=period,
+            gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
+            gating_inputs=() if gate is None else tuple(index("Gate", "input", n, inputs) for n in gate.inputs),
+            gate_threshold=-math.inf if gate is None else gate.threshold,
+            outlier_limit=math.inf if outlier_limit is None else outlier_limit,
+        )
+
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+        """Return the belief before the first step.
+
+        Args:
+            mean: Shape (n,).
+            covariance: Shape (n,) of variances, or (n, n); positive definite.
+
+        Raises:
+            EstimatorError: Wrong shape, a value that is not finite, or no covariance.
+        """
+        first = np.array(mean, dtype=np.float64)
+        if first.shape != (len(self.states),):
+            raise EstimatorError(
+                f"start: mean wants {len(self.states)} states ({', '.join(self.states)}), got shape {first.shape}."
+            )
+        lost = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
+        if lost:
+            raise EstimatorError(f"start: the mean of {', '.join(lost)} is not a finite number.")
+        spread = noise_matrix("covariance", covariance, self.states)
+        if not positive_definite(spread):
+            raise EstimatorError("start: covariance is not positive definite; give every state a variance above zero.")
+        return sealed(first, spread)
+
+    def check(self, held: Vector, seen: Vector) -> None:
+        """Refuse inputs or readings of the wrong length."""
+        if held.shape != (len(self.inputs),):
+            raise EstimatorError(
+                f"step: held wants {len(self.inputs)} inputs ({', '.join(self.inputs)}), got shape {held.shape}."
+            )
+        if seen.shape != (len(self.outputs),):
+            raise EstimatorError(
+                f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
+                f"got shape {seen.shape}; write NaN for a reading that is not there."
+            )
+
+
+def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix:
+    """Return `values` as an exactly symmetric matrix over `names`; one axis means independent entries.
+
+    Raises:
+        EstimatorError: Wrong shape, not finite, or not symmetric; the message names `what`.
+    """
+    given = np.array(values, dtype=np.float64)
+    n = len(names)
+    if given.shape not in ((n,), (n, n)):
+        raise EstimatorError(
+            f"Filter: {what} wants shape ({n},) or ({n}, {n}) for {', '.join(names)}; got {given.shape}."
+        )
+    if not np.all(np.isfinite(given)):
+        raise EstimatorError(f"Filter: {what} holds a value that is not a finite number.")
+    if given.ndim == 1:
+        return np.diag(given)
+    # Far above what rounding leaves of a product such as F P Fᵀ, far below any entry a person would write.
+    if not np.allclose(given, given.T, rtol=1e-9, atol=1e-12 * np.max(np.abs(given), initial=0.0)):
+        raise EstimatorError(f"Filter: {what} is not symmetric.")
+    return 0.5 * (given + given.T)
+
+
+def positive_definite(matrix: Matrix) -> bool:
+    """Tell whether a symmetric matrix has a Cholesky factor."""
+    try:
+        np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def index(who: str, kind: str, name: str, names: tuple[str, ...]) -> int:
+    """Return where `name` stands in `names`.
+
+    Raises:
+        EstimatorError: It does not; the message lists those that do.
+    """
+    try:
+        return names.index(name)
+    except ValueError:
+        raise EstimatorError(f"{who}: there is no {kind} '{name}'; there are {', '.join(names) or 'none'}.") from None

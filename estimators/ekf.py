@@ -1,0 +1,157 @@
+"""The extended Kalman filter in numpy: the reference that `compiled` must equal."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import get_lapack_funcs
+
+from estimators.belief import Estimate, Matrix, Vector, sealed
+from estimators.design import Design
+from estimators.discretisation import advanced, transition
+from estimators.errors import FilterDiverged
+from estimators.gate import Gate
+from estimators.prediction import Prediction
+
+(POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
+"""LAPACK's solver for positive definite systems: factor, solution, and 0 if there was a factor."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Innovation:
+    """What the readings say beyond what was expected, for the r readings that are used.
+
+    Attributes:
+        rows: Which readings are used, shape (r,): those that are there and no outliers.
+        residual: Reading minus expected reading, shape (r,).
+        jacobian: d(reading)/d(state) at the predicted mean, shape (r, n).
+        noise: Covariance of the readings themselves, shape (r, r).
+        covariance: Of `residual`, shape (r, r).
+    """
+
+    rows: NDArray[np.intp]
+    residual: Vector
+    jacobian: Matrix
+    noise: Matrix
+    covariance: Matrix
+
+    @property
+    def squared(self) -> float:
+        """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees for a consistent filter."""
+        return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
+
+
+class ExtendedKalmanFilter:
+    """Extended Kalman filter over any prediction, in Joseph form; see `discretisation` for its period.
+
+    Args:
+        prediction: The model, n states and m outputs.
+        process_noise: Density in (unit of the state)²/s, shape (n,) or (n, n); one period adds
+            density·period.
+        reading_noise: Covariance of the readings, shape (m,) or (m, m).
+        period: Seconds between two steps.
+        gate: States to freeze and when, or None.
+        outlier_limit: Leave out a reading further from what was expected than this many standard deviations
+            of its innovation; None uses every reading.
+
+    Raises:
+        EstimatorError: The parts do not fit each other.
+
+    Source: Särkkä, Bayesian Filtering and Smoothing (2013), §5.2; Schmidt gain for gated states, see `Gate`.
+    """
+
+    def __init__(
+        self,
+        prediction: Prediction,
+        process_noise: ArrayLike,
+        reading_noise: ArrayLike,
+        period: float,
+        gate: Gate | None = None,
+        outlier_limit: float | None = None,
+    ) -> None:
+        """Check the parts against each other."""
+        self.prediction = prediction
+        self.design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit)
+
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+        """Return the belief before the first step: mean (n,), covariance (n,) of variances or (n, n)."""
+        return self.design.start(mean, covariance)
+
+    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
+        """Predict over one period, then condition on what is seen at its end.
+
+        Args:
+            prior: Belief at the start of the period.
+            held: Inputs during the period, shape (nu,).
+            seen: Readings at its end, shape (m,); NaN where a sensor had nothing new. Outputs that depend on
+                inputs are expected under `held`, the inputs just before the instant of the reading.
+
+        Raises:
+            EstimatorError: `held` or `seen` has the wrong shape.
+            FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
+                definite, as happens only when that of the states no longer is.
+        """
+        self.design.check(held, seen)
+        predicted = self.predict(prior, held)
+        return self.condition(predicted, held, self.innovation(predicted, held, seen))
+
+    def predict(self, prior: Estimate, held: Vector) -> Estimate:
+        """Return the belief one period later, before anything is seen."""
+        free = self._free(held)
+        slope = self.prediction.derivative
+        mean = advanced(lambda x: slope(x, held) * free, prior.mean, self.design.period)
+        if not np.all(np.isfinite(mean)):
+            raise FilterDiverged(
+                "Filter: the predicted "
+                + ", ".join(n for n, x in zip(self.design.states, mean, strict=True) if not np.isfinite(x))
+                + " is not a finite number."
+            )
+        jacobian = self.prediction.derivative_jacobian(prior.mean, held) * free[:, np.newaxis]
+        phi = transition(jacobian, self.design.period)
+        covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
+        return sealed(mean, 0.5 * (covariance + covariance.T))
+
+    def innovation(self, predicted: Estimate, held: Vector, seen: Vector) -> Innovation:
+        """Return what the readings, but for missing ones and outliers, say beyond `predicted`."""
+        residual = seen - self.prediction.output(predicted.mean, held)
+        jacobian = self.prediction.output_jacobian(predicted.mean, held)
+        noise = self.design.reading_noise
+        covariance = jacobian @ predicted.covariance @ jacobian.T + noise
+        outside = residual**2 > self.design.outlier_limit**2 * np.diagonal(covariance)
+        unused = np.isnan(seen) | outside
+        rows = np.flatnonzero(~unused)
+        if rows.size < seen.size:
+            both = np.ix_(rows, rows)
+            residual, jacobian, noise, covariance = (
+                residual[rows],
+                jacobian[rows],
+                noise[both],
+                covariance[both],
+            )
+        return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
+
+    def condition(self, predicted: Estimate, held: Vector, innovation: Innovation) -> Estimate:
+        """Return the belief after the readings of `innovation`."""
+        if innovation.rows.size == 0:
+            return predicted
+        P, H = predicted.covariance, innovation.jacobian
+        # Straight from LAPACK: scipy's checked wrapper takes longer than the rest of this function.
+        _, solution, info = POSV(innovation.covariance, H @ P)
+        if info != 0:
+            raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
+        gain = solution.T * self._free(held)[:, np.newaxis]
+        kept = np.eye(len(P)) - gain @ H
+        # Joseph form: holds for the gated gain too, and rounding cannot make it indefinite, as (I − KH)P can.
+        covariance = kept @ P @ kept.T + gain @ innovation.noise @ gain.T
+        mean = predicted.mean + gain @ innovation.residual
+        if not np.all(np.isfinite(mean)):
+            raise FilterDiverged("Filter: the readings threw the mean to a value that is not finite.")
+        return sealed(mean, 0.5 * (covariance + covariance.T))
+
+    def _free(self, held: Vector) -> Vector:
+        """Return 1 for every state that may move and 0 for one that its gate freezes, shape (n,)."""
+        free = np.ones(len(self.design.states))
+        for state, deciding in zip(self.design.gated_states, self.design.gating_inputs, strict=True):
+            if held[deciding] < self.design.gate_threshold:
+                free[state] = 0.0
+        return free

@@ -1,0 +1,276 @@
+/* One step of the extended Kalman filter: the filter of ekf.py, for one model and with its zeros left out.
+
+   shape.h is generated beside this file: sizes, sparsity tables, the layout of `block`, and the model itself as three
+   functions of (x, u, p) by CasADi: `slope` -> f; `slope_and_jacobian` -> f, df/dx; `expected` -> h, dh/dx, Jacobians
+   by rows.
+
+   Every product of matrices here is a sum of rows with factors, and a row has the same length everywhere: WIDTH
+   numbers, those beyond N zero. So one function, `combine`, does nearly all the work, its sum kept in registers. Sums
+   of rows, unlike dot products, give the same bits whatever the width of the machine's vector instructions: this file
+   is compiled for two widths (plain.c, wide.c), and dispatch.c takes what the machine has. */
+
+#include <math.h>
+
+/* CasADi's helper functions are not static; its own names for the prefix disagree, so both are given. */
+#define CASADI_CODEGEN_PREFIX STEP
+#define CODEGEN_PREFIX STEP
+#include "shape.h"
+
+enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, READINGS_NOT_DEFINITE = 2, MEAN_NOT_FINITE = 3 };
+
+typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(8), may_alias));
+typedef double row[WIDTH];
+#define LANES (WIDTH * 8 / LANE_BYTES)
+
+static void model(int (*function)(const double **, double **, casadi_int *, double *, int), const double *x,
+                  const double *block, double *first, double *second)
+{
+    const double *arguments[ARGUMENTS] = {x, block + HELD, block + PARAMETERS};
+    double *results[RESULTS] = {first, second};
+    casadi_int whole[WHOLE];
+    double work[WORK];
+    function(arguments, results, whole, work, 0);
+}
+
+/* sum = start + factor[0] rows[at[0]] + factor[1] rows[at[1]] + ...; `sum` may be `start`. */
+static inline void combine(double *sum, const double *start, int count, const double *factor, const int *at,
+                           const row *rows)
+{
+    lane total[LANES];
+    for (int l = 0; l < LANES; l++)
+        total[l] = ((const lane *)start)[l];
+    for (int k = 0; k < count; k++) {
+        const lane *term = (const lane *)rows[at[k]];
+        const double times = factor[k];
+        for (int l = 0; l < LANES; l++)
+            total[l] += times * term[l];
+    }
+    for (int l = 0; l < LANES; l++)
+        ((lane *)sum)[l] = total[l];
+}
+
+static void divide(double *values, double by)
+{
+    for (int l = 0; l < LANES; l++)
+        ((lane *)values)[l] /= by;
+}
+
+/* sum of factor[k] values[at[k]] */
+static double dot(int count, const double *factor, const int *at, const double *values)
+{
+    double total = 0.0;
+    for (int k = 0; k < count; k++)
+        total += factor[k] * values[at[k]];
+    return total;
+}
+
+static int all_finite(const double *x, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(x[i]))
+            return 0;
+    return 1;
+}
+
+/* Mean one period later by RK4, and A = df/dx by rows; a frozen state has derivative zero. */
+static void advance(const double *block, const double *free, double *mean, double *jacobian)
+{
+    const double *x = block + MEAN;
+    const double period = block[PERIOD];
+    double k1[N], k2[N], k3[N], k4[N], at[N];
+
+    model(slope_and_jacobian, x, block, k1, jacobian);
+    for (int i = 0; i < N; i++)
+        at[i] = x[i] + 0.5 * period * (k1[i] *= free[i]);
+    model(slope, at, block, k2, 0);
+    for (int i = 0; i < N; i++)
+        at[i] = x[i] + 0.5 * period * (k2[i] *= free[i]);
+    model(slope, at, block, k3, 0);
+    for (int i = 0; i < N; i++)
+        at[i] = x[i] + period * (k3[i] *= free[i]);
+    model(slope, at, block, k4, 0);
+    for (int i = 0; i < N; i++)
+        mean[i] = x[i] + period / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i] * free[i]);
+}
+
+/* phi = sum over k <= ORDER of (T A)^k / k!, by Horner's scheme; `jacobian` becomes T A. */
+static void transition(double period, const double *free, double *jacobian, row *phi)
+{
+    static const row zero;
+    row last[N];
+
+    for (int i = 0; i < N; i++) {
+        combine(phi[i], zero, 0, 0, 0, 0);
+        for (int at = A_ROW[i]; at < A_ROW[i + 1]; at++) {
+            jacobian[at] *= period * free[i];
+            phi[i][A_COLUMN[at]] = jacobian[at] / ORDER;
+        }
+        phi[i][i] += 1.0;
+    }
+    for (int k = ORDER - 1; k >= 1; k--) {
+        double scaled[A_COUNT];
+        for (int at = 0; at < A_ROW[N]; at++)
+            scaled[at] = jacobian[at] / k;
+        for (int i = 0; i < N; i++)
+            combine(last[i], phi[i], 0, 0, 0, 0);
+        for (int i = 0; i < N; i++) {
+            combine(phi[i], zero, A_ROW[i + 1] - A_ROW[i], scaled + A_ROW[i], A_COLUMN + A_ROW[i], last);
+            phi[i][i] += 1.0;
+        }
+    }
+}
+
+/* phi P phi' + Q, exactly symmetric: the upper triangle, mirrored. */
+static void spread(const double *block, const double *free, const row *phi, row *predicted)
+{
+    static const row zero;
+    const row *prior = (const row *)(block + COVARIANCE), *noise = (const row *)(block + SPREAD);
+    double factor[PHI_COUNT];
+    row turned[N] = {{0}}, sum;
+
+    for (int i = 0; i < N; i++)
+        for (int at = PHI_ROW[i]; at < PHI_ROW[i + 1]; at++)
+            factor[at] = phi[i][PHI_COLUMN[at]];
+    for (int i = 0; i < N; i++) {
+        const int first = PHI_ROW[i];
+        combine(sum, zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, prior);
+        for (int j = 0; j < N; j++)
+            turned[j][i] = sum[j];
+    }
+    for (int i = 0; i < N; i++) {
+        const int first = PHI_ROW[i];
+        combine(predicted[i], zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, turned);
+        for (int j = 0; j < i; j++)
+            predicted[i][j] = predicted[j][i];
+        for (int j = i; j < N; j++)
+            predicted[i][j] += noise[i][j] * free[i] * free[j];
+    }
+}
+
+/* Lower Cholesky factor of the leading r x r of S, in place; 0 when it has none. */
+static int factorise(int r, double S[M][M])
+{
+    for (int j = 0; j < r; j++) {
+        double left = S[j][j];
+        for (int k = 0; k < j; k++)
+            left -= S[j][k] * S[j][k];
+        if (!(left > 0.0) || !isfinite(left))
+            return 0;
+        S[j][j] = sqrt(left);
+        for (int i = j + 1; i < r; i++) {
+            double sum = S[i][j];
+            for (int k = 0; k < j; k++)
+                sum -= S[i][k] * S[j][k];
+            S[i][j] = sum / S[j][j];
+        }
+    }
+    return 1;
+}
+
+/* Condition on the readings; writes mean and covariance into `block`. */
+static int condition(double *block, const double *free, const double *mean, const row *P)
+{
+    static const row zero;
+    const double *seen = block + SEEN, *noise = block + READING_NOISE;
+    double expectation[M], H[H_COUNT], residual[M], S[M][M], R[M][M], minus[M];
+    row PH[M], gain[M], sum;              /* P H' and K, by columns: row a is column a of the r used readings */
+    int used[M], all[M], related[M], relative[M][M], r = 0;
+
+    model(expected, mean, block, expectation, H);
+    for (int i = 0; i < M; i++) {
+        const int first = H_ROW[i], count = H_ROW[i + 1] - first;
+        block[USED + i] = 0.0;
+        if (isnan(seen[i]))
+            continue;
+        combine(PH[r], zero, count, H + first, H_COLUMN + first, P);
+        residual[r] = seen[i] - expectation[i];
+        const double variance = dot(count, H + first, H_COLUMN + first, PH[r]) + noise[i * M + i];
+        if (residual[r] * residual[r] > block[LIMIT_SQUARED] * variance)
+            continue;
+        block[USED + i] = 1.0;
+        all[r] = r;
+        used[r++] = i;
+    }
+    for (int a = 0; a < r; a++)
+        for (int b = 0; b <= a; b++) {
+            const int first = H_ROW[used[b]], count = H_ROW[used[b] + 1] - first;
+            S[a][b] = dot(count, H + first, H_COLUMN + first, PH[a]) + noise[used[a] * M + used[b]];
+        }
+    if (!factorise(r, S))
+        return READINGS_NOT_DEFINITE;
+    for (int a = 0; a < r; a++) {         /* R without its zeros: most often only its diagonal is left */
+        related[a] = 0;
+        for (int b = 0; b < r; b++)
+            if (noise[used[a] * M + used[b]] != 0.0) {
+                R[a][related[a]] = noise[used[a] * M + used[b]];
+                relative[a][related[a]++] = b;
+            }
+    }
+
+    /* S K' = H P: forward, then back; the forward substitution of the residual gives its normalised square too */
+    double white[M], after[WIDTH] = {0};
+    block[SQUARED] = 0.0;
+    for (int a = 0; a < r; a++) {
+        white[a] = residual[a];
+        for (int b = 0; b < a; b++) {
+            minus[b] = -S[a][b];
+            white[a] += minus[b] * white[b];
+        }
+        white[a] /= S[a][a];
+        block[SQUARED] += white[a] * white[a];
+        combine(gain[a], PH[a], a, minus, all, gain);
+        divide(gain[a], S[a][a]);
+    }
+    for (int a = r - 1; a >= 0; a--) {
+        for (int b = a + 1; b < r; b++)
+            minus[b] = -S[b][a];
+        combine(gain[a], gain[a], r - a - 1, minus + a + 1, all + a + 1, gain);
+        divide(gain[a], S[a][a]);
+        for (int i = 0; i < N; i++)
+            gain[a][i] *= free[i];
+    }
+    for (int i = 0; i < N; i++)
+        after[i] = mean[i];
+    combine(after, after, r, residual, all, gain);
+    if (!all_finite(after, N))
+        return MEAN_NOT_FINITE;
+
+    /* Joseph form in two products: L = (I - K H) P, then L (I - K H)' + K R K' = L - (L H' - K R) K'. Rounding of the
+       first is scaled down by I - K H in the second, as in the form written out, at a third of the cost. */
+    row *covariance = (row *)(block + COVARIANCE);
+    for (int i = 0; i < N; i++) {
+        for (int a = 0; a < r; a++)
+            minus[a] = -gain[a][i];
+        combine(sum, P[i], r, minus, all, PH);
+        double excess[M];
+        for (int a = 0; a < r; a++) {
+            const int first = H_ROW[used[a]], count = H_ROW[used[a] + 1] - first;
+            excess[a] = -dot(count, H + first, H_COLUMN + first, sum) - dot(related[a], R[a], relative[a], minus);
+        }
+        combine(covariance[i], sum, r, excess, all, gain);
+        for (int j = 0; j < i; j++)
+            covariance[i][j] = covariance[j][i];
+    }
+    for (int i = 0; i < N; i++)
+        block[MEAN + i] = after[i];
+    return FINE;
+}
+
+/* Advance the belief in `block` by one period; on failure it stays as it was. */
+int STEP(double *block)
+{
+    double free[N], mean[N], jacobian[A_COUNT];
+    row phi[N], predicted[N];
+
+    for (int i = 0; i < N; i++)
+        free[i] = 1.0;
+    for (int g = 0; g < GATES; g++)
+        if (block[HELD + GATE_INPUT[g]] < block[THRESHOLD])
+            free[GATE_STATE[g]] = 0.0;
+    advance(block, free, mean, jacobian);
+    if (!all_finite(mean, N))
+        return PREDICTED_MEAN_NOT_FINITE;
+    transition(block[PERIOD], free, jacobian, phi);
+    spread(block, free, (const row *)phi, predicted);
+    return condition(block, free, mean, (const row *)predicted);
+}

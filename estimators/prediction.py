@@ -1,0 +1,210 @@
+"""The model inside a filter: what it must offer, and the one made from CasADi functions."""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol, runtime_checkable
+
+import casadi as ca
+import numpy as np
+
+from estimators.belief import Matrix, Vector
+from estimators.errors import EstimatorError
+
+
+@runtime_checkable
+class Prediction(Protocol):
+    """A smooth model ẋ = f(x, u), y = h(x, u) that does not change with time: n states, nu inputs, m outputs.
+
+    Outputs may depend on inputs: an accelerometer shows what the brakes do at once. Every call returns an
+    array that the caller may keep.
+    """
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        ...
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        ...
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs, in the order of the readings."""
+        ...
+
+    def derivative(self, x: Vector, u: Vector) -> Vector:
+        """Return f(x, u), shape (n,), in units of the states per second."""
+        ...
+
+    def output(self, x: Vector, u: Vector) -> Vector:
+        """Return h(x, u), shape (m,)."""
+        ...
+
+    def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return ∂f/∂x, shape (n, n)."""
+        ...
+
+    def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return ∂h/∂x, shape (m, n)."""
+        ...
+
+
+class Named(Protocol):
+    """A variable of a model."""
+
+    @property
+    def name(self) -> str:
+        """Its name, `slip[2]` for an element of an array."""
+        ...
+
+
+class Model(Protocol):
+    """An explicit ODE as CasADi functions of (t, x, u, p): derivative → ẋ and output → y."""
+
+    @property
+    def states(self) -> Sequence[Named]:
+        """The states, in the order of x."""
+        ...
+
+    @property
+    def inputs(self) -> Sequence[Named]:
+        """The inputs, in the order of u."""
+        ...
+
+    @property
+    def parameters(self) -> Sequence[Named]:
+        """The parameters, in the order of p."""
+        ...
+
+    @property
+    def outputs(self) -> Sequence[Named]:
+        """The outputs, in the order of y."""
+        ...
+
+    @property
+    def derivative(self) -> ca.Function:
+        """ẋ of (t, x, u, p)."""
+        ...
+
+    @property
+    def output(self) -> ca.Function:
+        """Readings y of (t, x, u, p)."""
+        ...
+
+
+class Equations:
+    """f, h and their sparse Jacobians as CasADi expressions of x, u and p.
+
+    Attributes:
+        x: Symbols of the states, shape (n, 1); `u` and `p` likewise.
+        derivative: f, shape (n, 1).
+        output: h, shape (m, 1).
+        derivative_jacobian: ∂f/∂x with structural zeros left out.
+        output_jacobian: ∂h/∂x likewise.
+
+    Raises:
+        EstimatorError: The model changes with time, or its functions do not fit its variables.
+    """
+
+    def __init__(self, model: Model) -> None:
+        """Differentiate; nothing is evaluated yet."""
+        t = ca.SX.sym("t")
+        self.x = ca.SX.sym("x", len(model.states))
+        self.u = ca.SX.sym("u", len(model.inputs))
+        self.p = ca.SX.sym("p", len(model.parameters))
+        given = (t, self.x, self.u, self.p)
+        for what, function, wanted in (
+            ("derivative", model.derivative, len(model.states)),
+            ("output", model.output, len(model.outputs)),
+        ):
+            sizes = [function.numel_in(i) for i in range(function.n_in())]
+            if sizes != [symbol.numel() for symbol in given] or function.numel_out(0) != wanted:
+                raise EstimatorError(
+                    f"Prediction: {what} must map (t, x, u, p) of sizes {[s.numel() for s in given]} "
+                    f"to {wanted} values; it maps {sizes} to {function.numel_out(0)}."
+                )
+        self.derivative = ca.densify(model.derivative(*given))
+        self.output = ca.densify(model.output(*given))
+        if ca.depends_on(ca.vertcat(self.derivative, self.output), t):
+            raise EstimatorError(
+                "Prediction: the model depends on time; a prediction is a function of state and input only, "
+                "make what changes with time an input."
+            )
+        self.derivative_jacobian = ca.jacobian(self.derivative, self.x)
+        self.output_jacobian = ca.jacobian(self.output, self.x)
+
+
+class _Evaluator:
+    """An expression as a fast numeric function: arguments in and results out through fixed buffers.
+
+    CasADi reads and writes the buffers through their addresses; the attributes keep them alive.
+    """
+
+    def __init__(self, of: Equations, expression: ca.SX, parameters: Vector) -> None:
+        """Fix the buffers; later changes of `parameters` are seen."""
+        self._function = ca.Function("evaluate", [of.x, of.u, of.p], [ca.densify(expression)])
+        self._x, self._u, self._parameters = np.zeros(of.x.numel()), np.zeros(of.u.numel()), parameters
+        self._result = np.zeros(expression.shape, order="F")  # CasADi counts down columns
+        self._buffer, self._run = self._function.buffer()
+        for place, array in enumerate((self._x, self._u, self._parameters)):
+            # The stub describes the C++ overload, with a size; Python's takes a memoryview.
+            self._buffer.set_arg(place, array.data)  # pyright: ignore[reportCallIssue]
+        self._buffer.set_res(0, self._result.T.data)  # pyright: ignore[reportCallIssue]
+
+    def __call__(self, x: Vector, u: Vector) -> Matrix:
+        """Return the value, shape of the expression, in an array of its own."""
+        self._x[:] = x
+        self._u[:] = u
+        self._run()
+        return self._result.copy()
+
+
+class CasadiPrediction:
+    """A prediction from the CasADi functions of a model, its Jacobians exact and sparse inside.
+
+    Args:
+        model: States, inputs, parameters, outputs and the two functions.
+        parameters: A value for every parameter of the model, by name, in its SI unit.
+
+    Raises:
+        EstimatorError: A parameter is missing or unknown, or the model is no prediction (see `Equations`).
+    """
+
+    def __init__(self, model: Model, parameters: Mapping[str, float]) -> None:
+        """Match parameters by name and make the evaluators."""
+        self.states = tuple(variable.name for variable in model.states)
+        self.inputs = tuple(variable.name for variable in model.inputs)
+        self.outputs = tuple(variable.name for variable in model.outputs)
+        names = tuple(variable.name for variable in model.parameters)
+        missing = [name for name in names if name not in parameters]
+        unknown = [name for name in parameters if name not in names]
+        if missing:
+            raise EstimatorError(f"Prediction: no value for the parameters {', '.join(missing)}; give every one.")
+        if unknown:
+            raise EstimatorError(
+                f"Prediction: the model has no parameters {', '.join(unknown)}; it has {', '.join(names) or 'none'}."
+            )
+        self.parameters = np.array([parameters[name] for name in names], dtype=np.float64)
+        self.equations = Equations(model)
+        of = self.equations
+        self._derivative = _Evaluator(of, of.derivative, self.parameters)
+        self._output = _Evaluator(of, of.output, self.parameters)
+        self._derivative_jacobian = _Evaluator(of, of.derivative_jacobian, self.parameters)
+        self._output_jacobian = _Evaluator(of, of.output_jacobian, self.parameters)
+
+    def derivative(self, x: Vector, u: Vector) -> Vector:
+        """Return f(x, u), shape (n,)."""
+        return self._derivative(x, u)[:, 0]
+
+    def output(self, x: Vector, u: Vector) -> Vector:
+        """Return h(x, u), shape (m,)."""
+        return self._output(x, u)[:, 0]
+
+    def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return ∂f/∂x, shape (n, n)."""
+        return self._derivative_jacobian(x, u)
+
+    def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return ∂h/∂x, shape (m, n)."""
+        return self._output_jacobian(x, u)

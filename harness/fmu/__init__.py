@@ -1,0 +1,36 @@
+"""The only room that touches an FMU: describes it, maps its names and units to ours, and steps it.
+
+`describe` reads a file into a value, `bind` ties our signals to its variables, and then a plant is stepped
+(`CoSimulation`, or `IsolatedCoSimulation` for a file nobody here vouches for) or a prediction is evaluated
+(`FmuPrediction`). A wrong question is an `FmuError`; an FMU that fails while it runs is a `PlantFailed`.
+"""
+
+from harness.fmu.cosimulation import CoSimulation, Plant, Snapshot
+from harness.fmu.description import Description, Variable, describe
+from harness.fmu.exchange import FmuPrediction, ModelExchange
+from harness.fmu.failure import Failure, FmuError, PlantFailed
+from harness.fmu.isolation import IsolatedCoSimulation, open_plant
+from harness.fmu.mapping import Binding, Side, Signal, bind
+from harness.fmu.unit import Unit, unit
+
+__all__ = [
+    "Binding",
+    "CoSimulation",
+    "Description",
+    "Failure",
+    "FmuError",
+    "FmuPrediction",
+    "IsolatedCoSimulation",
+    "ModelExchange",
+    "Plant",
+    "PlantFailed",
+    "Side",
+    "Signal",
+    "Snapshot",
+    "Unit",
+    "Variable",
+    "bind",
+    "describe",
+    "open_plant",
+    "unit",
+]

@@ -1,0 +1,277 @@
+"""What an FMU file says about itself, read once and checked, as a frozen value."""
+
+import hashlib
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal, cast
+from xml.etree import ElementTree
+
+import fmpy
+from fmpy.model_description import ModelDescription, ValidationError, read_model_description
+
+from harness.fmu.failure import FmuError
+from harness.fmu.unit import BASE, Exponents, Unit
+
+Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
+Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One scalar variable of an FMU.
+
+    Attributes:
+        name: As in the FMU, `brake[2].torque`.
+        reference: FMI value reference.
+        kind: Its FMI type.
+        causality: What it is to whoever runs the FMU.
+        settable: It may be given a value before initialisation.
+        unit: None when the FMU does not say.
+        unit_name: The unit as the FMU names it, '' when it does not; kept when `unit` is None because the
+            FMU names a unit and leaves out what it means.
+        relative: A difference, to which a unit's offset does not apply.
+        start: Start value as the FMU writes it, or None.
+        minimum: Least value allowed, in its own unit.
+        maximum: Largest value allowed, in its own unit.
+        description: One line by its author.
+    """
+
+    name: str
+    reference: int
+    kind: Kind
+    causality: Causality
+    settable: bool
+    unit: Unit | None
+    unit_name: str
+    relative: bool
+    start: str | None
+    minimum: float | None
+    maximum: float | None
+    description: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface:
+    """One of the two ways to run an FMU, and what it can do that way."""
+
+    identifier: str
+    can_save_state: bool
+    directional_derivatives: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Description:
+    """An FMI 2.0 FMU as it describes itself.
+
+    Attributes:
+        file: Where it is.
+        digest: SHA-256 of the file, hexadecimal.
+        model: Name of the model inside.
+        guid: Identifies the model; the binary checks it.
+        generator: Tool that made it.
+        variables: By name, in the FMU's order.
+        states: Continuous states, in the order of fmi2GetContinuousStates.
+        derivatives: Their derivatives, same order.
+        event_indicators: How many.
+        log_categories: Names it can log under.
+        co_simulation: None when not offered.
+        model_exchange: None when not offered.
+    """
+
+    file: Path
+    digest: str
+    model: str
+    guid: str
+    generator: str
+    variables: Mapping[str, Variable]
+    states: tuple[str, ...]
+    derivatives: tuple[str, ...]
+    event_indicators: int
+    log_categories: tuple[str, ...]
+    co_simulation: Interface | None
+    model_exchange: Interface | None
+
+    def named(self, causality: Causality) -> tuple[str, ...]:
+        """Return the names of all variables of one causality, in the FMU's order."""
+        return tuple(v.name for v in self.variables.values() if v.causality == causality)
+
+    def variable(self, name: str, wanted_by: str) -> Variable:
+        """Return the variable called `name`.
+
+        Args:
+            name: In the FMU.
+            wanted_by: Who asks, to open the sentence with.
+
+        Raises:
+            FmuError: There is none; the sentence names the nearest ones.
+        """
+        found = self.variables.get(name)
+        if found is not None:
+            return found
+        near = get_close_matches(name, self.variables, n=3, cutoff=0.5)
+        hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else "."
+        raise FmuError(f"{wanted_by}: {self.file.name} has no variable '{name}'{hint}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by reading the file again: the read-only view of the variables does not pickle."""
+        return describe, (self.file,)
+
+
+def describe(file: Path) -> Description:
+    """Read an FMU's own description.
+
+    Raises:
+        FmuError: It is missing, not an FMU, not FMI 2.0, invalid, or has no binary for this platform.
+    """
+    path = Path(file)
+    if not path.is_file():
+        raise FmuError(f"{path}: there is no such file; build it (python -m fmus build) or correct the path.")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise FmuError(f"{path}: the FMU cannot be read: {error.strerror}.") from error
+    members = _members(path)
+    root = _root(path)
+    try:
+        read = read_model_description(str(path), validate=True)
+    except ValidationError as error:
+        problems = [str(p) for p in cast(list[object], error.problems)]
+        more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
+        raise FmuError(
+            f"{path}: modelDescription.xml is not valid FMI 2.0: {'; '.join(problems[:3])}{more}. "
+            "Correct it or ask the tool that made the FMU."
+        ) from error
+    except Exception as error:  # FMPy raises bare Exception for what its schema does not catch
+        raise FmuError(f"{path}: modelDescription.xml cannot be understood: {error}") from error
+    relative = frozenset(
+        v.get("name", "")
+        for v in root.iterfind("ModelVariables/ScalarVariable")
+        # FMPy looks for this attribute among the children of the element and never finds it.
+        if (real := v.find("Real")) is not None and real.get("relativeQuantity") in ("true", "1")
+    )
+    description = _description(path, hashlib.sha256(content).hexdigest(), read, relative)
+    _require_binary(description, members)
+    return description
+
+
+def _members(path: Path) -> frozenset[str]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = frozenset(archive.namelist())
+            broken = archive.testzip()
+    except (zipfile.BadZipFile, OSError, NotImplementedError, RuntimeError) as error:
+        raise FmuError(f"{path}: not an FMU: it is not a zip archive ({error}).") from error
+    if broken is not None:
+        raise FmuError(f"{path}: the archive is damaged, '{broken}' does not match its checksum.")
+    if "modelDescription.xml" not in members:
+        raise FmuError(f"{path}: not an FMU: the archive has no modelDescription.xml.")
+    return members
+
+
+def _root(path: Path) -> ElementTree.Element:
+    """Return the root of an FMI 2.0 modelDescription.xml, not yet validated."""
+    with zipfile.ZipFile(path) as archive:
+        try:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        except ElementTree.ParseError as error:
+            raise FmuError(f"{path}: modelDescription.xml is not XML: {error}.") from error
+    version = root.get("fmiVersion")
+    if version != "2.0":
+        found = f"FMI {version}" if version else "no fmiVersion"
+        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {found}; export it again as FMI 2.0.")
+    return root
+
+
+def _require_binary(description: Description, members: frozenset[str]) -> None:
+    """Refuse an FMU whose shared library for this platform is missing."""
+    suffix = fmpy.sharedLibraryExtension
+    here = cast(str, fmpy.platform)
+    for interface in (description.co_simulation, description.model_exchange):
+        if interface is None:
+            continue
+        wanted = f"binaries/{here}/{interface.identifier}{suffix}"
+        if wanted not in members:
+            others = sorted({m.split("/")[1] for m in members if m.startswith("binaries/") and m.count("/") > 1})
+            found = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
+            raise FmuError(
+                f"{description.file}: no binary for this platform, {wanted} is missing; {found}. Export it for {here}."
+            )
+
+
+def _description(path: Path, digest: str, read: ModelDescription, relative: frozenset[str]) -> Description:
+    known: Any = read  # FMPy's classes annotate their fields loosely
+    units = {u.name: _unit(path, u) for u in known.unitDefinitions}
+    variables: dict[str, Variable] = {}
+    for found in known.modelVariables:
+        variables[found.name] = _variable(found, units, relative)
+    derivatives = tuple(unknown.variable for unknown in known.derivatives)
+    for d in derivatives:
+        if d.derivative is None:
+            raise FmuError(
+                f"{path}: ModelStructure lists '{d.name}' as a derivative, which does not say of what state."
+            )
+    return Description(
+        file=path,
+        digest=digest,
+        model=known.modelName,
+        guid=known.guid,
+        generator=known.generationTool or "an unnamed tool",
+        variables=MappingProxyType(variables),
+        states=tuple(d.derivative.name for d in derivatives),
+        derivatives=tuple(d.name for d in derivatives),
+        event_indicators=int(known.numberOfEventIndicators or 0),
+        log_categories=tuple(c.name for c in known.logCategories),
+        co_simulation=_interface(known.coSimulation),
+        model_exchange=_interface(known.modelExchange),
+    )
+
+
+def _unit(path: Path, found: Any) -> Unit | None:
+    base = found.baseUnit
+    if base is None:
+        return None
+    kg, m, s, a, k, mol, cd, rad = (int(getattr(base, b) or 0) for b in BASE)
+    exponents: Exponents = (kg, m, s, a, k, mol, cd, rad)
+    factor = 1.0 if base.factor is None else float(base.factor)
+    offset = 0.0 if base.offset is None else float(base.offset)
+    try:
+        return Unit(name=found.name, exponents=exponents, factor=factor, offset=offset)
+    except FmuError as error:
+        raise FmuError(f"{path}: UnitDefinitions: {error}") from error
+
+
+def _variable(found: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
+    declared = found.declaredType
+    unit_name = found.unit or (declared.unit if declared is not None else None) or ""
+    least = found.min if found.min is not None or declared is None else declared.min
+    most = found.max if found.max is not None or declared is None else declared.max
+    relative = found.name in relatives or bool(declared is not None and declared.relativeQuantity)
+    return Variable(
+        name=found.name,
+        reference=int(found.valueReference),
+        kind=found.type,
+        causality=found.causality,
+        # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never.
+        settable=found.initial in ("exact", "approx") and found.variability != "constant",
+        unit=units.get(unit_name),
+        unit_name=unit_name,
+        relative=relative,
+        start=found.start,
+        minimum=None if least is None else float(least),
+        maximum=None if most is None else float(most),
+        description=found.description or "",
+    )
+
+
+def _interface(found: Any) -> Interface | None:
+    if found is None:
+        return None
+    return Interface(
+        identifier=found.modelIdentifier,
+        can_save_state=bool(found.canGetAndSetFMUstate),
+        directional_derivatives=bool(found.providesDirectionalDerivative),
+    )

@@ -1,0 +1,413 @@
+"""A model-exchange FMU as a pure function of state and input: what a filter predicts with.
+
+The FMU is initialised once and then only evaluated, at time zero: a prediction model is autonomous, smooth
+and without events, and one that has events is refused. Its Jacobians come from fmi2GetDirectionalDerivative
+where the FMU offers it, else from central differences.
+"""
+
+import ctypes
+from collections.abc import Sequence
+from contextlib import ExitStack
+from math import isfinite
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Literal, Self
+
+import numpy as np
+from fmpy.fmi2 import fmi2EventInfo
+from numpy.typing import NDArray
+
+from harness.fmu.description import Description, Variable
+from harness.fmu.failure import FmuError, PlantFailed
+from harness.fmu.instance import OK_OR_WARNING, Instance, unpacked
+from harness.fmu.parameters import Values, assignments
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+Differentiation = Literal["auto", "directional", "central"]
+
+# Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
+_RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
+
+
+class ModelExchange:
+    """A model-exchange FMU in this process, evaluated point by point; used inside `with`.
+
+    Raw: vectors are in the FMU's own order and units. The values of one point are sent once, however many of
+    its functions are asked for.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        *,
+        parameters: Values,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        folder: Path | None = None,
+    ) -> None:
+        """Check the question; nothing is loaded before `with`.
+
+        Args:
+            description: Of the FMU.
+            parameters: Values by FMU variable, in the FMU's units.
+            inputs: Real inputs to drive, in the order of u; all of the FMU's.
+            outputs: Real variables to read, in the order of y.
+            folder: Where the FMU is unpacked already; None unpacks it for the time of the `with`.
+
+        Raises:
+            FmuError: A parameter is wrong, a variable is missing or is not Real, or the FMU has events.
+        """
+        self.description = description
+        self._assignments = assignments(description, parameters)
+        self._inputs = [_real(description, name, "input") for name in inputs]
+        self._outputs = [_real(description, name, "output") for name in outputs]
+        left = sorted(set(description.named("input")) - set(inputs))
+        if left:
+            raise FmuError(f"{description.file}: the prediction leaves inputs undriven: {', '.join(left)}.")
+        if description.event_indicators:
+            raise FmuError(
+                f"{description.file}: a prediction must be smooth, this FMU has "
+                f"{description.event_indicators} event indicators; write its equations without if, when, "
+                "abs, sign, min or max."
+            )
+        self._folder = folder
+        self._stack = ExitStack()
+        self._instance: Instance | None = None
+
+    def __enter__(self) -> Self:
+        """Unpack, load, instantiate, set the parameters and initialise."""
+        with ExitStack() as stack:
+            folder = self._folder or stack.enter_context(unpacked(self.description))
+            instance = Instance(self.description, "model exchange", folder, name="prediction")
+            stack.callback(instance.close)
+            instance.assign(self._assignments, 0.0)
+            instance.enter_initialization(0.0, None)
+            instance.exit_initialization(0.0)
+            _settle(instance)
+            self._instance = instance
+            self._prepare(instance)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Free everything, whatever happened."""
+        self._instance = None
+        self._stack.close()
+
+    def _prepare(self, instance: Instance) -> None:
+        """Make the buffers, addresses and functions of the hot path."""
+        n, nu, m = len(self.description.states), len(self._inputs), len(self._outputs)
+        pointer, size = ctypes.c_void_p, ctypes.c_size_t
+        self._component = ctypes.c_void_p(instance.component)
+        self._set_states = instance.function("fmi2SetContinuousStates", pointer, pointer, size)
+        self._set_real = instance.function("fmi2SetReal", pointer, pointer, size, pointer)
+        self._get_derivatives = instance.function("fmi2GetDerivatives", pointer, pointer, size)
+        self._get_real = instance.function("fmi2GetReal", pointer, pointer, size, pointer)
+        self._get_directional = instance.function(
+            "fmi2GetDirectionalDerivative", pointer, pointer, size, pointer, size, pointer, pointer
+        )
+        variables = self.description.variables
+        states = _references([variables[s] for s in self.description.states])
+        derivatives = _references([variables[d] for d in self.description.derivatives])
+        self._references = (states, _references(self._inputs), _references(self._outputs))
+        self._unknowns = np.concatenate([derivatives, self._references[2]])
+        self._x, self._u, self._dx, self._y = np.zeros(n), np.zeros(nu), np.zeros(n), np.zeros(m)
+        self._seed = np.ones(1)
+        # One row per state, so that the FMU writes each directional derivative where it stays.
+        self._columns = np.zeros((n, n + m))
+        self._at = b""
+        where = ctypes.c_void_p
+        self._pointers = {
+            "x": where(self._x.ctypes.data),
+            "u": where(self._u.ctypes.data),
+            "dx": where(self._dx.ctypes.data),
+            "y": where(self._y.ctypes.data),
+            "inputs": where(self._references[1].ctypes.data),
+            "outputs": where(self._references[2].ctypes.data),
+            "unknowns": where(self._unknowns.ctypes.data),
+            "seed": where(self._seed.ctypes.data),
+        }
+        self._state_pointers = [where(states.ctypes.data + 4 * j) for j in range(n)]
+        self._column_pointers = [where(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)]
+        nominal = np.zeros(n)
+        instance.call(
+            "fmi2GetNominalsOfContinuousStates",
+            nominal.ctypes.data_as(ctypes.POINTER(ctypes.c_double)),
+            n,
+            time=0.0,
+        )
+        self._nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
+
+    @property
+    def start(self) -> Vector:
+        """The state after initialisation, in the FMU's order, shape (n,)."""
+        n = len(self.description.states)
+        values = np.zeros(n)
+        self._open().call(
+            "fmi2GetContinuousStates", values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), n, time=0.0
+        )
+        return values
+
+    @property
+    def nominal(self) -> Vector:
+        """Magnitude of each state, as the FMU gives it, shape (n,)."""
+        return self._nominal.copy()
+
+    def derivative(self, x: Vector, u: Vector) -> Vector:
+        """Return dx/dt at (x, u), shape (n,).
+
+        Raises:
+            PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
+        """
+        self._move(x, u)
+        p = self._pointers
+        self._check(self._get_derivatives(self._component, p["dx"], self._dx.size), "fmi2GetDerivatives")
+        return self._finite(self._dx.copy(), self.description.derivatives)
+
+    def output(self, x: Vector, u: Vector) -> Vector:
+        """Return y at (x, u), shape (m,).
+
+        Raises:
+            PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
+        """
+        self._move(x, u)
+        p = self._pointers
+        self._check(self._get_real(self._component, p["outputs"], self._y.size, p["y"]), "fmi2GetReal")
+        return self._finite(self._y.copy(), [v.name for v in self._outputs])
+
+    def directional(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
+        """Return d(dx/dt)/dx and dy/dx at (x, u) from the FMU, shapes (n, n) and (m, n).
+
+        One call per state gives a column of both.
+
+        Raises:
+            PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
+        """
+        self._move(x, u)
+        unknowns, size, seed = self._pointers["unknowns"], self._unknowns.size, self._pointers["seed"]
+        component, get = self._component, self._get_directional
+        for state, column in zip(self._state_pointers, self._column_pointers, strict=True):
+            status = get(component, unknowns, size, state, 1, seed, column)
+            if status > OK_OR_WARNING:
+                self._check(status, "fmi2GetDirectionalDerivative")
+        return self._parted(self._columns)
+
+    def central(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
+        """Return the same two Jacobians by central differences.
+
+        The step of each state is scaled by its value and its nominal value.
+
+        Raises:
+            PlantFailed: The FMU cannot be evaluated nearby, or the result is not finite.
+        """
+        n = x.size
+        columns = np.zeros((n, n + len(self._outputs)))
+        moved = np.array(x, dtype=float)
+        for j in range(n):
+            step = _RELATIVE_STEP * max(abs(x[j]), self._nominal[j])
+            above, below = x[j] + step, x[j] - step
+            moved[j] = above
+            ahead = np.concatenate([self.derivative(moved, u), self.output(moved, u)])
+            moved[j] = below
+            behind = np.concatenate([self.derivative(moved, u), self.output(moved, u)])
+            moved[j] = x[j]
+            # The difference of the rounded points, not twice the step that was meant.
+            columns[j] = (ahead - behind) / (above - below)
+        return self._parted(columns)
+
+    def _parted(self, columns: Matrix) -> tuple[Matrix, Matrix]:
+        n = len(self.description.states)
+        if not isfinite(columns.sum()) and not np.all(np.isfinite(columns)):
+            j = int(np.argwhere(~np.isfinite(columns))[0][0])
+            raise self._failed(f"d/d({self.description.states[j]})", "a Jacobian")
+        return columns[:, :n].T.copy(), columns[:, n:].T.copy()
+
+    def _move(self, x: Vector, u: Vector) -> None:
+        """Set state and inputs, unless the FMU is there already."""
+        if self._instance is None:
+            raise RuntimeError("a ModelExchange is used inside 'with'")
+        point = x.tobytes() + u.tobytes()
+        if point == self._at:
+            return
+        self._at = b""
+        if x.shape != self._x.shape or u.shape != self._u.shape:
+            raise ValueError(
+                f"a point of {self.description.file.name} has {self._x.size} states and {self._u.size} "
+                f"inputs, got shapes {x.shape} and {u.shape}"
+            )
+        self._x[:] = x
+        self._u[:] = u
+        p = self._pointers
+        self._check(self._set_states(self._component, p["x"], self._x.size), "fmi2SetContinuousStates")
+        if self._u.size:
+            self._check(self._set_real(self._component, p["inputs"], self._u.size, p["u"]), "fmi2SetReal")
+        self._at = point
+
+    def _check(self, status: int, call: str) -> None:
+        if status > OK_OR_WARNING:
+            self._open().check(status, call, 0.0, "evaluating the prediction")
+
+    def _finite(self, values: Vector, names: Sequence[str]) -> Vector:
+        if not isfinite(values.sum()) and not np.all(np.isfinite(values)):
+            worst = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise self._failed(names[worst], "a prediction")
+        return values
+
+    def _failed(self, variable: str, doing: str) -> PlantFailed:
+        return PlantFailed(self._open().failure("not_finite", "", 0.0, variable=variable, doing=doing))
+
+    def _open(self) -> Instance:
+        if self._instance is None:
+            raise RuntimeError("a ModelExchange is used inside 'with'")
+        return self._instance
+
+
+class FmuPrediction:
+    """The Prediction protocol of the estimators, by a model-exchange FMU; used inside `with`.
+
+    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        *,
+        parameters: Values,
+        states: Sequence[str],
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        differentiation: Differentiation = "auto",
+        folder: Path | None = None,
+    ) -> None:
+        """Check the question; nothing is loaded before `with`.
+
+        Args:
+            description: Of the FMU; variables in SI.
+            parameters: Values by FMU variable.
+            states: All of the FMU's states, in the order wanted.
+            inputs: All of its inputs, in the order wanted.
+            outputs: What the filter reads, in the order wanted.
+            differentiation: 'auto' takes directional derivatives where offered.
+            folder: Where the FMU is unpacked already.
+
+        Raises:
+            FmuError: The FMU has other states, lacks a variable, has events, is not in SI, or does not offer
+                the directional derivatives asked for.
+        """
+        if sorted(states) != sorted(description.states):
+            lacks = [s for s in states if s not in description.states]
+            extra = [s for s in description.states if s not in states]
+            raise FmuError(
+                f"{description.file}: the prediction's states are not those expected; "
+                f"missing: {', '.join(lacks) or 'none'}; unexpected: {', '.join(extra) or 'none'}."
+            )
+        for name in (*states, *inputs, *outputs):
+            _require_si(description, description.variable(name, "prediction"))
+        offered = description.model_exchange is not None and description.model_exchange.directional_derivatives
+        if differentiation == "directional" and not offered:
+            raise FmuError(
+                f"{description.file}: does not offer directional derivatives; use central differences or "
+                "export it with providesDirectionalDerivative."
+            )
+        self.states = tuple(states)
+        self.inputs = tuple(inputs)
+        self.outputs = tuple(outputs)
+        self._directional = offered and differentiation != "central"
+        self._model = ModelExchange(description, parameters=parameters, inputs=inputs, outputs=outputs, folder=folder)
+        # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
+        self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
+        self._ours = np.array([description.states.index(s) for s in self.states], dtype=np.intp)
+        self._same = self.states == description.states
+        self._jacobians: tuple[bytes, Matrix, Matrix] | None = None
+
+    def __enter__(self) -> Self:
+        """Load and initialise the FMU."""
+        self._model.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Free everything, whatever happened."""
+        self._jacobians = None
+        self._model.__exit__(kind, error, traceback)
+
+    @property
+    def start(self) -> Vector:
+        """The FMU's own initial state, shape (n,)."""
+        return self._model.start[self._ours]
+
+    def derivative(self, x: Vector, u: Vector) -> Vector:
+        """Return dx/dt at (x, u), shape (n,); `PlantFailed` where there is none."""
+        if self._same:
+            return self._model.derivative(x, u)
+        return self._model.derivative(x[self._theirs], u)[self._ours]
+
+    def output(self, x: Vector, u: Vector) -> Vector:
+        """Return y at (x, u), shape (m,); `PlantFailed` where there is none."""
+        return self._model.output(x if self._same else x[self._theirs], u)
+
+    def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return d(dx/dt)/dx at (x, u), shape (n, n); `PlantFailed` where there is none."""
+        return self._both(x, u)[0].copy()
+
+    def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return dy/dx at (x, u), shape (m, n); `PlantFailed` where there is none."""
+        return self._both(x, u)[1].copy()
+
+    def _both(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
+        """Return both Jacobians; the calls that give one give the other, so the last pair is kept."""
+        point = x.tobytes() + u.tobytes()
+        if self._jacobians is None or self._jacobians[0] != point:
+            theirs = x if self._same else x[self._theirs]
+            of_model = self._model.directional if self._directional else self._model.central
+            derivative, output = of_model(theirs, u)
+            if not self._same:
+                derivative, output = derivative[np.ix_(self._ours, self._ours)], output[:, self._ours]
+            self._jacobians = (point, derivative, output)
+        return self._jacobians[1], self._jacobians[2]
+
+
+def _settle(instance: Instance) -> None:
+    """Iterate the initial event and enter continuous time."""
+    event = fmi2EventInfo()
+    for _ in range(100):  # far more than any model needs; one that never settles is broken
+        instance.call("fmi2NewDiscreteStates", ctypes.byref(event), time=0.0)
+        if event.terminateSimulation:
+            raise PlantFailed(instance.failure("ended", "fmi2NewDiscreteStates", 0.0))
+        if not event.newDiscreteStatesNeeded:
+            break
+    else:
+        raise PlantFailed(instance.failure("error", "fmi2NewDiscreteStates", 0.0, doing="its events never settle"))
+    if event.nextEventTimeDefined:
+        raise FmuError(
+            f"{instance.description.file}: a prediction must be smooth, this FMU announces an event at "
+            f"{event.nextEventTime:g} s; remove the condition on time from its equations."
+        )
+    instance.call("fmi2EnterContinuousTimeMode", time=0.0)
+    instance.call("fmi2SetTime", 0.0, time=0.0)
+
+
+def _real(description: Description, name: str, causality: Literal["input", "output"]) -> Variable:
+    found = description.variable(name, "prediction")
+    if found.kind != "Real":
+        raise FmuError(f"{description.file}: '{name}' is {found.kind}, a prediction is made of Real variables.")
+    if causality == "input" and found.causality != "input":
+        raise FmuError(f"{description.file}: '{name}' is not an input but {found.causality}.")
+    return found
+
+
+def _require_si(description: Description, variable: Variable) -> None:
+    found = variable.unit
+    if found is not None and (found.factor != 1.0 or found.offset != 0.0):
+        raise FmuError(
+            f"{description.file}: '{variable.name}' of a prediction is in '{found.name}', SI is wanted; "
+            "correct the model."
+        )
+
+
+def _references(variables: Sequence[Variable]) -> NDArray[np.uint32]:
+    return np.array([v.reference for v in variables], dtype=np.uint32)

@@ -1,0 +1,287 @@
+"""One instance of an FMU: unpacked, loaded, instantiated, and put away again whatever happened.
+
+FMPy unpacks, loads and declares the functions of the shared library; from there on they are called directly,
+because FMPy's wrapper around each call costs more than the physics behind it.
+"""
+
+import ctypes
+import tempfile
+from collections import deque
+from collections.abc import Callable, Generator
+from contextlib import chdir, contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Any, Final, Literal, cast
+
+import fmpy
+import fmpy.logging
+from fmpy.fmi2 import (
+    FMU2Model,
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+
+from harness.fmu.description import Description, Interface
+from harness.fmu.failure import Failure, FmuError, PlantFailed, Reason
+from harness.fmu.parameters import Assignment
+
+Way = Literal["co-simulation", "model exchange"]
+
+OK_OR_WARNING: Final = 1
+"""Largest fmi2Status after which results are valid."""
+_REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "pending"}
+_STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
+_LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
+_TERMINATED: Final = 3  # fmi2StatusKind
+
+Log = deque[tuple[int, str]]
+_logs: dict[int, Log] = {}
+_environments = count(1)
+
+
+def _heard(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    """Keep what an FMU says under the environment it was given at instantiation."""
+    log = _logs.get(environment or 0)
+    if log is not None and message:
+        log.append((status, message.decode("utf-8", errors="replace").strip()))
+
+
+# FMPy's proxy expands the printf arguments in C and then calls the logger it was last given, process-wide: so
+# there is one logger for all instances, and the environment tells them apart.
+_LOGGER = fmi2CallbackLoggerTYPE(_heard)
+
+
+def _callbacks(environment: int) -> fmi2CallbackFunctions:
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _LOGGER
+    # The C functions themselves: wrapped in Python, each allocation of the FMU would enter the interpreter.
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(_address(fmpy.calloc))
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(_address(fmpy.free))
+    fmpy.logging.addLoggerProxy(ctypes.byref(callbacks))
+    callbacks.componentEnvironment = environment
+    return callbacks
+
+
+def _address(function: Any) -> int:
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
+
+
+@contextmanager
+def unpacked(description: Description) -> Generator[Path]:
+    """Yield a temporary folder with the FMU's files, removed at the end.
+
+    Raises:
+        FmuError: The file changed since it was described, or cannot be unpacked.
+    """
+    here = f"binaries/{fmpy.platform}/"
+    # A library that is still mapped may not be removable on some platforms; there the system clears it later.
+    with tempfile.TemporaryDirectory(prefix="railgrip-fmu-", ignore_cleanup_errors=True) as folder:
+        try:
+            fmpy.extract(
+                str(description.file),
+                unzipdir=folder,
+                include=lambda name: name.startswith((here, "resources/")) or name == "modelDescription.xml",
+            )
+        except Exception as error:  # FMPy raises bare Exception for illegal paths in the archive
+            raise FmuError(f"{description.file}: the FMU cannot be unpacked: {error}") from error
+        yield Path(folder)
+
+
+class Instance:
+    """A live FMU. The one object here whose state changes under our hands.
+
+    After fmi2Error only freeing is legal, after fmi2Fatal nothing is (FMI 2.0.4, §2.1.3); `close` obeys.
+    """
+
+    def __init__(self, description: Description, way: Way, folder: Path, *, name: str) -> None:
+        """Load and instantiate.
+
+        Args:
+            description: Of the FMU.
+            way: The interface to use.
+            folder: Where it is unpacked.
+            name: Of the instance, shown in its messages.
+
+        Raises:
+            FmuError: The FMU does not offer this interface, or its library does not load here.
+            PlantFailed: It refused to be instantiated.
+        """
+        self.description = description
+        interface = _interface(description, way)
+        maker = FMU2Slave if way == "co-simulation" else FMU2Model
+        try:
+            # FMPy loads from the folder of the library, and stays there when loading fails.
+            with chdir(Path.cwd()):
+                loaded = maker(
+                    guid=description.guid,
+                    unzipDirectory=str(folder),
+                    modelIdentifier=interface.identifier,
+                    instanceName=name,
+                )
+        except Exception as error:  # FMPy: bare for the loader, AttributeError for a missing function
+            raise FmuError(
+                f"{description.file}: its binary does not load on this machine: {error}. "
+                "Export the FMU again for this platform, with all functions of FMI 2.0."
+            ) from error
+        self._library: Any = loaded.dll
+        self._environment = next(_environments)
+        self._log: Log = deque(maxlen=50)
+        _logs[self._environment] = self._log
+        self._callbacks = _callbacks(self._environment)
+        self._running = False
+        self._broken: Reason | None = None
+        resources = (folder / "resources").resolve().as_uri()
+        kind = 1 if way == "co-simulation" else 0
+        component = self._library.fmi2Instantiate(
+            name.encode(),
+            kind,
+            description.guid.encode(),
+            resources.encode(),
+            ctypes.byref(self._callbacks),
+            0,
+            1,
+        )
+        self.component: int = component or 0
+        if not self.component:
+            failure = self.failure("refused", "fmi2Instantiate", 0.0)
+            self.close()
+            raise PlantFailed(failure)
+        self._hear_only_problems()
+
+    def _hear_only_problems(self) -> None:
+        """Switch debug chatter off, keep the categories that say why a call failed."""
+        wanted = [c for c in self.description.log_categories if c in _PROBLEMS]
+        names = (ctypes.c_char_p * max(len(wanted), 1))(*(w.encode() for w in wanted))
+        # The status is of no interest: an FMU without such logging still works.
+        self._library.fmi2SetDebugLogging(
+            self.component,
+            int(bool(wanted)),
+            len(wanted),
+            ctypes.cast(names, ctypes.POINTER(ctypes.c_char_p)),
+        )
+
+    def function(self, name: str, *argument_types: Any) -> Callable[..., int]:
+        """Return an FMI function for the hot path, with its argument types declared.
+
+        The interpreter lock is kept: a call lasts microseconds, and handing the lock over and back costs a
+        good part of that.
+        """
+        prototype = ctypes.PYFUNCTYPE(ctypes.c_int, *argument_types)
+        return cast(Callable[..., int], prototype(_address(getattr(self._library, name))))
+
+    def address(self, name: str) -> ctypes.c_void_p:
+        """Return where an FMI function is, for a caller in C."""
+        return ctypes.c_void_p(_address(getattr(self._library, name)))
+
+    def call(self, name: str, *arguments: Any, time: float, doing: str = "") -> None:
+        """Call an FMI function of this instance off the hot path.
+
+        Raises:
+            PlantFailed: It returned anything but OK or a warning.
+        """
+        self.check(getattr(self._library, name)(self.component, *arguments), name, time, doing)
+
+    def check(self, status: int, name: str, time: float, doing: str = "") -> None:
+        """Accept OK and warnings.
+
+        Raises:
+            PlantFailed: Any other status.
+        """
+        if status <= OK_OR_WARNING:
+            return
+        reason = _REASONS.get(status, "error")
+        failure = self.failure(reason, name, time, doing=doing)
+        if reason == "discard" and name == "fmi2DoStep":
+            failure = self._discarded(failure)
+        self._broken = None if reason == "discard" else reason
+        raise PlantFailed(failure)
+
+    def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
+        """Return a failure of this FMU with what it said about it."""
+        worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s >= OK_OR_WARNING]
+        return Failure(
+            file=self.description.file.name,
+            time=time,
+            reason=reason,
+            call=call,
+            variable=variable,
+            detail=doing,
+            log=tuple(worst),
+        )
+
+    def _discarded(self, failure: Failure) -> Failure:
+        """Ask a slave that discarded a step how far it came and whether it wanted to end."""
+        ended, reached = ctypes.c_int(0), ctypes.c_double(0.0)
+        knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(ended))
+        knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(reached))
+        return Failure(
+            file=failure.file,
+            time=failure.time,
+            reason="ended" if knows_end <= OK_OR_WARNING and ended.value else "discard",
+            call=failure.call,
+            detail=failure.detail,
+            reached=reached.value if knows_time <= OK_OR_WARNING else None,
+            log=failure.log,
+        )
+
+    def assign(self, assignments: tuple[Assignment, ...], time: float) -> None:
+        """Set checked parameter values."""
+        types = {
+            "Real": ctypes.c_double,
+            "Integer": ctypes.c_int,
+            "Boolean": ctypes.c_int,
+            "String": ctypes.c_char_p,
+        }
+        for a in assignments:
+            n = len(a.references)
+            values = [v.encode() if isinstance(v, str) else v for v in a.values]
+            references = (ctypes.c_uint * n)(*a.references)
+            carried = (types[a.carrier] * n)(*values)
+            self.call(f"fmi2Set{a.carrier}", references, n, carried, time=time, doing="setting parameters")
+
+    def enter_initialization(self, start: float, tolerance: float | None) -> None:
+        """Set the experiment up and enter initialisation mode."""
+        self.call("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, start, 0, 0.0, time=start)
+        self.call("fmi2EnterInitializationMode", time=start)
+
+    def exit_initialization(self, start: float) -> None:
+        """Leave initialisation mode; the simulation runs."""
+        self.call("fmi2ExitInitializationMode", time=start)
+        self._running = True
+
+    def close(self) -> None:
+        """Terminate, free and unload, as far as the last status allows; safe to call twice."""
+        _logs.pop(self._environment, None)
+        if self._broken == "fatal":
+            # Nothing of this FMU may be called any more; its library stays loaded until the process ends.
+            self.component = 0
+            return
+        if self.component:
+            component, self.component = self.component, 0
+            if self._running and self._broken is None:
+                self._library.fmi2Terminate(component)
+            self._library.fmi2FreeInstance(component)
+        if self._library is not None:
+            fmpy.freeLibrary(self._library._handle)
+            self._library = None
+
+
+_PROBLEMS: Final = frozenset(
+    {"logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logStatusPending"}
+)
+"""Standard log categories (FMI 2.0.4, §2.2.4) that are worth the cost of listening."""
+
+
+def _interface(description: Description, way: Way) -> Interface:
+    chosen = description.co_simulation if way == "co-simulation" else description.model_exchange
+    if chosen is None:
+        other = "Model Exchange" if way == "co-simulation" else "Co-Simulation"
+        wanted = "Co-Simulation" if way == "co-simulation" else "Model Exchange"
+        role = "a plant is stepped" if way == "co-simulation" else "a prediction is evaluated"
+        raise FmuError(
+            f"{description.file}: {role} through {wanted}, this FMU offers only {other}; export it as {wanted}."
+        )
+    return chosen

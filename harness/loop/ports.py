@@ -1,0 +1,73 @@
+"""What the loop asks of each party."""
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.sight import Sight
+from estimators.belief import Estimate
+
+Vector = NDArray[np.float64]
+
+
+@runtime_checkable
+class Plant(Protocol):
+    """The simulated truth; vectors as in `harness.loop.edge`."""
+
+    def start(self, inputs: Vector) -> Vector:
+        """Initialise with `inputs` applied and return the outputs at the start time."""
+        ...
+
+    def step(self, inputs: Vector) -> Vector:
+        """Hold `inputs` over one communication period and return the outputs at its end."""
+        ...
+
+
+@runtime_checkable
+class Sensors(Protocol):
+    """What the train's instruments make of the truth."""
+
+    def read(self, sample: int, truth: Vector) -> Vector:
+        """Return the reading of a sample, ordered as in `harness.loop.sensors`; NaN where there is no new one."""
+        ...
+
+
+@runtime_checkable
+class Estimator(Protocol):
+    """A belief about the train, carried from sample to sample by the caller."""
+
+    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
+        """Predict over one period with inputs `held`, then condition on the reading `seen`."""
+        ...
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """A control law."""
+
+    def decide(self, sight: Sight) -> tuple[float, ...]:
+        """Return the demanded brake cylinder pressure of each group [Pa]."""
+        ...
+
+
+@runtime_checkable
+class Actuation(Protocol):
+    """From demanded pressures to what the plant takes."""
+
+    def command(self, demands: tuple[float, ...], measured: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the command for each group, from demanded and measured pressures [Pa]."""
+        ...
+
+
+@runtime_checkable
+class Rail(Protocol):
+    """What the track does to the train."""
+
+    def mu0(self, time: float, distance: float, /) -> Vector:
+        """Return the maximum friction at each wheelset."""
+        ...
+
+    def force(self, distance: float, /) -> float:
+        """Return the force of gradient and curve on the train, forward positive [N]."""
+        ...

@@ -1,0 +1,28 @@
+"""Figures of how much of the possible adhesion a stop used; the trace comes from `with_bound`."""
+
+import numpy as np
+import xarray
+
+from harness.scenario.adhesion import GROUP_OF_WHEELSET
+
+
+def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
+    """Return ∫ F dt / ∫ F_ideal dt of the train and of each wheelset, F the braking force in the contact.
+
+    1 is a stop at the ideal bound. A wheelset may exceed it for a moment: inertia releases force that no
+    steady torque would hold. NaN where the trace has no bound, as of a plant that does not show its brakes.
+    """
+    if "ideal_share" not in trace:
+        return float("nan"), (float("nan"),) * len(GROUP_OF_WHEELSET)
+    time, load = trace["time"].values, trace["wheelset_load"].values
+    used = np.trapezoid(trace["adhesion"].values * load, time, axis=0)
+    possible = np.trapezoid(trace["ideal_share"].values * load, time, axis=0)
+    if not np.all(possible > 0):
+        return float("nan"), (float("nan"),) * len(GROUP_OF_WHEELSET)
+    return float(used.sum() / possible.sum()), tuple(map(float, used / possible))
+
+
+def time_over_limit(trace: xarray.Dataset, alpha_max: float) -> tuple[float, ...]:
+    """Return the time that each group used more adhesion than α_max [s]."""
+    times = np.diff(trace["time"].values, append=trace["time"].values[-1])
+    return tuple(map(float, (trace["group_adhesion"].values > alpha_max).T @ times))

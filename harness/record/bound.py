@@ -1,0 +1,110 @@
+"""The ideal bound: the adhesion that the best possible control could have used at every sample of a stop.
+
+For each ω-group it is min(peak adhesion, brake limit, α_max): what the rail gives at the best slip, what full
+brake pressure could have drawn, what the operator may use.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from harness.record.contact import Contact, peak
+from harness.scenario.adhesion import GROUP_OF_WHEELSET
+
+Array = NDArray[np.float64]
+
+_STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are straight lines over so short a time
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Brake:
+    """What full pressure makes at the rim of each ω-group; names and values are the plant's parameters.
+
+    Attributes:
+        p_max: Highest cylinder pressure, shape (4,) [Pa].
+        n_units: Brake units of the group, shape (4,).
+        r_friction: Friction radius, shape (4,) [m].
+        r_wheel: Rolling radius, shape (4,) [m].
+        J: Moment of inertia, shape (4,) [kg m2].
+        A_piston: Piston area [m2].
+        i_rigging: Rigging ratio, both pads.
+        eta_rigging: Rigging efficiency.
+        F_spring: Force of the return spring at the piston [N].
+    """
+
+    p_max: Array
+    n_units: Array
+    r_friction: Array
+    r_wheel: Array
+    J: Array
+    A_piston: float
+    i_rigging: float
+    eta_rigging: float
+    F_spring: float
+
+    def limit(self, pad_friction: Array, load: Array, deceleration: Array) -> Array:
+        """Return the adhesion at which full pressure would just hold the slip, shape (n, 4).
+
+        Args:
+            pad_friction: Of each group, shape (n, 4).
+            load: Of each group, shape (n, 4) [N].
+            deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
+        """
+        pad_force = self.eta_rigging * self.i_rigging * np.maximum(self.p_max * self.A_piston - self.F_spring, 0)
+        torque = self.n_units * pad_friction * pad_force * self.r_friction
+        rotation = self.J * deceleration[:, None] / self.r_wheel
+        return np.maximum(torque - rotation, 0) / (self.r_wheel * load)
+
+
+def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max: float) -> xarray.Dataset:
+    """Return the trace with the variables that a comparison with the ideal needs.
+
+    `peak_slip`, `peak_adhesion` (time, group): of the creep curve. `brake_limit` (time, group).
+    `ideal_adhesion` (time, group): the bound. `ideal_share` (time, wheelset): what each wheelset contributes
+    to the bound of its group, in the proportion of their adhesion at the group's best slip.
+    """
+    time, speed = trace["time"].values, trace["speed"].values
+    load, mu0 = trace["wheelset_load"].values, trace["mu0"].values
+    groups = np.array(GROUP_OF_WHEELSET)
+    count = groups.max() + 1
+    period = time[1] - time[0] if len(time) > 1 else _STRIDE
+    # The last sample is always among them, so that nothing is extrapolated.
+    chosen = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
+
+    peak_slip, peak_each = np.empty((len(time), count)), np.empty(load.shape)
+    for group in range(count):
+        members = np.flatnonzero(groups == group)
+        slip, each = peak(contact, speed[chosen], load[np.ix_(chosen, members)], mu0[np.ix_(chosen, members)])
+        peak_slip[:, group] = np.interp(time, time[chosen], slip)
+        for number, member in enumerate(members):
+            peak_each[:, member] = np.interp(time, time[chosen], each[:, number])
+
+    group_load = _by_group(load, groups, count)
+    peak_adhesion = _by_group(peak_each * load, groups, count) / group_load
+    limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values)
+    ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
+    share = peak_each * (ideal / peak_adhesion)[:, groups]
+
+    ratio = {"units": "1"}
+    return trace.assign(
+        peak_slip=(("time", "group"), peak_slip, ratio | {"long_name": "slip of the greatest adhesion"}),
+        peak_adhesion=(
+            ("time", "group"),
+            peak_adhesion,
+            ratio | {"long_name": "greatest adhesion of the rail"},
+        ),
+        brake_limit=(
+            ("time", "group"),
+            limit,
+            ratio | {"long_name": "adhesion that full brake pressure draws"},
+        ),
+        ideal_adhesion=(("time", "group"), ideal, ratio | {"long_name": "adhesion of the ideal bound"}),
+        ideal_share=(("time", "wheelset"), share, ratio | {"long_name": "share in the ideal bound"}),
+    )
+
+
+def _by_group(values: Array, groups: NDArray[np.int_], count: int) -> Array:
+    """Return the sums over the wheelsets of each group: shape (n, 6) → (n, count)."""
+    return np.stack([values[:, groups == group].sum(axis=1) for group in range(count)], axis=1)

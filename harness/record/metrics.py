@@ -1,0 +1,141 @@
+"""All figures of a stop as one value, each with its unit and definition."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any, Self, cast, get_type_hints
+
+import xarray
+
+from harness.record import adhesion_use, effort, estimation, motion, slide
+
+Each = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """Annotation of a metric: its unit and definition."""
+
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Metrics:
+    """The figures of a stop; tuples are lead to trail, of six wheelsets or four ω-groups.
+
+    A figure that does not exist (no estimator, no motion) is NaN or None; `meanings` says what each is.
+    """
+
+    distance: Annotated[float, Figure("m", "distance from the brake demand to the end of the stop")]
+    duration: Annotated[float, Figure("s", "time from the brake demand to the end of the stop")]
+    mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance, (v0^2 - v1^2)/(2 s)")]
+    jerk_mean: Annotated[float, Figure("m/s3", "mean magnitude of the change of acceleration over 0.1 s")]
+    jerk_rms: Annotated[float, Figure("m/s3", "root mean square of the change of acceleration over 0.1 s")]
+    energy_residual: Annotated[float, Figure("1", "energy the plant left unexplained over kinetic energy at the start")]
+    utilisation: Annotated[float, Figure("1", "contact impulse of the train over that of the ideal bound")]
+    utilisation_wheelset: Annotated[
+        Each, Figure("1", "contact impulse of each wheelset over its share in the ideal bound")
+    ]
+    time_over_alpha_max: Annotated[Each, Figure("s", "time of each group above the adhesion limit")]
+    slip_histogram: Annotated[
+        tuple[Each, ...],
+        Figure("s", f"time of each group in the slip classes with inner edges {slide.SLIP_EDGES}"),
+    ]
+    time_in_deep_slide: Annotated[Each, Figure("s", "time of each group above 30 % slip")]
+    longest_lock: Annotated[Each, Figure("s", "longest uninterrupted lock of each group")]
+    locked_distance: Annotated[Each, Figure("m", "distance each group was dragged without turning")]
+    tread_energy: Annotated[Each, Figure("J", "energy each wheelset dissipated in its contacts")]
+    tread_power_peak: Annotated[Each, Figure("W", "greatest power of each wheelset in its contacts")]
+    disc_temperature_peak: Annotated[Each, Figure("K", "greatest disc temperature of each group")]
+    air_used: Annotated[float, Figure("m3", "free air taken from the reservoir")]
+    actuations: Annotated[
+        Each, Figure("1", "valve strokes of each group; turns of the pressure command with ideal actuation")
+    ]
+    adhesion_rmse: Annotated[Each | None, Figure("1", "RMS error of the estimated adhesion above 10 km/h, each group")]
+    adhesion_bias: Annotated[Each | None, Figure("1", "mean error of the estimated adhesion above 10 km/h, each group")]
+    adhesion_error_95: Annotated[
+        Each | None, Figure("1", "bound of 95 % of the adhesion errors above 10 km/h, each group")
+    ]
+    adhesion_nees: Annotated[Each | None, Figure("1", "mean squared error over variance, above 10 km/h, each group")]
+    adhesion_delay: Annotated[Each | None, Figure("s", "shift of the estimated adhesion that fits best, each group")]
+    pad_friction_rmse: Annotated[
+        Each | None, Figure("1", "RMS error of the estimated pad friction above 10 km/h, each group")
+    ]
+    speed_rmse: Annotated[Each | None, Figure("m/s", "RMS error of the estimated speed above 10 km/h")]
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return the figures as JSON values."""
+        return {name: _listed(value) for name, value in asdict(self).items()}
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Self:
+        """Return the figures that `to_plain` gave, null being NaN for a single figure.
+
+        Raises:
+            TypeError: A figure is missing or unknown.
+        """
+        hints = get_type_hints(cls)
+        read: dict[str, Any] = {
+            name: None if value is None and hints.get(name) is not float else _tupled(value)
+            for name, value in plain.items()
+        }
+        return cls(**read)
+
+
+def meanings() -> dict[str, tuple[str, str]]:
+    """Return figure name → unit and definition."""
+    hints = get_type_hints(Metrics, include_extras=True)
+    figures = ((name, hint.__metadata__[0]) for name, hint in hints.items())
+    return {name: (figure.unit, figure.meaning) for name, figure in figures}
+
+
+def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metrics:
+    """Return the figures of a stop.
+
+    Args:
+        trace: All samples of the stop, one or more, as `with_bound` returns them.
+        alpha_max: Greatest adhesion that may be used.
+        actuation: "ideal" or "pneumatic": what the commands in the trace mean.
+    """
+    jerk_mean, jerk_rms = motion.jerk(trace)
+    used, used_each = adhesion_use.utilisation(trace)
+    errors = estimation.adhesion_errors(trace)
+    return Metrics(
+        distance=motion.braking_distance(trace),
+        duration=motion.duration(trace),
+        mean_deceleration=motion.mean_deceleration(trace),
+        jerk_mean=jerk_mean,
+        jerk_rms=jerk_rms,
+        energy_residual=motion.energy_residual(trace),
+        utilisation=used,
+        utilisation_wheelset=used_each,
+        time_over_alpha_max=adhesion_use.time_over_limit(trace, alpha_max),
+        slip_histogram=slide.slip_histogram(trace),
+        time_in_deep_slide=slide.time_in_deep_slide(trace),
+        longest_lock=slide.longest_lock(trace),
+        locked_distance=slide.locked_distance(trace),
+        tread_energy=slide.tread_energy(trace),
+        tread_power_peak=tuple(map(float, slide.tread_power(trace).max(axis=0))),
+        disc_temperature_peak=tuple(map(float, trace["disc_temperature"].values.max(axis=0))),
+        air_used=effort.air_used(trace),
+        actuations=effort.actuations(trace, actuation),
+        adhesion_rmse=errors.rmse if errors else None,
+        adhesion_bias=errors.bias if errors else None,
+        adhesion_error_95=errors.within_95 if errors else None,
+        adhesion_nees=errors.nees if errors else None,
+        adhesion_delay=errors.delay if errors else None,
+        pad_friction_rmse=estimation.rmse(trace, "estimate_pad_friction", "pad_friction"),
+        speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
+    )
+
+
+def _listed(value: Any) -> Any:
+    if not isinstance(value, tuple):
+        return value
+    return [_listed(element) for element in cast("tuple[Any, ...]", value)]
+
+
+def _tupled(value: Any) -> Any:
+    if not isinstance(value, list):
+        return float("nan") if value is None else value
+    return tuple(_tupled(element) for element in cast("list[Any]", value))

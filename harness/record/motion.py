@@ -1,0 +1,55 @@
+"""Figures of the train's motion."""
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_JERK_WINDOW = 0.1  # s; shorter is the ringing of the suspension, which no passenger feels as jerk
+
+
+def braking_distance(trace: xarray.Dataset) -> float:
+    """Return the distance from the brake demand to the last sample [m]."""
+    distance = trace["distance"].values
+    return float(distance[-1] - distance[0])
+
+
+def duration(trace: xarray.Dataset) -> float:
+    """Return the time from the brake demand to the last sample [s]."""
+    return float(trace["time"].values[-1])
+
+
+def mean_deceleration(trace: xarray.Dataset) -> float:
+    """Return (v₀² − v₁²)/(2 s), the mean over the distance, as braking standards take it [m/s2]."""
+    speed, distance = trace["speed"].values, braking_distance(trace)
+    return float((speed[0] ** 2 - speed[-1] ** 2) / (2 * distance)) if distance > 0 else float("nan")
+
+
+def jerk(trace: xarray.Dataset) -> tuple[float, float]:
+    """Return the mean magnitude and the root mean square of the jerk [m/s3].
+
+    Jerk is the change of acceleration over 0.1 s divided by 0.1 s; NaN for a stop shorter than that.
+    """
+    time, acceleration = trace["time"].values, trace["acceleration"].values
+    if time[-1] < _JERK_WINDOW:
+        return float("nan"), float("nan")
+    step = max(1, round(_JERK_WINDOW / (time[1] - time[0])))
+    change = (acceleration[step:] - acceleration[:-step]) / (time[step:] - time[:-step])
+    return float(np.mean(np.abs(change))), float(np.sqrt(np.mean(change**2)))
+
+
+def energy_residual(trace: xarray.Dataset) -> float:
+    """Return what the plant's energies leave unexplained, over the kinetic energy at the start.
+
+    Kinetic energy lost − heat in contacts, pads and dampers − work of resistance; near zero unless the plant
+    errs.
+    """
+    lost = -_change(trace, "kinetic_energy")
+    found = sum(_change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
+    return (lost - found) / float(trace["kinetic_energy"].values[0])
+
+
+def _change(trace: xarray.Dataset, name: str) -> float:
+    values = trace[name].values
+    return float(values[-1] - values[0])

@@ -1,0 +1,42 @@
+"""Rows of a stop while it runs: one preallocated block, written in place by the loop."""
+
+from collections.abc import Iterable
+from types import MappingProxyType
+
+import numpy as np
+import xarray
+
+from harness.record.signals import Signal
+from harness.record.trace import trace_of
+
+
+class Recorder:
+    """Preallocated rows and where each signal stands in them.
+
+    The loop keeps `rows` and the slices it needs as locals and writes `rows[k, columns["slip"]] = slip`; a
+    signal of the train may also be written by its number, `rows[k, at["speed"]] = speed`.
+
+    Attributes:
+        rows: Shape (capacity, width), NaN until written.
+        columns: Signal name → columns of a row.
+        at: Signal name → first column.
+    """
+
+    __slots__ = ("_signals", "at", "columns", "rows")
+
+    def __init__(self, signals: Iterable[Signal], capacity: int) -> None:
+        """Make room for `capacity` samples of the signals, in their order."""
+        self._signals = tuple(signals)
+        first = np.cumsum([0, *(signal.width for signal in self._signals)]).tolist()
+        spans = zip(self._signals, first[:-1], first[1:], strict=True)
+        self.columns = MappingProxyType({signal.name: slice(begin, end) for signal, begin, end in spans})
+        self.at = MappingProxyType({name: columns.start for name, columns in self.columns.items()})
+        self.rows = np.full((capacity, first[-1]), np.nan)
+
+    def trace(self, count: int, period: float) -> xarray.Dataset:
+        """Return the first `count` rows, sampled every `period` [s] from the brake demand on, as a trace.
+
+        The arrays are views: the recorder must not be written to afterwards.
+        """
+        blocks = {signal: self.rows[:count, self.columns[signal.name]] for signal in self._signals}
+        return trace_of(blocks, period)

@@ -1,0 +1,130 @@
+"""One run of one scenario: what came out, from what, and the two files that keep it."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray
+
+from harness.record.atomic import write_text
+from harness.record.error import RecordError
+from harness.record.metrics import Metrics
+from harness.record.outcome import Outcome
+from harness.record.trace import FILE_NAME as TRACE_FILE
+from harness.record.trace import read_trace, thinned, write_trace
+from harness.scenario.schema import Scenario
+
+STOP_FILE = "stop.json"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stop:
+    """One run of one scenario, from braking to its end.
+
+    Attributes:
+        scenario: What was asked.
+        outcome: How it ended.
+        reason: The end in one sentence, for people.
+        trace: All samples, one each communication period.
+        metrics: The figures taken from the trace.
+        versions: Of what took part: "railgrip", "python", "casadi" …
+        fmus: Name of each FMU → SHA-256 of its file.
+    """
+
+    scenario: Scenario
+    outcome: Outcome
+    reason: str
+    trace: xarray.Dataset
+    metrics: Metrics
+    versions: Mapping[str, str]
+    fmus: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopRecord:
+    """What the file of a stop says; see `Stop`.
+
+    Attributes:
+        directory: Where the files are.
+        scenario: As resolved, plain values in SI units.
+        digest: Of the scenario and the files it names.
+    """
+
+    directory: Path
+    outcome: Outcome
+    reason: str
+    scenario: Mapping[str, Any]
+    digest: str
+    metrics: Metrics
+    versions: Mapping[str, str]
+    fmus: Mapping[str, str]
+
+    def trace(self) -> xarray.Dataset:
+        """Return the kept samples.
+
+        Raises:
+            RecordError: The trace is missing or unreadable.
+        """
+        return read_trace(self.directory / TRACE_FILE)
+
+
+def write_stop(stop: Stop, directory: Path) -> None:
+    """Write trace.nc and then stop.json: where stop.json is, the trace is whole.
+
+    The same stop gives the same bytes; there is no clock time in them. The trace keeps a row each
+    `periods.trace`.
+    """
+    (directory / STOP_FILE).unlink(missing_ok=True)
+    write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+    content = {
+        "outcome": stop.outcome.value,
+        "reason": stop.reason,
+        "distance_m": stop.metrics.distance,
+        "duration_s": stop.metrics.duration,
+        "metrics": stop.metrics.to_plain(),
+        "scenario": stop.scenario.resolved(),
+        "scenario_digest": stop.scenario.digest(),
+        "versions": dict(sorted(stop.versions.items())),
+        "fmus": dict(sorted(stop.fmus.items())),
+    }
+    # JSON has no NaN: a figure that does not exist (no estimator, no lock) is null.
+    text = json.dumps(_without_nan(content), indent=1, ensure_ascii=False, allow_nan=False)
+    write_text(directory / STOP_FILE, text + "\n")
+
+
+def read_stop(directory: Path) -> StopRecord:
+    """Return what the stop.json in a folder says.
+
+    Raises:
+        RecordError: Missing, or not the result of a stop.
+    """
+    path = directory / STOP_FILE
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        return StopRecord(
+            directory=directory,
+            outcome=Outcome(content["outcome"]),
+            reason=content["reason"],
+            scenario=content["scenario"],
+            digest=content["scenario_digest"],
+            metrics=Metrics.from_plain(content["metrics"]),
+            versions=content["versions"],
+            fmus=content["fmus"],
+        )
+    except FileNotFoundError as problem:
+        raise RecordError(f"{path}: there is no such result; `railgrip run FILE --out DIR` makes one") from problem
+    except (OSError, UnicodeDecodeError) as problem:
+        raise RecordError(f"{path}: cannot be read: {problem}") from problem
+    except (ValueError, KeyError, TypeError) as problem:
+        raise RecordError(f"{path}: is not the result of a stop of this version ({problem})") from problem
+
+
+def _without_nan(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_nan(element) for key, element in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(element) for element in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

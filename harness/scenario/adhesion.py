@@ -1,0 +1,169 @@
+"""The friction that each wheelset finds: the profile of a scenario as a fast function of time and place."""
+
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.scenario.curve import Curve
+from harness.scenario.error import ScenarioError
+from harness.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
+from harness.scenario.schema import Scenario
+from harness.scenario.seed import generator
+from harness.scenario.table import WHEELSETS
+
+Array = NDArray[np.float64]
+
+GROUP_OF_WHEELSET = (0, 0, 1, 2, 3, 3)
+"""ω-group of each wheelset: motor bogies turn as one, the wheelsets of the Jacobs bogie alone."""
+
+_PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """Friction tabulated on an even grid, for a look-up that the loop can afford every sample.
+
+    The nearest point is taken: over time the grid is that of the samples and the look-up exact, over distance
+    it is finer than a sample's travel.
+
+    Attributes:
+        over_time: Whether the axis is the time since the brake demand [s], else the distance of the first
+            wheelset since then [m].
+        step: Of the grid, in the axis' unit.
+        mu0_at: Friction at the grid points, shape (n, 6), wheelsets lead to trail.
+    """
+
+    over_time: bool
+    step: float
+    mu0_at: Array
+
+    def mu0(self, time: float, distance: float) -> Array:
+        """Return the friction at each wheelset, shape (6,), at a time [s] and distance [m] since the demand.
+
+        The array is a view of the table, not to be written to.
+        """
+        nearest = int((time if self.over_time else distance) / self.step + 0.5)
+        return self.mu0_at[min(nearest, len(self.mu0_at) - 1)]
+
+    def table(self, time: Array, distance: Array) -> Array:
+        """Return `mu0` for many instants at once: shapes (n,), (n,) → (n, 6)."""
+        nearest = ((time if self.over_time else distance) / self.step + 0.5).astype(int)
+        return self.mu0_at[np.minimum(nearest, len(self.mu0_at) - 1)]
+
+
+def profile_of(scenario: Scenario) -> Profile:
+    """Return the friction profile of a scenario, up to its horizon.
+
+    A profile over time reaches all wheelsets at once. One over distance lies on the rail: a wheelset meets it
+    `wheelset_offsets` later than the first.
+
+    Raises:
+        ScenarioError: Level and conditioning bring friction above 1.
+    """
+    adhesion = scenario.adhesion
+    over_time = not scenario.runs_over_distance
+    if over_time:
+        step = scenario.periods.communication
+        axis = step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)
+        places = np.repeat(axis[:, None], WHEELSETS, axis=1)
+    else:
+        step = _PLACE_STEP
+        # A braking train cannot get farther than this before the horizon.
+        reach = scenario.start.speed * scenario.limits.horizon
+        axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
+        places = axis[:, None] - np.array(scenario.vehicle.wheelset_offsets)
+    match adhesion:
+        case Constant(mu0=mu0):
+            found = np.broadcast_to(mu0, places.shape)
+        case Trapezoid():
+            found = _trapezoid(adhesion, places)
+        case SineSweep():
+            found = _sine_sweep(adhesion, places)
+        case Random():
+            found = _random(adhesion, places, scenario.seed)
+        case FromTable(curve=curve):
+            found = _from_curve(curve, places)
+        case _:
+            assert_never(adhesion)
+    mu0 = _conditioned(adhesion.factor * found, adhesion.conditioning)
+    if mu0.max() > 1:
+        raise ScenarioError(
+            f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
+        )
+    mu0.flags.writeable = False
+    return Profile(over_time=over_time, step=step, mu0_at=mu0)
+
+
+def _trapezoid(shape: Trapezoid, places: Array) -> Array:
+    """Return periodic trapezoids that start high; before the first fall it is high."""
+    fall, ramp, low = shape.extent("first_fall"), shape.extent("ramp"), shape.extent("low")
+    into = np.where(places >= fall, (places - fall) % shape.extent("period"), np.inf)
+    corners = np.array([0.0, ramp, ramp + low, 2 * ramp + low])
+    return np.interp(into, corners, [shape.maximum, shape.minimum, shape.minimum, shape.maximum])
+
+
+def _sine_sweep(shape: SineSweep, places: Array) -> Array:
+    """Return mean − amplitude·sin(phase): friction falls first, as after a brake demand on a worsening rail.
+
+    Frequency is f(x) = f0·(f1/f0)^(x/X) up to X and f1 beyond; the phase is its integral, zero at x ≤ 0.
+    """
+    first, last = shape.frequencies
+    sweep = shape.extent("sweep")
+    within = np.clip(places, 0, sweep)
+    growth = np.log(last / first) / sweep
+    # expm1(g x)/g → x for g → 0: a sweep between equal frequencies is a sine.
+    cycles = first * (np.expm1(growth * within) / growth if growth else within)
+    phase = 2 * np.pi * (cycles + last * np.clip(places - sweep, 0, None))
+    return shape.mean - shape.amplitude * np.sin(phase)
+
+
+def _random(shape: Random, places: Array, seed: int) -> Array:
+    """Return clipped first-order Gauss–Markov noise, exact at points a twentieth of the correlation apart.
+
+    x[k+1] = ρ x[k] + √(1 − ρ²) w[k], ρ = e^(−h/L): stationary from the first point, autocorrelation
+    e^(−|d|/L).
+    """
+    correlation = shape.extent("correlation")
+    spacing = correlation / 20
+    # From the first wheelset's start on, so that a longer train adds points behind without moving those
+    # ahead.
+    ahead = int(np.ceil(places.max() / spacing)) + 2
+    behind = int(np.ceil(-min(places.min(), 0.0) / spacing)) + 2
+    forward = _markov(generator(seed, "adhesion"), np.exp(-spacing / correlation), ahead)
+    # The process is reversible: going back from its first value is the same recursion with draws of its own.
+    backward = _markov(generator(seed, "adhesion.behind"), np.exp(-spacing / correlation), behind, start=forward[0])
+    noise = np.concatenate([backward[:0:-1], forward])
+    points = spacing * np.arange(1 - behind, ahead)
+    return np.interp(places, points, np.clip(shape.mean + shape.deviation * noise, shape.minimum, shape.maximum))
+
+
+def _markov(draws: np.random.Generator, persistence: float, count: int, start: float | None = None) -> Array:
+    """Return `count` values of unit variance, the first being `start` or drawn."""
+    white = draws.standard_normal(count)
+    values = np.empty(count)
+    values[0] = white[0] if start is None else start
+    fresh = np.sqrt(1 - persistence**2)
+    for k in range(1, count):
+        values[k] = persistence * values[k - 1] + fresh * white[k]
+    return values
+
+
+def _from_curve(curve: Curve, places: Array) -> Array:
+    columns = range(places.shape[1])
+    last = curve.mu0.shape[1] - 1
+    return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)
+
+
+def _conditioned(mu0: Array, conditioning: Conditioning | None) -> Array:
+    """Raise low friction for wheelsets behind: each one ahead closes a fraction of the gap to `recovered`.
+
+    mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n), n wheelsets or ω-groups ahead of j. So minima
+    rise from front to rear and friction at or above `recovered` stays.
+    """
+    if conditioning is None:
+        return np.array(mu0)
+    ahead = np.array(GROUP_OF_WHEELSET if conditioning.by == "group" else range(WHEELSETS))
+    closed = 1 - (1 - conditioning.fraction) ** ahead
+    return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * closed

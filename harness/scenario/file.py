@@ -1,0 +1,59 @@
+"""A file that a scenario names: kept as written, found from the scenario's folder, known by its content."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from pydantic import GetCoreSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+DIRECTORY = "directory"
+"""Key of the validation context that holds the folder of the scenario file."""
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFile:
+    """A file beside the scenario.
+
+    Attributes:
+        written: The path as the scenario says it; the only part that results repeat, so that they do not
+            depend on where the project lies.
+        path: Where it is on this machine.
+    """
+
+    written: str
+    path: Path
+
+    def digest(self) -> str:
+        """Return the SHA-256 of the content."""
+        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+
+    @classmethod
+    def find(cls, written: object, info: ValidationInfo) -> "NamedFile":
+        """Resolve a text against the scenario's folder.
+
+        Raises:
+            PydanticCustomError: Not a path, or nothing is there.
+        """
+        if isinstance(written, NamedFile):
+            return written
+        if not isinstance(written, str) or not written:
+            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": repr(written)})
+        context = cast("dict[str, Path] | None", info.context) or {}
+        path = context.get(DIRECTORY, Path()) / written
+        if not path.is_file():
+            raise PydanticCustomError(
+                "file",
+                "names '{written}', but there is no file {path}; the path starts at the scenario's folder",
+                {"written": written, "path": str(path)},
+            )
+        return cls(written=written, path=path)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Read by `find`; serialise as written."""
+        return core_schema.with_info_plain_validator_function(
+            cls.find,
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.written),
+        )

@@ -1,0 +1,160 @@
+"""From a TOML file and overrides to a `Scenario`, or to sentences that say what to correct."""
+
+import difflib
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import UnionType
+from typing import Any, TypeVar, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from harness.scenario.error import ScenarioError
+from harness.scenario.file import DIRECTORY
+from harness.scenario.merge import merged, read_overrides
+from harness.scenario.schema import Scenario
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
+    """Return the scenario of a TOML file, with `table.key=value` overrides on top.
+
+    Raises:
+        ScenarioError: The file is missing, not TOML, or not a scenario; each problem in one sentence.
+    """
+    table = merged(read_toml(path), read_overrides(overrides))
+    return scenario_of(table, directory=path.parent, origin=path.name)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file.
+
+    Raises:
+        ScenarioError: Missing, unreadable, or not TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as problem:
+        raise ScenarioError(f"{path}: there is no such file; name a scenario or campaign file (*.toml)") from problem
+    except OSError as problem:
+        raise ScenarioError(f"{path}: cannot be read: {problem.strerror}") from problem
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        raise ScenarioError(f"{path.name}: is not TOML: {problem}") from problem
+
+
+def scenario_of(table: Mapping[str, Any], *, directory: Path, origin: str) -> Scenario:
+    """Return the scenario that plain tables describe.
+
+    Args:
+        table: As TOML or `Scenario.resolved` give it.
+        directory: From where the files it names are found.
+        origin: What to call the source in a sentence.
+
+    Raises:
+        ScenarioError: Not a scenario.
+    """
+    return validated(Scenario, table, directory=directory, origin=origin)
+
+
+def validated(model: type[_Model], table: Mapping[str, Any], *, directory: Path, origin: str) -> _Model:
+    """Return `table` as a value of `model`.
+
+    Raises:
+        ScenarioError: With one line, "origin: [table] key …", for each problem.
+    """
+    try:
+        return model.model_validate(table, context={DIRECTORY: directory})
+    except ValidationError as problem:
+        lines = dict.fromkeys(_sentence(model, table, error) for error in problem.errors())
+        raise ScenarioError("\n".join(f"{origin}: {line}" for line in lines)) from None
+
+
+def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDetails) -> str:
+    path, known = _place(model, table, error["loc"])
+    kind, context = error["type"], error.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"{_table(path[:-1])} has no key '{path[-1]}'; {_suggestion(str(path[-1]), known)}"
+    if kind == "missing":
+        whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
+        wanted = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
+        return f"{wanted}; it is wanted and has no default"
+    if kind == "union_tag_not_found":
+        return f"{_table(path)} has no 'kind'; it is wanted and has no default"
+    if kind == "union_tag_invalid":
+        return f"{_table(path)} kind is {context['tag']!r}; there is {_listed(context['expected_tags'])}"
+    if not path:
+        return f"{error['msg']}."  # a rule between tables names them itself
+    key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
+    if isinstance(error["input"], Mapping) and kind in {"scenario", "polach"}:
+        key = _table(path)  # a problem of a whole table names its keys itself
+    if kind in {"quantity", "file", "scenario", "polach"}:
+        return f"{key} {error['msg']}."
+    if kind == "literal_error":
+        return f"{key} is {error['input']!r}; there is {context['expected']}"
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"{_table(path)} must be a table, got {error['input']!r}"
+    message = error["msg"]
+    return f"{key} is {error['input']!r}; {message[:1].lower()}{message[1:]}"
+
+
+def _place(
+    model: type[BaseModel], table: Mapping[str, Any], location: tuple[int | str, ...]
+) -> tuple[list[int | str], list[str]]:
+    """Return pydantic's location as the path in the file, and the keys that the table of its last step knows.
+
+    Pydantic puts the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum), and the branch of
+    a union of values, into the location; the file has neither.
+    """
+    path: list[int | str] = []
+    node: Any = table
+    branches: list[type[BaseModel]] = [model]
+    known: list[str] = []
+    for step in location:
+        if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
+            branches = [branch for branch in branches if step in _kinds(branch)] or branches
+            continue
+        if not isinstance(node, Mapping | list | tuple):
+            continue
+        known = sorted({name for branch in branches for name in branch.model_fields})
+        annotations = [branch.model_fields[str(step)].annotation for branch in branches if step in branch.model_fields]
+        branches = [found for annotation in annotations for found in _models(annotation)] or branches
+        path.append(step)
+        if isinstance(node, Mapping):
+            node = node.get(step)
+        elif isinstance(step, int) and step < len(node):
+            node = node[step]
+    return path, known
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Return the tables inside an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    inner = get_args(annotation) if get_origin(annotation) in {Union, UnionType, tuple, dict} else ()
+    return [found for part in inner for found in _models(part)]
+
+
+def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
+    field = model.model_fields.get("kind")
+    return get_args(field.annotation) if field else ()
+
+
+def _dotted(path: Sequence[int | str]) -> str:
+    return re.sub(r"\.\[", "[", ".".join(f"[{step + 1}]" if isinstance(step, int) else step for step in path))
+
+
+def _table(path: Sequence[int | str]) -> str:
+    return f"[{_dotted(path)}]" if path else "the top level"
+
+
+def _suggestion(written: str, known: Sequence[str]) -> str:
+    close = difflib.get_close_matches(written, known, n=1)
+    meant = f"did you mean '{close[0]}'? " if close else ""
+    return f"{meant}It has {', '.join(known)}." if meant else f"it has {', '.join(known)}."
+
+
+def _listed(expected: str) -> str:
+    return expected.replace("'", "")

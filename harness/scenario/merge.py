@@ -1,0 +1,70 @@
+"""Changes laid over a scenario's tables: `--set` on the command line, variants and sweeps in a campaign."""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from harness.scenario.error import ScenarioError
+
+
+def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `base` with the keys of `change` laid over it, table by table.
+
+    A change of a table's `kind` starts that table anew: the keys of another kind have nothing to say in it.
+    """
+    result = dict(base)
+    for key, value in change.items():
+        below = result.get(key)
+        if not isinstance(value, Mapping):
+            result[key] = value
+        elif not isinstance(below, Mapping) or ("kind" in value and value["kind"] != below.get("kind")):
+            result[key] = merged({}, value)
+        else:
+            result[key] = merged(below, value)
+    return result
+
+
+def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
+    """Return `table.key=value` texts as one tree of tables.
+
+    The value is read as TOML (`5`, `true`, `[1, 2]`, `"text"`), and as plain text where it is none, so that
+    `start.speed=80 km/h` needs no quotes. A key with dots or brackets in it takes quotes, as in TOML:
+    `vehicle.parameters."r_wheel[2]"=0.37`.
+
+    Raises:
+        ScenarioError: Not of that form.
+    """
+    tree: dict[str, Any] = {}
+    for override in overrides:
+        key, equals, value = override.partition("=")
+        if not equals or not key.strip() or not value.strip():
+            raise ScenarioError(f"--set {override}: wanted is table.key=value, such as start.speed='80 km/h'")
+        try:
+            layer = tomllib.loads(f"{key} = {_toml_value(value.strip())}")
+        except tomllib.TOMLDecodeError as problem:
+            raise ScenarioError(
+                f"--set {override}: {key.strip()!r} is not a key such as start.speed; "
+                'a part with brackets takes quotes: vehicle.parameters."r_wheel[2]"=0.37'
+            ) from problem
+        _insert(tree, layer)
+    return tree
+
+
+def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
+    """Lay `layer` into `tree`; whatever the order of overrides, a `kind` takes away none of the others."""
+    for key, value in layer.items():
+        below = tree.get(key)
+        if isinstance(value, Mapping) and isinstance(below, dict):
+            _insert(below, value)
+        else:
+            tree[key] = merged({}, value) if isinstance(value, Mapping) else value
+
+
+def _toml_value(text: str) -> str:
+    """Return `text` itself if TOML reads it as a value, else as a TOML string."""
+    try:
+        tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{escaped}"'
+    return text

@@ -1,0 +1,96 @@
+"""The tables of who acts and when: actuation, estimator, controller, limits, periods."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from harness.scenario.quantity import Unit
+from harness.scenario.table import Duration, Friction, Parameters, Table, broken, scalars
+
+
+class Actuation(Table):
+    """What a command to the plant means: a cylinder pressure (ideal) or a valve position (pneumatic)."""
+
+    kind: Literal["ideal", "pneumatic"]
+
+
+class NoEstimator(Table):
+    """The controller sees readings only."""
+
+    kind: Literal["none"]
+
+
+class KalmanFilter(Table):
+    """An extended Kalman filter over a prediction model.
+
+    `fmu` evaluates the prediction FMU through FMI, `python` the CasADi function of the same class, `compiled`
+    the same filter as generated C.
+    """
+
+    kind: Literal["fmu", "python", "compiled"]
+    model: str = Field(description="prediction class, such as TrainPrediction or TrainPredictionReduced")
+    noise: str = Field(description="name of the noise set")
+    parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
+
+    _flat = field_validator("parameters", mode="before")(scalars)
+
+
+Estimator = Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind")]
+
+Controllers = Literal[
+    "full_brake", "slip_two_state", "slip_three_state", "adhesion_based", "adhesion_literal", "ideal_bound"
+]
+
+
+class Controller(Table):
+    """The control law and what differs from its own parameter set."""
+
+    kind: Controllers
+    parameters: Parameters = Field(default={}, description="what differs from the law's own set")
+
+    _flat = field_validator("parameters", mode="before")(scalars)
+
+
+_ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
+
+
+class Limits(Table):
+    """Where a stop ends and what adhesion may be used."""
+
+    horizon: Duration = Field(description="a stop that takes longer ends here, with that outcome")
+    stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(description="speed that counts as standstill")
+    alpha_max: Friction = Field(
+        description="most adhesion that may be used: a number, 'tsi' (0.15) or 'tsi_short_formation' (0.13); "
+        "LOC&PAS TSI 4.2.4.6.1"
+    )
+
+    @field_validator("alpha_max", mode="before")
+    @classmethod
+    def _preset(cls, written: Any) -> Any:
+        return _ADHESION_LIMITS.get(written, written) if isinstance(written, str) else written
+
+
+class Periods(Table):
+    """Sampling periods; each is a whole multiple of `communication`."""
+
+    communication: Duration = Field(description="of the plant")
+    estimator: Duration
+    controller: Duration
+    trace: Duration = Field(description="of the rows that are kept")
+
+    @model_validator(mode="after")
+    def _whole_multiples(self) -> Self:
+        for name in ("estimator", "controller", "trace"):
+            ratio = getattr(self, name) / self.communication
+            # 1e-9 is rounding of decimal fractions of a second, five orders below any real mismatch.
+            if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-9):
+                raise broken(
+                    f"{name} must be a whole multiple of communication, got {getattr(self, name):g} s over "
+                    f"{self.communication:g} s"
+                )
+        return self
+
+    def every(self, name: Literal["estimator", "controller", "trace"]) -> int:
+        """Return after how many communication steps this party is due."""
+        return round(getattr(self, name) / self.communication)

@@ -1,0 +1,194 @@
+"""The table [adhesion]: the kinds of friction profile a scenario can lay on the rail."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from harness.scenario.curve import Curve, read_curve
+from harness.scenario.file import NamedFile
+from harness.scenario.polach import Polach
+from harness.scenario.quantity import Magnitude, Unit
+from harness.scenario.table import WHEELSETS, Friction, Table, broken
+
+
+class Conditioning(Table):
+    """Each wheelset or ω-group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
+
+    fraction: Annotated[float, Unit("1", at_least=0, below=1)]
+    recovered: Friction
+    by: Literal["group", "wheelset"]
+
+
+Over = Literal["time", "distance"]
+
+
+class Extent(Magnitude):
+    """A length or a duration: which one is wanted depends on `over`."""
+
+
+class _Profile(Table):
+    """What all profiles share."""
+
+    polach: Polach
+    level: Annotated[float, Unit("1", above=0)] = Field(
+        default=1.0, description="factor on the first wheelset's friction"
+    )
+    calibrated: dict[str, Annotated[float, Unit("1", above=0)]] = Field(
+        default={},
+        description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
+    )
+    conditioning: Conditioning | None = None
+
+    @property
+    def factor(self) -> float:
+        """Factor on the first wheelset's friction: the level, times what the calibration found for this shape."""
+        return self.level * self.calibrated.get(self.polach.name, 1.0)
+
+
+class Constant(_Profile):
+    """The same friction everywhere, for the train or for each wheelset."""
+
+    kind: Literal["constant"]
+    mu0: tuple[Friction, ...] = Field(description="one number for the whole train, or six")
+
+    @field_validator("mu0", mode="before")
+    @classmethod
+    def _one_or_six(cls, written: Any) -> Any:
+        if not isinstance(written, list | tuple):
+            return (written,) * WHEELSETS
+        if len(written) != WHEELSETS:
+            raise broken(f"must be one number or {WHEELSETS}, got {len(written)}")
+        return tuple(written)
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.conditioning is not None and len(set(self.mu0)) > 1:
+            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+        return self
+
+
+class _Varying(_Profile):
+    """A profile along time (every wheelset at once) or along the track (each wheelset when it gets there)."""
+
+    over: Over = Field(description="time since the brake demand, or position on the track")
+
+    @property
+    def unit(self) -> str:
+        """Unit of the axis the profile runs over."""
+        return "s" if self.over == "time" else "m"
+
+    def extent(self, name: str) -> float:
+        """Return a length or duration of this table in the unit of its axis."""
+        return getattr(self, name).si(self.unit)
+
+    def _check_extents(self, *names: str, zero: tuple[str, ...] = ()) -> None:
+        for name in names:
+            try:
+                value = self.extent(name)
+            except ValueError as problem:
+                raise broken(f"{name} {problem} (the profile runs over {self.over})") from problem
+            if value < 0 or (value == 0 and name not in zero):
+                raise broken(f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}")
+
+
+class Trapezoid(_Varying):
+    """High, ramp down, low, ramp up, over and over; begins with the high."""
+
+    kind: Literal["trapezoid"]
+    minimum: Friction
+    maximum: Friction
+    first_fall: Extent = Field(description="where the first ramp down begins")
+    period: Extent = Field(description="from one ramp down to the next")
+    low: Extent = Field(description="length of the low stretch between the ramps")
+    ramp: Extent = Field(description="length of each ramp")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self._check_extents("first_fall", "period", "low", "ramp", zero=("first_fall", "low"))
+        if self.minimum > self.maximum:
+            raise broken(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
+        taken = self.extent("low") + 2 * self.extent("ramp")
+        if taken > self.extent("period"):
+            raise broken(f"low and two ramps take {taken:g} {self.unit}, longer than period {self.extent('period'):g}")
+        return self
+
+
+class SineSweep(_Varying):
+    """A sine whose frequency rises (or falls) evenly on a logarithmic scale, then stays.
+
+    Frequencies are in 1/s over time, in 1/m over distance.
+    """
+
+    kind: Literal["sine_sweep"]
+    mean: Friction
+    amplitude: Friction
+    start_frequency: Extent
+    end_frequency: Extent
+    sweep: Extent = Field(description="over which the frequency goes from start to end")
+
+    @property
+    def frequencies(self) -> tuple[float, float]:
+        """Start and end frequency in 1/s or 1/m."""
+        unit = "Hz" if self.over == "time" else "1/m"
+        return self.start_frequency.si(unit), self.end_frequency.si(unit)
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self._check_extents("sweep")
+        try:
+            frequencies = self.frequencies
+        except ValueError as problem:
+            raise broken(f"frequency {problem} (the profile runs over {self.over})") from problem
+        if min(frequencies) <= 0:
+            raise broken(f"frequencies must be above 0, got {frequencies}")
+        if self.amplitude >= self.mean:
+            raise broken(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
+        return self
+
+
+class Random(_Varying):
+    """Noise of autocorrelation e^(−|d|/correlation) (Ornstein–Uhlenbeck), clipped; drawn from the seed."""
+
+    kind: Literal["random"]
+    mean: Friction
+    deviation: Annotated[float, Unit("1", at_least=0, below=1)]
+    correlation: Extent = Field(description="over which the autocorrelation falls to 1/e")
+    minimum: Friction
+    maximum: Friction
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self._check_extents("correlation")
+        if not self.minimum <= self.mean <= self.maximum:
+            raise broken(f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}")
+        return self
+
+
+class FromTable(_Profile):
+    """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_6."""
+
+    kind: Literal["table"]
+    file: NamedFile
+
+    @model_validator(mode="after")
+    def _readable(self) -> Self:
+        curve = self.curve
+        if curve.mu0.shape[1] > 1 and self.conditioning is not None:
+            raise broken(f"{self.file.written} gives mu0 for each wheelset, and conditioning makes it from the first's")
+        return self
+
+    @property
+    def curve(self) -> Curve:
+        """The content of the file."""
+        try:
+            return read_curve(self.file.path, wheelsets=WHEELSETS)
+        except ValueError as problem:
+            raise broken(f"file {self.file.written}: {problem}") from problem
+
+    @property
+    def over(self) -> Over:
+        """The axis that the file's first column names."""
+        return self.curve.over
+
+
+Adhesion = Annotated[Constant | Trapezoid | SineSweep | Random | FromTable, Field(discriminator="kind")]

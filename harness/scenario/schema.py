@@ -1,0 +1,71 @@
+"""The scenario file as a type: every table, key, unit and range, and nothing that is not written there.
+
+A quantity is a text with a unit ("80 km/h", "3.4 bar", "10 ms") or a bare number in the SI unit of its field.
+No physical value has a default; `level = 1`, a straight level track and empty parameter tables say "as it
+is".
+"""
+
+import hashlib
+import json
+from typing import Annotated, Any, Self
+
+from pydantic import Field, StrictInt, model_validator
+
+from harness.scenario.file import NamedFile
+from harness.scenario.parties import Actuation, Controller, Estimator, Limits, Periods
+from harness.scenario.profile import Adhesion, Constant, FromTable
+from harness.scenario.sensors import Sensors
+from harness.scenario.table import Table, broken
+from harness.scenario.track import Track
+from harness.scenario.vehicle import Start, Vehicle
+
+
+class Scenario(Table):
+    """Everything that decides a stop."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    description: str = ""
+    seed: Annotated[StrictInt, Field(ge=0)]
+    vehicle: Vehicle
+    start: Start
+    track: Track = Track()
+    adhesion: Adhesion
+    sensors: Sensors
+    actuation: Actuation
+    estimator: Estimator
+    controller: Controller
+    periods: Periods
+    limits: Limits
+
+    @model_validator(mode="after")
+    def _parties_fit(self) -> Self:
+        if self.runs_over_distance and not self.vehicle.wheelset_offsets:
+            raise broken("adhesion runs over distance: [vehicle] must give wheelset_offsets, how far behind the first")
+        if self.controller.kind in ("adhesion_based", "adhesion_literal") and self.estimator.kind == "none":
+            raise broken("[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'")
+        if self.limits.stop_speed >= self.start.speed:
+            raise broken(
+                f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
+                f"{self.start.speed:g} m/s"
+            )
+        return self
+
+    @property
+    def runs_over_distance(self) -> bool:
+        """Whether the adhesion is a function of the place."""
+        return not isinstance(self.adhesion, Constant) and self.adhesion.over == "distance"
+
+    def files(self) -> tuple[NamedFile, ...]:
+        """Return the files beside the scenario that decide the stop, too."""
+        table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
+        plant = (self.vehicle.plant,) if isinstance(self.vehicle.plant, NamedFile) else ()
+        return (*plant, *table)
+
+    def resolved(self) -> dict[str, Any]:
+        """Return the scenario as plain values in SI units with all defaults; it loads to the same one."""
+        return self.model_dump(mode="json")
+
+    def digest(self) -> str:
+        """Return a SHA-256 of all that decides the stop: values, and the content of the files they name."""
+        everything = {"scenario": self.resolved(), "files": [file.digest() for file in self.files()]}
+        return hashlib.sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()

@@ -1,0 +1,70 @@
+"""The tables [vehicle] and [start]: which plant, with what values, from what speed."""
+
+from typing import Annotated, Any
+
+from pydantic import Field, PlainValidator, StrictBool, ValidationInfo, field_serializer, field_validator
+
+from harness.scenario.file import NamedFile
+from harness.scenario.table import WHEELSETS, Length, Parameters, Speed, Table, broken, scalars
+
+
+def _map_entry(written: Any) -> Any:
+    """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
+    if isinstance(written, str | dict) or (
+        isinstance(written, list | tuple) and all(isinstance(element, str | dict) for element in written)
+    ):
+        return written
+    raise broken(
+        f"is {written!r}, but the name of an FMU variable is wanted, a list of them, "
+        'or { variable = "…", unit = "…", scale = … }'
+    )
+
+
+MapEntry = Annotated[Any, PlainValidator(_map_entry)]
+
+
+class Vehicle(Table):
+    """The plant."""
+
+    plant: str | NamedFile = Field(
+        description="an FMU recipe of this project, or the path of an .fmu from the scenario's folder"
+    )
+    parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
+    map: dict[str, MapEntry] = Field(
+        default={}, description="our name → variable of a foreign FMU: text with {i} for arrays, list, or table"
+    )
+    trust: StrictBool = Field(
+        default=False, description="load an FMU of one's own into this process: faster, but a crash in it ends the run"
+    )
+    wheelset_offsets: tuple[Length, ...] = Field(
+        default=(),
+        description="distance of each wheelset behind the first; wanted when adhesion is over distance",
+    )
+
+    _flat = field_validator("parameters", mode="before")(scalars)
+
+    @field_validator("plant", mode="plain")
+    @classmethod
+    def _recipe_or_file(cls, written: Any, info: ValidationInfo) -> str | NamedFile:
+        if isinstance(written, NamedFile) or (isinstance(written, str) and written.endswith(".fmu")):
+            return NamedFile.find(written, info)
+        if not isinstance(written, str) or not written.isidentifier():
+            raise broken(f"is {written!r}, which is neither the name of an FMU recipe nor the path of an .fmu")
+        return written
+
+    @field_serializer("plant")
+    def _as_written(self, plant: str | NamedFile) -> str:
+        return plant.written if isinstance(plant, NamedFile) else plant
+
+    @field_validator("wheelset_offsets")
+    @classmethod
+    def _six_in_order(cls, offsets: tuple[float, ...]) -> tuple[float, ...]:
+        if offsets and (len(offsets) != WHEELSETS or offsets[0] != 0 or list(offsets) != sorted(offsets)):
+            raise broken(f"must be {WHEELSETS} rising distances that start with 0, got {list(offsets)}")
+        return offsets
+
+
+class Start(Table):
+    """The state at the brake demand, t = 0."""
+
+    speed: Speed

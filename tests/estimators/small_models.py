@@ -1,0 +1,92 @@
+"""Prediction models of a few lines, written in CasADi, for the tests of the estimators."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+@dataclass(frozen=True)
+class Name:
+    name: str
+
+
+@dataclass(frozen=True)
+class SmallModel:
+    states: tuple[Name, ...]
+    inputs: tuple[Name, ...]
+    parameters: tuple[Name, ...]
+    outputs: tuple[Name, ...]
+    derivative: ca.Function
+    output: ca.Function
+
+
+Equation = Callable[[ca.SX, ca.SX, ca.SX, ca.SX], Sequence[ca.SX]]
+
+
+def small_model(states: str, inputs: str, parameters: str, outputs: str, f: Equation, h: Equation) -> SmallModel:
+    """Names separated by blanks; `f` and `h` are functions of the symbols (t, x, u, p)."""
+    x_names, u_names, p_names, y_names = (
+        tuple(Name(word) for word in words.split()) for words in (states, inputs, parameters, outputs)
+    )
+    given = [
+        ca.SX.sym("t"),
+        ca.SX.sym("x", len(x_names)),
+        ca.SX.sym("u", len(u_names)),
+        ca.SX.sym("p", len(p_names)),
+    ]
+    return SmallModel(
+        x_names,
+        u_names,
+        p_names,
+        y_names,
+        ca.Function("derivative", given, [ca.vertcat(*f(*given))]),
+        ca.Function("output", given, [ca.vertcat(*h(*given))]),
+    )
+
+
+WHEELSET = {"m": 14_500.0, "J": 209.0, "r_wheel": 0.38, "r_friction": 0.22, "n_units": 2.0, "drag": 5.4}
+"""A wheelset of the Jacobs bogie carrying its share of the train."""
+
+
+def wheelset() -> SmallModel:
+    """v, w, mu_b, alpha under pad force and track force; shows speed, wheelset speed and acceleration."""
+
+    def acceleration(x: ca.SX, u: ca.SX, p: ca.SX) -> ca.SX:
+        return -9.81 * x[3] - p[5] / p[0] * x[0] ** 2 + u[1] / p[0]
+
+    def f(t: ca.SX, x: ca.SX, u: ca.SX, p: ca.SX) -> list[ca.SX]:
+        torque = p[4] * x[2] * u[0] * p[3]
+        spin = (x[3] * p[0] * 9.81 * p[2] - torque) / p[1]
+        return [acceleration(x, u, p), spin, (0.35 + 0.002 * (33.0 - x[1]) - x[2]) / 3.0, ca.SX(0)]
+
+    return small_model(
+        "v w mu_b alpha",
+        "pad_force track_force",
+        " ".join(WHEELSET),
+        "speed wheelset_speed acceleration",
+        f,
+        lambda t, x, u, p: [x[0], x[1], acceleration(x, u, p)],
+    )
+
+
+OSCILLATOR = {"k": 2.4e6, "c": 2.4e4, "m_1": 1750.0, "m_2": 1500.0}
+"""Two masses on the primary suspension: modes as fast as a train prediction has them."""
+
+
+def oscillator() -> SmallModel:
+    """Linear: two masses in series; shows the first deflection and the second acceleration."""
+
+    def f(t: ca.SX, x: ca.SX, u: ca.SX, p: ca.SX) -> list[ca.SX]:
+        first = p[0] * x[0] + p[1] * x[2]
+        second = p[0] * (x[1] - x[0]) + p[1] * (x[3] - x[2])
+        return [x[2], x[3], (second - first + u[0]) / p[2], -second / p[3]]
+
+    return small_model(
+        "z_1 z_2 dz_1 dz_2",
+        "force",
+        " ".join(OSCILLATOR),
+        "deflection acceleration",
+        f,
+        lambda t, x, u, p: [x[0], f(t, x, u, p)[3]],
+    )

@@ -1,0 +1,175 @@
+import ctypes
+
+import numpy as np
+import pytest
+from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
+
+from estimators.compiled import CompiledFilter
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.errors import EstimatorError, FilterDiverged
+from estimators.gate import Gate
+from estimators.generated import generate
+from estimators.prediction import CasadiPrediction
+from fmus.native.toolchain import shared_library
+
+PERIOD = 1e-3
+DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])
+READING = np.array([1e-4, 1e-4, 1e-3])
+FIRST_MEAN = np.array([22.0, 22.0 / 0.38, 0.36, 0.06])
+FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
+GATE = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
+
+
+@pytest.fixture(scope="module")
+def rolling():
+    return CasadiPrediction(wheelset(), WHEELSET)
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    return tmp_path_factory.mktemp("filters")
+
+
+def assert_same(one, other, tolerance):
+    """Means in units of the states' spread or size, covariances as correlations."""
+    size = np.maximum(np.abs(one.mean), one.deviation)
+    assert np.max(np.abs(one.mean - other.mean) / size) < tolerance
+    spread = np.outer(one.deviation, one.deviation)
+    assert np.max(np.abs(one.covariance - other.covariance) / spread) < tolerance
+
+
+def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling, kept):
+    """The two filters are compared all along; neither sees the other's belief."""
+    parts = (rolling, DENSITY, READING, PERIOD, GATE, 5.0)
+    plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts, directory=kept)
+    one = two = plain.start(FIRST_MEAN, FIRST_VARIANCE)
+    random = np.random.default_rng(7)
+    left_out = 0
+    for k in range(6_000):
+        held = np.array([max(0.0, 2e4 * np.sin(k / 900.0)), 500.0 * np.cos(k / 3000.0)])
+        seen = rolling.output(one.mean, held) + np.sqrt(READING) * random.standard_normal(3)
+        if k % 5:
+            seen[1] = np.nan
+        if k % 100 == 0:
+            seen[0] += 3.0
+        one, two = plain.step(one, held, seen), fast.step(two, held, seen)
+        left_out += int(fast.used[0] == 0.0)
+        if k % 100 == 0:
+            assert_same(one, two, 1e-9)
+    assert_same(one, two, 1e-9)
+    assert left_out > 50  # the outliers were there and were seen as such
+
+
+@pytest.mark.parametrize("correlated", [False, True])
+def test_compiled_equals_python_with_full_noise_matrices(kept, correlated):
+    prediction = CasadiPrediction(oscillator(), OSCILLATOR)
+    density, reading = np.diag([0.0, 0.0, 1e-2, 1e-2]), np.diag([1e-8, 1e-3])
+    if correlated:
+        density[2, 3] = density[3, 2] = 6e-3
+        reading[0, 1] = reading[1, 0] = -2e-6
+    parts = (prediction, density, reading, PERIOD)
+    plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts, directory=kept)
+    one = two = plain.start(np.zeros(4), np.array([1e-6, 1e-6, 1e-2, 1e-2]))
+    random = np.random.default_rng(8)
+    for _ in range(500):
+        held, seen = random.normal(0.0, 1e4, 1), random.normal(0.0, [1e-3, 1.0])
+        one, two = plain.step(one, held, seen), fast.step(two, held, seen)
+        assert_same(one, two, 1e-9)
+
+
+def test_normalised_innovation_is_that_of_the_reference(rolling, kept):
+    plain = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    first, held = plain.start(FIRST_MEAN, FIRST_VARIANCE), np.array([1e4, 0.0])
+    seen = np.array([22.1, np.nan, -0.7])
+    expected = plain.innovation(plain.predict(first, held), held, seen)
+    fast.step(first, held, seen)
+    assert fast.squared_innovation == pytest.approx(expected.squared, rel=1e-10)
+    assert fast.used.tolist() == [1.0, 0.0, 1.0]
+
+
+def test_it_goes_on_from_whatever_belief_it_is_given(rolling, kept):
+    """Beliefs are values: a step is a function of its arguments, not of the steps before it."""
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
+    once = fast.step(first, held, seen)
+    fast.step(once, held, seen)
+    again = fast.step(first, held, seen)
+    assert np.array_equal(again.mean, once.mean)
+    assert np.array_equal(again.covariance, once.covariance)
+    with pytest.raises(ValueError, match="read-only"):
+        once.mean[0] = 0.0
+
+
+def test_advance_in_place_is_step(rolling, kept):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
+    belief = fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    for _ in range(3):
+        belief = fast.step(belief, held, seen)
+    fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    for _ in range(3):
+        fast.held[:], fast.seen[:] = held, seen
+        fast.advance()
+    assert np.array_equal(fast.mean, belief.mean)
+    assert np.array_equal(fast.covariance, belief.covariance)
+
+
+def test_parameters_change_without_compiling_again(rolling, kept):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    worn = CasadiPrediction(wheelset(), WHEELSET | {"r_wheel": 0.36})
+    built = sorted(kept.iterdir())
+    other = CompiledFilter(worn, DENSITY, READING, PERIOD, directory=kept)
+    assert sorted(kept.iterdir()) == built
+    held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
+    first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    expected = ExtendedKalmanFilter(worn, DENSITY, READING, PERIOD).step(first, held, seen)
+    assert_same(expected, other.step(first, held, seen), 1e-12)
+    fast.parameters[:] = worn.parameters
+    assert np.array_equal(fast.step(first, held, seen).mean, other.step(first, held, seen).mean)
+
+
+def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling, kept):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    with pytest.raises(FilterDiverged, match="predicted"):
+        fast.step(first, np.array([np.nan, np.nan]), np.zeros(3))
+    assert np.array_equal(fast.mean, FIRST_MEAN)
+    with pytest.raises(FilterDiverged, match="readings"):
+        fast.step(first, np.zeros(2), np.array([np.inf, 0.0, 0.0]))
+    assert np.array_equal(fast.mean, FIRST_MEAN)
+    assert np.array_equal(fast.covariance, np.diag(FIRST_VARIANCE))
+
+
+def test_wrong_shapes_get_the_sentences_of_the_reference(rolling, kept):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    with pytest.raises(EstimatorError, match="held wants 2 inputs"):
+        fast.step(first, np.zeros(3), np.zeros(3))
+    with pytest.raises(EstimatorError, match="seen wants 3 readings"):
+        fast.step(first, np.zeros(2), np.zeros(2))
+    with pytest.raises(EstimatorError, match="process_noise wants shape"):
+        CompiledFilter(rolling, np.ones(3), READING, PERIOD, directory=kept)
+
+
+def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling, kept):
+    """The step for any machine, called directly, against whatever this machine takes."""
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE, directory=kept)
+    code = generate(rolling, fast.design)
+    plain = "int step_plain(double *block);\n" + (
+        '__attribute__((visibility("default"))) int step(double *block) { return step_plain(block); }\n'
+    )
+    library = shared_library(code.sources | {"dispatch.c": plain}, kept, "plain", flags=("-O3",))
+    step_plain = ctypes.CDLL(str(library)).step
+    step_plain.argtypes = [ctypes.c_void_p]
+    fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    block = fast._block.copy()
+    random = np.random.default_rng(9)
+    for k in range(300):
+        fast.held[:] = [2e4 * (k % 40 > 10), 500.0]
+        fast.seen[:] = [22.0, 57.0, -0.7] + np.sqrt(READING) * random.standard_normal(3)
+        block[code.layout["HELD"]], block[code.layout["SEEN"]] = fast.held, fast.seen
+        fast.advance()
+        assert step_plain(block.ctypes.data) == 0
+    assert np.array_equal(block, fast._block)

@@ -1,0 +1,309 @@
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
+
+from estimators.consistency import chi_square_bounds, nees
+from estimators.discretisation import advanced, transition
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.errors import EstimatorError, FilterDiverged
+from estimators.gate import Gate
+from estimators.prediction import CasadiPrediction
+
+PERIOD = 1e-3
+DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])
+READING = np.array([1e-4, 1e-4, 1e-3])
+FIRST_MEAN = np.array([22.0, 22.0 / 0.38, 0.36, 0.06])
+FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
+
+
+@pytest.fixture(scope="module")
+def rolling():
+    return CasadiPrediction(wheelset(), WHEELSET)
+
+
+def textbook_linear_kalman_filter(F, G, H, D, Q, R, mean, covariance, held, seen):
+    """Predict and update as printed in Särkkä (2013), eq. 4.20-4.21, for x+ = Fx + Gu, y = Hx + Du."""
+    mean = F @ mean + G @ held
+    covariance = F @ covariance @ F.T + Q
+    S = H @ covariance @ H.T + R
+    K = covariance @ H.T @ np.linalg.inv(S)
+    return mean + K @ (seen - H @ mean - D @ held), covariance - K @ S @ K.T
+
+
+def test_on_a_linear_model_it_is_the_linear_kalman_filter():
+    prediction = CasadiPrediction(oscillator(), OSCILLATOR)
+    origin, nothing = np.zeros(4), np.zeros(1)
+    A = prediction.derivative_jacobian(origin, nothing)
+    B = prediction.derivative(origin, np.ones(1))[:, np.newaxis]
+    H = prediction.output_jacobian(origin, nothing)
+    D = prediction.output(origin, np.ones(1))[:, np.newaxis]
+    both = expm(PERIOD * np.block([[A, B], [np.zeros((1, 5))]]))  # van Loan: exact with u held
+    F, G = both[:4, :4], both[:4, 4:]
+
+    # In units in which position and velocity of a mode have one size, the Taylor remainder of a step is
+    # |exp(TA) - Phi| <= |TA|^5/120 exp(|TA|); a stable filter adds it up over its memory, here < 1000 steps.
+    frequency = np.max(np.abs(np.linalg.eigvals(A)))
+    scale = np.array([1.0, 1.0, frequency, frequency])
+    size = np.linalg.norm(PERIOD * A * scale / scale[:, np.newaxis], 2)
+    bound = 1000.0 * size**5 / 120.0 * np.exp(size)
+    assert bound < 1e-3  # the comparison below means something
+
+    density, reading = np.array([0.0, 0.0, 1e-2, 1e-2]), np.array([1e-8, 1e-3])
+    ours = ExtendedKalmanFilter(prediction, density, reading, PERIOD)
+    belief = ours.start(np.array([1e-3, 0.0, 0.1, 0.0]), np.array([1e-6, 1e-6, 1e-2, 1e-2]))
+    mean, covariance = belief.mean, belief.covariance
+    random = np.random.default_rng(1)
+    for _ in range(1000):
+        held, seen = random.normal(0.0, 1e4, 1), random.normal(0.0, [1e-3, 1.0])
+        belief = ours.step(belief, held, seen)
+        mean, covariance = textbook_linear_kalman_filter(
+            F, G, H, D, np.diag(density) * PERIOD, np.diag(reading), mean, covariance, held, seen
+        )
+        # Relative to what the states are in this run: centimetres, metres per second.
+        assert np.max(np.abs(belief.mean - mean) / np.array([1e-2, 1e-2, 1.0, 1.0])) < bound
+        sd = np.sqrt(np.diag(covariance))
+        assert np.max(np.abs(belief.covariance - covariance) / np.outer(sd, sd)) < bound
+
+
+def test_a_matched_model_without_noise_has_no_error(rolling):
+    """Started at the truth and shown perfect readings, the filter stays on the solution of its own model."""
+    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+    truth = FIRST_MEAN
+    for k in range(3000):
+        held = np.array([2e4 * (1.0 + np.sin(k / 300.0)), 500.0])
+        truth = advanced(lambda x, held=held: rolling.derivative(x, held), truth, PERIOD)
+        belief = ours.step(belief, held, rolling.output(truth, held))
+    # Rounding only: units in the last place of w = 60 rad/s, seen through gains below 100.
+    assert np.max(np.abs(belief.mean - truth)) < 1e-10
+
+
+def test_perfect_readings_pull_a_wrong_start_to_the_truth(rolling):
+    ours = ExtendedKalmanFilter(rolling, np.full(4, 1e-9), READING * 1e-4, PERIOD)
+    off = np.array([0.1, -0.3, 0.05, 0.03])
+    belief = ours.start(FIRST_MEAN + off, FIRST_VARIANCE)
+    truth = FIRST_MEAN
+    held = np.array([1.5e4, 0.0])
+    for _ in range(3000):
+        truth = advanced(lambda x: rolling.derivative(x, held), truth, PERIOD)
+        belief = ours.step(belief, held, rolling.output(truth, held))
+    # What is left of the start is its weight against 3000 readings a thousand times as sure.
+    assert np.all(np.abs(belief.mean - truth) < 1e-3 * np.abs(off))
+
+
+def stochastic_runs(prediction, ours, runs, steps, seed):
+    """NEES and NIS at the end of runs whose truth has the noises DENSITY and READING."""
+    random = np.random.default_rng(seed)
+    errors, innovations = [], []
+    for _ in range(runs):
+        truth = FIRST_MEAN + np.sqrt(FIRST_VARIANCE) * random.standard_normal(4)
+        belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+        for k in range(steps):
+            held = np.array([2e4 * (1.0 + np.sin(k / 50.0)), 500.0])
+            truth = advanced(lambda x, held=held: prediction.derivative(x, held), truth, PERIOD)
+            truth = truth + np.sqrt(DENSITY * PERIOD) * random.standard_normal(4)
+            seen = prediction.output(truth, held) + np.sqrt(READING) * random.standard_normal(3)
+            predicted = ours.predict(belief, held)
+            innovation = ours.innovation(predicted, held, seen)
+            belief = ours.condition(predicted, held, innovation)
+        errors.append(nees(belief, truth))
+        innovations.append(innovation.squared)
+    return np.mean(errors), np.mean(innovations)
+
+
+def test_mean_nees_lies_in_its_chi_square_bounds(rolling):
+    """A filter whose model is the plant's, noises included, errs as much as it says."""
+    runs = 60
+    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    error, innovation = stochastic_runs(rolling, ours, runs, steps=250, seed=20)
+    low, high = chi_square_bounds(4, runs)
+    assert low < error < high
+    low, high = chi_square_bounds(3, runs)
+    assert low < innovation < high
+
+
+def test_a_filter_too_sure_of_itself_fails_the_same_bounds(rolling):
+    """The test above can fail: with a hundredth of the process noise the errors are too large for it."""
+    runs = 15
+    boasting = ExtendedKalmanFilter(rolling, DENSITY * 1e-2, READING, PERIOD)
+    error, _ = stochastic_runs(rolling, boasting, runs, steps=250, seed=21)
+    assert error > chi_square_bounds(4, runs)[1]
+
+
+def test_transition_is_the_derivative_of_the_mean_map(rolling):
+    held = np.array([3e4, 0.0])
+    phi = transition(rolling.derivative_jacobian(FIRST_MEAN, held), PERIOD)
+    for j in range(4):
+        nudge = np.zeros(4)
+        nudge[j] = 1e-4
+        ahead = advanced(lambda x: rolling.derivative(x, held), FIRST_MEAN + nudge, PERIOD)
+        behind = advanced(lambda x: rolling.derivative(x, held), FIRST_MEAN - nudge, PERIOD)
+        # Rounding of w = 60 rad/s over 2e-4 is 1e-10; the drag changes A by 1e-6 of itself within a period.
+        assert phi[:, j] == pytest.approx((ahead - behind) / 2e-4, abs=1e-9)
+
+
+def test_a_missing_reading_is_a_filter_without_that_sensor(rolling):
+    """NaN leaves the row out: the same as a reading without worth, of a variance beyond all others."""
+    held = np.array([1e4, 0.0])
+    seen = rolling.output(FIRST_MEAN, held) + np.array([0.01, 0.02, 0.1])
+    sparse = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    worthless = ExtendedKalmanFilter(rolling, DENSITY, READING * np.array([1.0, 1e20, 1.0]), PERIOD)
+    first = sparse.start(FIRST_MEAN, FIRST_VARIANCE)
+    without = sparse.step(first, held, np.where([False, True, False], np.nan, seen))
+    beside = worthless.step(first, held, seen)
+    # A variance of 1e16 against one of 0.1 is a weight of 1e-17, below rounding.
+    assert without.mean == pytest.approx(beside.mean, rel=1e-12)
+    assert without.covariance == pytest.approx(beside.covariance, rel=1e-9, abs=1e-15)
+
+
+def test_without_any_reading_it_only_predicts(rolling):
+    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+    held = np.array([1e4, 0.0])
+    blind = ours.step(first, held, np.full(3, np.nan))
+    predicted = ours.predict(first, held)
+    assert np.array_equal(blind.mean, predicted.mean)
+    assert np.array_equal(blind.covariance, predicted.covariance)
+
+
+def test_an_outlier_is_left_out_and_only_it(rolling):
+    careful = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD, outlier_limit=6.0)
+    plain = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    held = np.array([1e4, 0.0])
+    first = plain.start(FIRST_MEAN, FIRST_VARIANCE)
+    seen = rolling.output(FIRST_MEAN, held)
+    thrown = careful.step(first, held, seen + np.array([0.0, 300.0, 0.0]))
+    expected = plain.step(first, held, np.where([False, True, False], np.nan, seen))
+    assert np.array_equal(thrown.mean, expected.mean)
+    assert np.array_equal(thrown.covariance, expected.covariance)
+
+
+def gated(prediction):
+    gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
+    return ExtendedKalmanFilter(prediction, DENSITY, READING, PERIOD, gate)
+
+
+def test_pad_friction_stands_still_while_the_pads_are_released(rolling):
+    ours = gated(rolling)
+    belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+    random = np.random.default_rng(3)
+
+    def carried(belief, held, steps):
+        for _ in range(steps):
+            noise = np.sqrt(READING) * random.standard_normal(3)
+            belief = ours.step(belief, held, rolling.output(belief.mean, held) + noise)
+        return belief
+
+    braked = carried(belief, np.array([2e4, 0.0]), 300)  # pad friction is now correlated with the rest
+    released = carried(braked, np.zeros(2), 2000)
+    assert released.mean[2] == braked.mean[2]
+    assert released.covariance[2, 2] == braked.covariance[2, 2]
+    assert np.all(np.linalg.eigvalsh(released.covariance) > 0.0)
+    # The other states are still estimated, and their correlation with pad friction is carried, not cut.
+    others = [0, 1, 3]
+    assert np.all(released.mean[others] != braked.mean[others])
+    assert np.all(braked.covariance[2, [1, 3]] != 0.0)
+    assert np.all(released.covariance[2, [1, 3]] != 0.0)
+    assert np.all(released.covariance[2, [1, 3]] != braked.covariance[2, [1, 3]])
+
+
+def test_the_gate_opens_at_its_threshold(rolling):
+    ours = gated(rolling)
+    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+    seen = rolling.output(FIRST_MEAN, np.zeros(2)) + 0.05
+    assert ours.step(first, np.array([1499.9, 0.0]), seen).mean[2] == first.mean[2]
+    assert ours.step(first, np.array([1500.0, 0.0]), seen).mean[2] != first.mean[2]
+
+
+def test_a_frozen_state_is_a_consider_state(rolling):
+    """Schmidt: the others' gain is optimal for the joint covariance; the frozen one keeps its own."""
+    ours = gated(rolling)
+    held = np.zeros(2)
+    joint = np.diag(FIRST_VARIANCE)
+    joint[1, 2] = joint[2, 1] = 0.8 * np.sqrt(joint[1, 1] * joint[2, 2])
+    predicted = ours.predict(ours.start(FIRST_MEAN, joint), held)
+    innovation = ours.innovation(predicted, held, rolling.output(predicted.mean, held))
+    after = ours.condition(predicted, held, innovation)
+    H, P, others = innovation.jacobian, predicted.covariance, [0, 1, 3]
+    S = H @ P @ H.T + np.diag(READING)
+    optimal = P - P @ H.T @ np.linalg.inv(S) @ H @ P
+    # P loses four digits to the readings, of the sixteen there are; the rest is margin.
+    assert after.covariance[np.ix_(others, others)] == pytest.approx(
+        optimal[np.ix_(others, others)], rel=1e-7, abs=1e-12
+    )
+    assert after.covariance[2, others] == pytest.approx(optimal[2, others], rel=1e-7, abs=1e-12)
+    assert after.covariance[2, 2] == P[2, 2] > 1.1 * optimal[2, 2]
+
+
+def test_covariance_stays_definite_and_symmetric_whatever_it_is_fed(rolling):
+    """10 s of near-perfect sensors, huge noise, dropouts and gates, from a badly scaled start."""
+    gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
+    density, reading = np.array([1e-12, 1e3, 1e-9, 1e2]), np.array([1e-14, 1e-14, 1e-10])
+    ours = ExtendedKalmanFilter(rolling, density, reading, PERIOD, gate)
+    belief = ours.start(FIRST_MEAN, np.array([1e6, 1e-12, 1e4, 1e-12]))
+    random = np.random.default_rng(4)
+    for k in range(10_000):
+        held = np.array([random.choice([0.0, 1.4e3, 3e4]), random.normal(0.0, 1e4)])
+        seen = rolling.output(belief.mean, held) + random.standard_t(3, 3) * np.array([1e-7, 1e-7, 1e-5])
+        seen[random.random(3) < 0.3] = np.nan
+        belief = ours.step(belief, held, seen)
+        if k < 50 or k % 50 == 0:
+            assert np.array_equal(belief.covariance, belief.covariance.T)
+            # Correlations, because variances of 1e4 and 1e-14 side by side hide each other's sign.
+            correlation = belief.covariance / np.outer(belief.deviation, belief.deviation)
+            assert np.min(np.linalg.eigvalsh(correlation)) > 0.0
+
+
+def test_a_mean_that_is_not_finite_is_a_diverged_filter(rolling):
+    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+    with pytest.raises(FilterDiverged, match="v, w"):
+        ours.step(first, np.array([np.nan, np.nan]), np.zeros(3))
+    with pytest.raises(FilterDiverged, match="readings"):
+        ours.step(first, np.zeros(2), np.array([np.inf, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (
+            {"process_noise": np.ones(3)},
+            r"process_noise wants shape \(4,\) or \(4, 4\) for v, w, mu_b, alpha",
+        ),
+        ({"process_noise": -np.ones(4)}, "negative eigenvalue"),
+        ({"reading_noise": np.array([1.0, 0.0, 1.0])}, "not positive definite; give every reading"),
+        ({"reading_noise": np.arange(9.0).reshape(3, 3)}, "not symmetric"),
+        ({"reading_noise": np.full(3, np.nan)}, "not a finite number"),
+        ({"period": 0.0}, "period is a positive number of seconds, got 0.0"),
+        ({"outlier_limit": -1.0}, "outlier_limit"),
+        (
+            {"gate": Gate(states=("mu",), inputs=("pad_force",), threshold=1.0)},
+            "no state 'mu'; there are v, w",
+        ),
+        ({"gate": Gate(states=("mu_b",), inputs=("force",), threshold=1.0)}, "no input 'force'"),
+    ],
+)
+def test_a_filter_that_cannot_be_made_says_why(rolling, change, sentence):
+    parts = {"process_noise": DENSITY, "reading_noise": READING, "period": PERIOD} | change
+    with pytest.raises(EstimatorError, match=sentence):
+        ExtendedKalmanFilter(rolling, **parts)
+
+
+def test_wrong_shapes_get_a_sentence(rolling):
+    ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
+    first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
+    with pytest.raises(EstimatorError, match=r"held wants 2 inputs .*pad_force, track_force"):
+        ours.step(first, np.zeros(3), np.zeros(3))
+    with pytest.raises(EstimatorError, match=r"seen wants 3 readings .* write NaN"):
+        ours.step(first, np.zeros(2), np.zeros(2))
+    with pytest.raises(EstimatorError, match="mean wants 4 states"):
+        ours.start(np.zeros(5), FIRST_VARIANCE)
+    with pytest.raises(EstimatorError, match="mean of mu_b is not"):
+        ours.start(np.array([1.0, 1.0, np.nan, 1.0]), FIRST_VARIANCE)
+    with pytest.raises(EstimatorError, match="covariance is not positive definite"):
+        ours.start(FIRST_MEAN, np.zeros(4))
+    with pytest.raises(EstimatorError, match="Gate: 1 states want as many inputs, got 0"):
+        Gate(states=("mu_b",), inputs=(), threshold=1.0)
+    with pytest.raises(EstimatorError, match="named once"):
+        Gate(states=("mu_b", "mu_b"), inputs=("a", "b"), threshold=1.0)

@@ -1,0 +1,86 @@
+import casadi as ca
+import numpy as np
+import pytest
+from contracts.prediction import has_jacobians_that_are_slopes, prediction_contract
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from small_models import OSCILLATOR, WHEELSET, Name, SmallModel, oscillator, small_model, wheelset
+
+from estimators.errors import EstimatorError
+from estimators.prediction import CasadiPrediction
+
+
+class Pendulum:
+    """A prediction in plain numpy: nothing but the protocol."""
+
+    states = ("angle", "rate")
+    inputs = ("torque",)
+    outputs = ("angle", "acceleration")
+
+    def derivative(self, x, u):
+        return np.array([x[1], -9.81 * np.sin(x[0]) + u[0]])
+
+    def output(self, x, u):
+        return np.array([x[0], -9.81 * np.sin(x[0]) + u[0]])
+
+    def derivative_jacobian(self, x, u):
+        return np.array([[0.0, 1.0], [-9.81 * np.cos(x[0]), 0.0]])
+
+    def output_jacobian(self, x, u):
+        return np.array([[1.0, 0.0], [-9.81 * np.cos(x[0]), 0.0]])
+
+
+CASES = {
+    "wheelset": (CasadiPrediction(wheelset(), WHEELSET), [22.0, 58.0, 0.36, 0.06], [2e4, 300.0]),
+    "oscillator": (CasadiPrediction(oscillator(), OSCILLATOR), [1e-3, 2e-3, 0.1, -0.1], [1e4]),
+    "pendulum": (Pendulum(), [0.3, -0.2], [1.0]),
+}
+
+
+@pytest.mark.parametrize("name", list(CASES))
+def test_it_keeps_the_contract_of_a_prediction(name):
+    prediction_contract(*CASES[name])
+
+
+@pytest.mark.parametrize("name", list(CASES))
+@given(data=st.data())
+@settings(max_examples=25, deadline=None)
+def test_jacobians_are_slopes_everywhere(name, data):
+    prediction, middle, held = CASES[name]
+    factor = st.floats(0.3, 1.7)
+    x = np.array([value * data.draw(factor) for value in middle])
+    u = np.array([value * data.draw(factor) for value in held])
+    has_jacobians_that_are_slopes(prediction, x, u)
+
+
+def test_a_parameter_that_is_missing_or_unknown_is_named():
+    with pytest.raises(EstimatorError, match="no value for the parameters J, n_units"):
+        CasadiPrediction(wheelset(), {k: v for k, v in WHEELSET.items() if k not in ("J", "n_units")})
+    with pytest.raises(EstimatorError, match="no parameters r_whel; it has m, J, r_wheel"):
+        CasadiPrediction(wheelset(), WHEELSET | {"r_whel": 0.4})
+
+
+def test_parameters_go_where_their_names_say():
+    """Order of the mapping does not matter, values do."""
+    x, u = np.array([22.0, 58.0, 0.36, 0.06]), np.array([2e4, 300.0])
+    turned = dict(reversed(WHEELSET.items()))
+    expected = CASES["wheelset"][0].derivative(x, u)
+    assert np.array_equal(CasadiPrediction(wheelset(), turned).derivative(x, u), expected)
+    heavier = CasadiPrediction(wheelset(), WHEELSET | {"J": 2 * WHEELSET["J"]}).derivative(x, u)
+    # The torque is the same, the inertia twice: half the spin, and nothing else.
+    assert heavier[1] == pytest.approx(expected[1] / 2, rel=1e-14)
+    assert np.array_equal(heavier[[0, 2, 3]], expected[[0, 2, 3]])
+
+
+def test_a_model_that_changes_with_time_is_no_prediction():
+    clock = small_model("x", "", "", "y", lambda t, x, u, p: [ca.sin(t) - x], lambda t, x, u, p: [x])
+    with pytest.raises(EstimatorError, match="depends on time"):
+        CasadiPrediction(clock, {})
+
+
+def test_a_model_whose_functions_do_not_fit_its_names_is_refused():
+    good = wheelset()
+    names = (Name("v"), Name("w"))
+    bad = SmallModel(names, good.inputs, good.parameters, good.outputs, good.derivative, good.output)
+    with pytest.raises(EstimatorError, match=r"derivative must map \(t, x, u, p\) of sizes \[1, 2, 2, 6\] to 2"):
+        CasadiPrediction(bad, WHEELSET)

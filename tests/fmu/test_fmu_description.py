@@ -1,0 +1,118 @@
+"""What an FMU says about itself is read right, and a file that cannot be a plant is refused with a sentence."""
+
+import hashlib
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+from tiny_fmu import tiny, xml
+
+from harness.fmu import FmuError, describe
+
+
+def archive(file: Path, members: dict[str, str]) -> Path:
+    with zipfile.ZipFile(file, "w") as made:
+        for name, text in members.items():
+            made.writestr(name, text)
+    return file
+
+
+def test_a_description_holds_what_the_xml_says(foundry: Path):
+    found = describe(tiny(foundry, description=xml(state_unit="km/h")))
+    assert found.model == "Tiny"
+    assert found.states == ("x",)
+    assert found.derivatives == ("der(x)",)
+    assert found.named("input") == ("u", "mode")
+    assert found.named("parameter") == ("rate", "gain", "label", "allowed")
+    rate = found.variables["rate"]
+    assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, "2")
+    unit = found.variables["x"].unit
+    assert unit is not None
+    assert unit.factor == pytest.approx(1 / 3.6, rel=1e-15)
+    assert unit.dimension == "m.s-1"
+    assert found.co_simulation is not None
+    assert found.co_simulation.can_save_state
+    assert found.model_exchange is not None
+    assert found.model_exchange.directional_derivatives
+
+
+def test_the_digest_is_that_of_the_file(foundry: Path):
+    file = tiny(foundry)
+    assert describe(file).digest == hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def test_a_difference_is_known_as_one(foundry: Path):
+    assert describe(tiny(foundry, description=xml(relative=True))).variables["x"].relative
+    assert not describe(tiny(foundry)).variables["x"].relative
+
+
+def test_a_description_is_a_value(foundry: Path):
+    found = describe(tiny(foundry))
+    with pytest.raises(AttributeError):
+        found.model = "other"  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        found.variables["x"] = found.variables["y"]  # type: ignore[index]
+
+
+def test_a_missing_file_is_named(tmp_path: Path):
+    with pytest.raises(FmuError, match=r"absent\.fmu: there is no such file; build it .* or correct the path"):
+        describe(tmp_path / "absent.fmu")
+
+
+def test_what_is_not_a_zip_is_no_fmu(tmp_path: Path):
+    file = tmp_path / "text.fmu"
+    file.write_text("not a zip")
+    with pytest.raises(FmuError, match=r"text\.fmu: not an FMU: it is not a zip archive"):
+        describe(file)
+
+
+def test_a_zip_without_description_is_no_fmu(tmp_path: Path):
+    with pytest.raises(FmuError, match=r"bare\.fmu: not an FMU: the archive has no modelDescription\.xml"):
+        describe(archive(tmp_path / "bare.fmu", {"readme.txt": "hello"}))
+
+
+def test_a_damaged_archive_is_refused(tmp_path: Path, foundry: Path):
+    content = bytearray(tiny(foundry).read_bytes())
+    where = content.index(b"fmiModelDescription")  # stored uncompressed by the fixture
+    content[where] ^= 0xFF
+    file = tmp_path / "damaged.fmu"
+    file.write_bytes(content)
+    with pytest.raises(FmuError, match=r"damaged\.fmu: the archive is damaged, 'modelDescription\.xml'"):
+        describe(file)
+
+
+def test_broken_xml_is_refused(tmp_path: Path):
+    with pytest.raises(FmuError, match=r"modelDescription\.xml is not XML"):
+        describe(archive(tmp_path / "broken.fmu", {"modelDescription.xml": "<fmiModel"}))
+
+
+@pytest.mark.parametrize("version", ["1.0", "3.0"])
+def test_other_fmi_versions_are_refused(tmp_path: Path, version: str):
+    file = archive(tmp_path / "other.fmu", {"modelDescription.xml": xml(version=version)})
+    with pytest.raises(FmuError, match=rf"runs FMI 2\.0, this is FMI {re.escape(version)}; export it again"):
+        describe(file)
+
+
+def test_an_invalid_description_says_what_is_invalid(tmp_path: Path):
+    text = xml().replace('name="gain"', 'name="rate"')
+    file = archive(tmp_path / "invalid.fmu", {"modelDescription.xml": text})
+    with pytest.raises(FmuError, match=r'not valid FMI 2\.0: .*"rate".* is not unique'):
+        describe(file)
+
+
+def test_an_fmu_for_another_platform_is_refused(foundry: Path, tmp_path: Path):
+    file = tiny(foundry, platform="win32").rename(tmp_path / "windows.fmu")
+    with pytest.raises(FmuError, match=r"no binary for this platform, .* is missing; it has binaries for win32"):
+        describe(file)
+
+
+def test_an_fmu_without_any_binary_is_refused(tmp_path: Path):
+    file = archive(tmp_path / "source.fmu", {"modelDescription.xml": xml(), "sources/tiny.c": ""})
+    with pytest.raises(FmuError, match="it has no binaries at all"):
+        describe(file)
+
+
+def test_a_misspelt_variable_is_met_with_the_nearest(foundry: Path):
+    with pytest.raises(FmuError, match=r"has no variable 'rat'; did you mean 'rate'\?"):
+        describe(tiny(foundry)).variable("rat", "someone")

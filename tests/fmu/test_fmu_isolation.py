@@ -1,0 +1,129 @@
+"""An FMU in a process of its own gives the same numbers, and whatever it does ends in a sentence."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tiny_fmu import tiny
+
+from harness.fmu import (
+    Binding,
+    CoSimulation,
+    Description,
+    FmuError,
+    IsolatedCoSimulation,
+    Plant,
+    PlantFailed,
+    Signal,
+    bind,
+    describe,
+    open_plant,
+)
+
+PERIOD = 1e-3
+SOON = 0.5  # s of real time; only an FMU that never returns waits this long
+
+
+def edge(description: Description) -> Binding:
+    plain = {"unit": "1", "size": 0, "needed": True}
+    return bind(
+        description,
+        inputs=[Signal(name="u", **plain)],
+        outputs=[Signal(name="x", **plain), Signal(name="y", **plain)],
+    )
+
+
+def isolated(file: Path, patience: float = 10.0, **parameters: object) -> IsolatedCoSimulation:
+    description = describe(file)
+    return IsolatedCoSimulation(description, edge(description), period=PERIOD, parameters=parameters, patience=patience)
+
+
+def test_the_numbers_are_those_of_the_same_process(foundry: Path):
+    description = describe(tiny(foundry))
+    inputs = np.random.default_rng(7).normal(size=(20, 1))
+    seen: list[np.ndarray] = []
+    for kind in (CoSimulation, IsolatedCoSimulation):
+        with kind(description, edge(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
+            assert isinstance(plant, Plant)
+            rows = [plant.start(inputs[0])]
+            rows += [plant.step(u) for u in inputs]
+            kept = plant.snapshot()
+            rows += [plant.step(u) for u in inputs]
+            rows.append(plant.restore(kept))
+            rows += [plant.step(u) for u in inputs]
+            assert (plant.sample, plant.time) == (40, 0.04)
+        seen.append(np.array(rows))
+    np.testing.assert_array_equal(seen[0], seen[1])
+
+
+@pytest.mark.parametrize(
+    ("misbehaviour", "sentence"),
+    [
+        ("NEVER_STOPS", "at 0.003 s the FMU did not return (within 0.5 s of real time, it was stopped)."),
+        ("CRASH", "at 0.003 s the FMU crashed (its process was ended by SIGSEGV)."),
+        ("EXITS", "at 0.003 s the FMU crashed (it ended its process with code 7)."),
+        (
+            "ERROR_STATUS",
+            "at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003.",
+        ),
+        ("NAN_OUTPUT", "at 0.004 s output 'y' is not a finite number (nan)."),
+    ],
+)
+def test_whatever_it_does_ends_in_a_sentence(foundry: Path, scratch: Path, misbehaviour: str, sentence: str):
+    patience = SOON if misbehaviour == "NEVER_STOPS" else 10.0
+    plant = isolated(tiny(foundry, misbehaviour), patience=patience)
+    with plant:
+        plant.start(np.zeros(1))
+        process = plant._process
+        for _ in range(3):  # the steps allowed to it
+            plant.step(np.zeros(1))
+        with pytest.raises(PlantFailed) as caught:
+            plant.step(np.zeros(1))
+    assert str(caught.value) == f"{misbehaviour.lower()}.fmu: {sentence}"
+    assert process is not None
+    assert process.poll() is not None, "the child has ended"
+    assert list(scratch.iterdir()) == [], "its files are gone"
+
+
+def test_it_stays_failed(foundry: Path):
+    with isolated(tiny(foundry, "CRASH"), allowed=0) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(2):
+            with pytest.raises(PlantFailed, match="ended by SIGSEGV"):
+                plant.step(np.zeros(1))
+
+
+def test_a_refusal_to_start_comes_through(foundry: Path, scratch: Path):
+    with pytest.raises(PlantFailed, match="no licence for plant"):
+        isolated(tiny(foundry, "REFUSES")).__enter__()
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_crash_while_freeing_does_not_spoil_the_results(foundry: Path, scratch: Path):
+    with isolated(tiny(foundry, "BAD_FREE")) as plant:
+        plant.start(np.zeros(1))
+        assert plant.step(np.zeros(1))[0] == pytest.approx(np.exp(-2 * PERIOD), rel=1e-15)
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_wrong_parameter_is_refused_before_a_process_starts(foundry: Path):
+    with pytest.raises(FmuError, match=r"'rate' of .* is at most 10"):
+        isolated(tiny(foundry), rate=11.0)
+
+
+def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
+    description = describe(tiny(foundry))
+    told: list[str] = []
+    for trusted, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
+        plant = open_plant(
+            description,
+            edge(description),
+            period=PERIOD,
+            parameters={},
+            trusted=trusted,
+            tell=told.append,
+        )
+        assert isinstance(plant, kind)
+        assert len(told) == count
+    assert "well.fmu was not built by this project" in told[0]
+    assert "set trust = true under [vehicle]" in told[0]

@@ -1,0 +1,73 @@
+"""Units convert as the SI brochure says, and only between equal dimensions."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.fmu import FmuError, unit
+from harness.fmu.unit import Unit, conversion
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "factor"),
+    [
+        ("1", "1", 1.0),
+        ("Pa", "kg.m-1.s-2", 1.0),
+        ("bar", "kg.m-1.s-2", 1e5),
+        ("N.m", "kg.m2.s-2", 1.0),
+        ("kN", "kg.m.s-2", 1e3),
+        ("km/h", "m.s-1", 1 / 3.6),
+        ("m/s2", "m.s-2", 1.0),
+        ("rad/s", "s-1.rad", 1.0),
+        ("rev/min", "s-1.rad", 2 * math.pi / 60),
+        ("rpm", "s-1.rad", 2 * math.pi / 60),
+        ("J/(kg.K)", "m2.s-2.K-1", 1.0),
+        ("kg.m2", "kg.m2", 1.0),
+        ("mm", "m", 1e-3),
+        ("l", "m3", 1e-3),
+        ("deg", "rad", math.pi / 180),
+        ("%", "1", 0.01),
+        ("t", "kg", 1e3),
+        ("m3", "m3", 1.0),
+        ("s-1", "s-1", 1.0),
+    ],
+)
+def test_a_unit_string_means_what_it_says(text: str, dimension: str, factor: float):
+    found = unit(text)
+    assert sorted(found.dimension.split(".")) == sorted(dimension.split("."))
+    # A handful of multiplications: a few units in the last place.
+    assert found.factor == pytest.approx(factor, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["parsec", "N*m", "m//s", "", "kN.", "k"])
+def test_an_unknown_unit_is_refused(text: str):
+    with pytest.raises(FmuError, match="is not a unit known here"):
+        unit(text)
+
+
+def test_celsius_has_an_offset_unless_it_is_a_difference():
+    assert conversion(unit("degC"), unit("K")) == (1.0, 273.15)
+    assert conversion(unit("degC"), unit("K"), difference=True) == (1.0, 0.0)
+
+
+def test_a_frequency_is_no_angular_velocity():
+    with pytest.raises(FmuError, match=r"'Hz' \(s-1\) cannot become 'rad/s'"):
+        conversion(unit("Hz"), unit("rad/s"))
+
+
+@pytest.mark.parametrize("factor", [0.0, math.inf, math.nan])
+def test_a_factor_that_loses_the_value_is_refused(factor: float):
+    with pytest.raises(FmuError, match="must be finite and the factor not 0"):
+        Unit(name="odd", exponents=(0,) * 8, factor=factor, offset=0.0)
+
+
+@given(st.floats(-1e9, 1e9), st.sampled_from([("km/h", "m/s"), ("bar", "Pa"), ("degC", "K"), ("rpm", "rad/s")]))
+def test_there_and_back_is_the_same_value(value: float, pair: tuple[str, str]):
+    source, target = map(unit, pair)
+    there = conversion(source, target)
+    back = conversion(target, source)
+    converted = there[0] * value + there[1]
+    # At most six roundings of 1.1e-16, of the largest number involved; for temperatures that is the offset.
+    assert back[0] * converted + back[1] == pytest.approx(value, rel=1e-15, abs=4e-13)

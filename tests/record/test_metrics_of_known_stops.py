@@ -1,0 +1,175 @@
+"""Each figure of a stop, on traces whose answer is known by hand."""
+
+import numpy as np
+import pytest
+from synthetic import BRAKE, LOAD, parabola, uniform_stop
+
+from harness.record import adhesion_use, effort, estimation, motion, slide
+from harness.record.bound import with_bound
+from harness.record.metrics import Metrics, meanings, measure
+
+
+def test_uniform_braking_has_the_textbook_figures():
+    trace = uniform_stop(speed=20.0, deceleration=1.0)
+    assert motion.braking_distance(trace) == pytest.approx(200.0)
+    assert motion.duration(trace) == pytest.approx(20.0)
+    assert motion.mean_deceleration(trace) == pytest.approx(1.0)
+    assert motion.jerk(trace) == pytest.approx((0.0, 0.0))
+    assert motion.energy_residual(trace) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_ramp_of_acceleration_is_its_slope_in_jerk():
+    time = uniform_stop()["time"].values
+    assert motion.jerk(uniform_stop(acceleration=-0.3 * time)) == pytest.approx((0.3, 0.3))
+
+
+def test_energy_that_vanishes_shows():
+    trace = uniform_stop(speed=20.0, pad_heat=0.0)
+    assert motion.energy_residual(trace) == pytest.approx(1.0)
+
+
+def test_slip_classes_and_deep_slide_count_the_time():
+    time = uniform_stop()["time"].values
+    slip = np.where(time[:, None] < 4.0, [[0.01, 0.12, 0.4, 1.0]], 0.01)
+    trace = uniform_stop(slip=slip)
+    histogram = np.array(slide.slip_histogram(trace))
+    assert histogram.sum(axis=1) == pytest.approx(np.full(4, 20.0))
+    assert histogram[1, 3] == pytest.approx(4.0)  # 10 to 15 %
+    assert histogram[2, 6] == pytest.approx(4.0)  # 30 to 50 %
+    assert histogram[3, 8] == pytest.approx(4.0)  # above 90 %
+    assert slide.time_in_deep_slide(trace) == pytest.approx((0.0, 0.0, 4.0, 4.0))
+
+
+def test_the_longest_lock_is_one_lock_and_not_their_sum():
+    time = uniform_stop()["time"].values
+    locks = ((time >= 1) & (time < 3)) | ((time >= 5) & (time < 8))
+    trace = uniform_stop(locked=np.stack([locks, 0 * time, 0 * time, 0 * time], axis=1))
+    assert slide.longest_lock(trace) == pytest.approx((3.0, 0, 0, 0))
+    # 20 t − t²/2 over 1…3 and 5…8 s: 36 m and 40.5 m
+    assert slide.locked_distance(trace) == pytest.approx((76.5, 0, 0, 0))
+
+
+def test_tread_energy_is_force_times_creep_path():
+    trace = uniform_stop(speed=20.0, deceleration=0.981, adhesion=0.1, slip=0.05)
+    distance = motion.braking_distance(trace)
+    assert slide.tread_energy(trace) == pytest.approx((0.1 * LOAD * 0.05 * distance,) * 6, rel=1e-6)
+    assert slide.tread_power(trace).max() == pytest.approx(0.1 * LOAD * 0.05 * 20.0)
+
+
+def test_valve_strokes_are_changes_of_position():
+    time = uniform_stop()["time"].values
+    command = np.select([time < 5, time < 10, time < 15], [0.9, 0.0, -1.0], 0.2)
+    trace = uniform_stop(command=np.stack([command, np.ones_like(time), 0.4 * np.sin(time), command], axis=1))
+    assert effort.actuations(trace, "pneumatic") == (3, 0, 0, 3)
+
+
+def test_pressure_turns_are_counted_without_the_holds_between():
+    time = uniform_stop()["time"].values
+    command = np.interp(time, [0, 2, 4, 6, 8, 20], [0, 3e5, 3e5, 1e5, 2e5, 2e5])
+    trace = uniform_stop(command=np.stack([command, 0 * time, time, -time], axis=1))
+    assert effort.actuations(trace, "ideal") == (2, 0, 0, 0)
+
+
+def test_air_is_counted_from_the_demand():
+    time = uniform_stop()["time"].values
+    assert effort.air_used(uniform_stop(air_used=3.0 + 0.01 * time)) == pytest.approx(0.2)
+
+
+def test_the_bound_is_the_least_of_rail_brake_and_limit():
+    # 2 units · 0.35 · 5·(9000 − 1000) N · 0.25 m = 7 kN·m on 200 kN·0.4 m → 0.0875; a single unit the same
+    assert BRAKE.limit(np.full((1, 4), 0.35), np.array([[2 * LOAD, LOAD, LOAD, 2 * LOAD]]), np.zeros(1)) == (
+        pytest.approx(np.full((1, 4), 0.0875))
+    )
+    mu0 = np.array([0.06, 0.06, 0.2, 0.08, 0.2, 0.2])
+    bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.15)
+    assert bound["ideal_adhesion"].values[0] == pytest.approx([0.06, 0.0875, 0.08, 0.0875], abs=1e-9)
+    assert with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.05)["ideal_adhesion"].values == (
+        pytest.approx(0.05)
+    )
+    assert bound["peak_slip"].values == pytest.approx(0.05, abs=1e-3)
+
+
+def test_coupled_wheelsets_share_what_their_group_can_use():
+    mu0 = np.array([0.05, 0.10, 0.2, 0.2, 0.2, 0.2])
+    bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.15)
+    assert bound["ideal_adhesion"].values[:, 0] == pytest.approx(0.075)
+    assert bound["ideal_share"].values[0, :2] == pytest.approx([0.05, 0.10])
+    limited = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.06)
+    assert limited["ideal_share"].values[0, :2] == pytest.approx([0.04, 0.08])
+
+
+def test_part_of_the_brake_torque_stops_the_wheelset_itself():
+    heavy = np.array([222.0, 209, 209, 222])
+    with_inertia = type(BRAKE)(
+        **{name: getattr(BRAKE, name) if name != "J" else heavy for name in BRAKE.__dataclass_fields__}
+    )
+    load = np.full((1, 4), LOAD)
+    difference = BRAKE.limit(np.full((1, 4), 0.35), load, np.ones(1)) - with_inertia.limit(
+        np.full((1, 4), 0.35), load, np.ones(1)
+    )
+    # J a/r² over the load
+    assert difference[0] == pytest.approx(heavy / 0.16 / LOAD)
+
+
+def test_utilisation_is_used_over_possible_impulse():
+    trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, BRAKE, alpha_max=0.15)
+    train, each = adhesion_use.utilisation(trace)
+    assert train == pytest.approx(0.8)
+    assert each == pytest.approx((0.8,) * 6)
+
+
+def test_time_over_the_limit_counts_each_group():
+    time = uniform_stop()["time"].values
+    trace = uniform_stop(group_adhesion=np.where(time[:, None] < 3, [[0.16, 0.14, 0.14, 0.2]], 0.1))
+    assert adhesion_use.time_over_limit(trace, 0.15) == pytest.approx((3.0, 0, 0, 3.0))
+
+
+def test_a_perfect_estimator_has_no_error_and_no_delay():
+    errors = estimation.adhesion_errors(uniform_stop())
+    assert errors.rmse == errors.bias == errors.within_95 == errors.nees == errors.delay == (0.0,) * 4
+
+
+def test_bias_spread_and_nees_of_a_known_error():
+    time = uniform_stop()["time"].values
+    error = np.where(np.arange(len(time)) % 2, 0.03, -0.01)[:, None] * np.ones(4)
+    errors = estimation.adhesion_errors(uniform_stop(estimate_adhesion=1 / 9.81 + error, estimate_adhesion_sd=0.02))
+    # above 10 km/h an odd number of samples remains, so that halves are not quite halves
+    assert errors.bias == pytest.approx((0.01,) * 4, abs=2e-5)
+    assert errors.rmse == pytest.approx((np.sqrt(5e-4),) * 4, rel=1e-3)
+    assert errors.nees == pytest.approx((5e-4 / 4e-4,) * 4, rel=2e-3)
+    assert errors.within_95 == pytest.approx((0.03,) * 4)
+
+
+def test_an_estimate_that_comes_late_is_late_by_that_much():
+    time = uniform_stop()["time"].values
+    truth = 0.1 + 0.02 * np.sin(2 * time)
+    late = 0.1 + 0.02 * np.sin(2 * (time - 0.12))
+    trace = uniform_stop(group_adhesion=truth[:, None] * np.ones(4), estimate_adhesion=late[:, None] * np.ones(4))
+    assert estimation.adhesion_errors(trace).delay == pytest.approx((0.12,) * 4)
+
+
+def test_errors_below_walking_pace_do_not_count():
+    v = uniform_stop()["speed"].values
+    wrong_when_slow = 1 / 9.81 + np.where(v < 2.7, 1.0, 0.0)[:, None] * np.ones(4)
+    assert estimation.adhesion_errors(uniform_stop(estimate_adhesion=wrong_when_slow)).rmse == (0.0,) * 4
+
+
+def test_a_stop_without_estimator_has_no_estimator_figures():
+    trace = with_bound(uniform_stop(estimates=False), parabola, BRAKE, alpha_max=0.15)
+    metrics = measure(trace, alpha_max=0.15, actuation="ideal")
+    assert metrics.adhesion_rmse is None
+    assert metrics.speed_rmse is None
+    assert Metrics.from_plain(metrics.to_plain()) == metrics
+
+
+def test_a_stop_that_failed_at_once_still_has_its_figures():
+    trace = uniform_stop().isel(time=slice(0, 1))
+    metrics = measure(with_bound(trace, parabola, BRAKE, alpha_max=0.15), alpha_max=0.15, actuation="ideal")
+    assert metrics.distance == 0.0
+    assert np.isnan(metrics.utilisation)
+    assert metrics.adhesion_rmse is None
+
+
+def test_every_figure_has_a_unit_and_a_meaning():
+    assert set(meanings()) == set(Metrics.__dataclass_fields__)
+    assert all(unit and len(meaning) > 10 for unit, meaning in meanings().values())

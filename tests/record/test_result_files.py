@@ -1,0 +1,125 @@
+"""Results are whole, exact, reproducible to the byte, and refused in a sentence when they are not ours."""
+
+import json
+import time
+
+import numpy as np
+import pytest
+from synthetic import LIBRARY, stop_of, uniform_stop
+
+from harness.record.atomic import replacing, write_text
+from harness.record.error import RecordError
+from harness.record.recorder import Recorder
+from harness.record.signals import PLANT, SENT
+from harness.record.stop import read_stop, write_stop
+from harness.record.trace import read_trace, thinned, write_trace
+from harness.scenario.load import load
+
+
+@pytest.fixture(scope="module")
+def stop():
+    return stop_of(
+        load(
+            LIBRARY / "trapezoid.toml",
+            ["periods.communication=10 ms", "periods.estimator=10 ms", "periods.controller=10 ms"],
+        )
+    )
+
+
+def test_what_the_loop_writes_is_what_the_trace_says():
+    recorder = Recorder((*PLANT, *SENT), capacity=10)
+    recorder.rows[3, recorder.at["speed"]] = 12.5
+    recorder.rows[3, recorder.columns["slip"]] = [0.1, 0.2, 0.3, 0.4]
+    trace = recorder.trace(5, 0.001)
+    assert trace.sizes == {"time": 5, "group": 4, "wheelset": 6}
+    assert trace["time"].values[3] == 0.003
+    assert trace["speed"].values[3] == 12.5
+    assert trace["slip"].values[3].tolist() == [0.1, 0.2, 0.3, 0.4]
+    assert np.isnan(trace["speed"].values[2])
+    assert trace["slip"].attrs["units"] == "1"
+
+
+def test_a_trace_file_gives_the_trace_back(tmp_path):
+    trace = uniform_stop()
+    write_trace(trace, tmp_path / "trace.nc")
+    assert read_trace(tmp_path / "trace.nc").identical(trace)
+
+
+def test_thinning_keeps_the_grid_and_the_last_sample():
+    trace = thinned(uniform_stop(period=0.01), 7)
+    assert trace["time"].values[:3] == pytest.approx([0, 0.07, 0.14])
+    assert trace["speed"].values[-1] == pytest.approx(0.0)
+
+
+def test_the_same_stop_gives_the_same_bytes(stop, tmp_path):
+    write_stop(stop, tmp_path / "one")
+    time.sleep(1.1)  # HDF5 time stamps have a resolution of a second
+    write_stop(stop, tmp_path / "other")
+    for name in ("stop.json", "trace.nc"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
+
+
+def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):
+    write_stop(stop, tmp_path)
+    content = json.loads((tmp_path / "stop.json").read_text(encoding="utf-8"))
+    assert content["outcome"] == "standstill"
+    assert content["distance_m"] == pytest.approx((80 / 3.6) ** 2 / 2, rel=1e-6)
+    assert content["duration_s"] == pytest.approx(22.22)
+    assert content["scenario"]["start"]["speed"] == pytest.approx(80 / 3.6)
+    assert content["scenario_digest"] == stop.scenario.digest()
+    assert content["fmus"] == {"Plant.fmu": "0" * 64}
+    record = read_stop(tmp_path)
+    assert record.metrics == stop.metrics
+    assert record.trace()["mu0"].values[-1] == pytest.approx(stop.trace["mu0"].values[-1])
+
+
+def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):
+    path = tmp_path / "stop.json"
+    write_text(path, "before")
+
+    def interrupted():
+        with replacing(path) as partial:
+            partial.write_text("half", encoding="utf-8")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert path.read_text(encoding="utf-8") == "before"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_interrupted_rewrite_leaves_no_stop_json_beside_another_trace(stop, tmp_path, monkeypatch):
+    write_stop(stop, tmp_path)
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("harness.record.stop.write_trace", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_stop(stop, tmp_path)
+    assert not (tmp_path / "stop.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "sentence"),
+    [
+        ("stop.json", None, "there is no such result"),
+        ("stop.json", b"{", "is not the result of a stop"),
+        ("stop.json", b"[]", "is not the result of a stop"),
+        ("stop.json", b'{"outcome": "tired"}', "is not the result of a stop"),
+        ("stop.json", b"\xff\xfe\x00", "cannot be read"),
+    ],
+)
+def test_a_folder_without_a_stop_is_refused(tmp_path, name, content, sentence):
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(RecordError, match=sentence):
+        read_stop(tmp_path)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"no hdf5 at all"])
+def test_a_file_that_is_no_trace_is_refused(tmp_path, content):
+    if content is not None:
+        (tmp_path / "trace.nc").write_bytes(content)
+    with pytest.raises(RecordError, match=r"trace\.nc: (there is no such trace|is not a NetCDF file)"):
+        read_trace(tmp_path / "trace.nc")

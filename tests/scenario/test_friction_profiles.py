@@ -1,0 +1,191 @@
+"""The friction under each wheelset is what the scenario describes, at every time and place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import harness.scenario
+from harness.scenario.adhesion import profile_of
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import load
+
+LIBRARY = Path(harness.scenario.__file__).parent / "library"
+PLAIN = ["adhesion.conditioning.fraction=0"]
+
+
+def profile(name, *overrides):
+    return profile_of(load(LIBRARY / f"{name}.toml", overrides))
+
+
+def test_a_trapezoid_is_high_falls_stays_low_and_rises():
+    found = profile("trapezoid", *PLAIN)
+    # first fall 4 s, ramp 1 s, low 4 s, period 8 s; 0.13 to 0.055
+    expected = {
+        0: 0.13,
+        3.999: 0.13,
+        4.5: 0.0925,
+        5: 0.055,
+        9: 0.055,
+        9.5: 0.0925,
+        10: 0.13,
+        12: 0.13,
+        13: 0.055,
+    }
+    for time, mu0 in expected.items():
+        assert found.mu0(time, 0.0) == pytest.approx(np.full(6, mu0), abs=1e-12)
+
+
+def test_a_sine_sweep_starts_at_its_mean_with_its_first_frequency_and_ends_with_its_last():
+    found = profile("sine_sweep", *PLAIN)
+    time = np.arange(0, 60, 1e-3)
+    mu0 = found.table(time, time)[:, 0]
+    assert mu0[0] == pytest.approx(0.10)
+    assert mu0.min() == pytest.approx(0.07, abs=1e-6)
+    assert mu0.max() == pytest.approx(0.13, abs=1e-6)
+    slope = (mu0[1] - mu0[0]) / 1e-3
+    # derivative of −a sin(2π f t) at 0; 1e-3: the frequency has already grown over the first sample
+    assert slope == pytest.approx(-0.03 * 2 * np.pi * 0.05, rel=1e-3)
+    late = time > 31
+    crossings = np.flatnonzero(np.diff(np.sign(mu0[late] - 0.10)) > 0)
+    assert np.diff(crossings) * 1e-3 == pytest.approx(1 / 0.4, abs=2e-3)  # two samples
+    # between, f(t) = f0 (f1/f0)^(t/T): cycles until T are its integral
+    within = mu0[(time > 0) & (time < 30)] - 0.10
+    assert np.count_nonzero(np.diff(np.sign(within))) == int(2 * 30 * 0.35 / np.log(8))
+
+
+def test_random_friction_has_the_mean_deviation_and_correlation_it_names():
+    found = profile(
+        "random", *PLAIN, "limits.horizon=4000 s", "periods.communication=50 ms", "periods.estimator=50 ms",
+        "periods.controller=50 ms", "periods.trace=50 ms", "adhesion.minimum=0.001", "adhesion.maximum=0.9",
+    )  # fmt: skip
+    values = found.table(np.arange(0, 4000, 0.05), np.zeros(80000))[:, 0]
+    # 4000 independent correlation lengths: standard errors 3e-4 of the mean, 2 % of the deviation.
+    assert values.mean() == pytest.approx(0.09, abs=1.5e-3)
+    assert values.std() == pytest.approx(0.02, rel=0.06)
+    deviation = values - values.mean()
+    for lag, expected in ((10, np.exp(-1)), (20, np.exp(-2))):
+        autocorrelation = np.mean(deviation[lag:] * deviation[:-lag]) / np.mean(deviation**2)
+        assert autocorrelation == pytest.approx(expected, abs=0.06)
+
+
+def test_random_friction_is_the_seeds_and_stays_inside_its_limits():
+    time = np.arange(0, 90, 1e-3)
+    one, same, other = (profile("random", f"seed={seed}").table(time, time) for seed in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, other)
+    assert one[:, 0].min() >= 0.03
+    assert one.max() <= 0.15
+
+
+def test_a_longer_horizon_does_not_change_what_came_before():
+    time = np.arange(0, 20, 1e-3)
+    short, long = (profile("random", f"limits.horizon={h} s").table(time, time) for h in (30, 60))
+    assert np.array_equal(short, long)
+
+
+ON_THE_RAIL = ["adhesion.over=distance", "adhesion.correlation=10 m", *PLAIN]
+
+
+def test_on_the_rail_every_wheelset_meets_the_same_spot_later():
+    found = profile("random", *ON_THE_RAIL)
+    offsets = [0, 1.9, 15.625, 18.275, 32, 33.9]
+    spot = 60.0
+    met = [found.mu0(0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
+    # Offsets are whole numbers of the 5 mm grid, so that no interpolation stands between.
+    assert met == pytest.approx([met[0]] * 6, abs=1e-12)
+    assert len(set(np.round(found.mu0(0.0, spot), 6))) == 6
+
+
+def test_the_rail_behind_the_start_is_there_too():
+    found = profile("random", *ON_THE_RAIL)
+    assert np.all(found.mu0(0.0, 0.0) > 0)
+    assert found.mu0(0.0, 33.9)[5] == pytest.approx(found.mu0(0.0, 0.0)[0])
+
+
+@pytest.mark.parametrize("by", ["group", "wheelset"])
+def test_conditioning_raises_minima_from_front_to_rear_and_leaves_maxima(by):
+    found = profile("trapezoid", f"adhesion.conditioning.by={by}", "adhesion.conditioning.fraction=0.1")
+    low, high = found.mu0(7.0, 0.0), found.mu0(2.0, 0.0)
+    ahead = np.array([0, 0, 1, 2, 3, 3] if by == "group" else range(6))
+    assert low == pytest.approx(0.13 - (0.13 - 0.055) * 0.9**ahead)
+    assert high == pytest.approx(np.full(6, 0.13))
+
+
+@given(level=st.floats(0.2, 3.0))
+@settings(max_examples=4, deadline=None)
+def test_level_scales_the_first_wheelset(level):
+    base, scaled = profile("sine_sweep"), profile("sine_sweep", f"adhesion.level={level!r}")
+    assert scaled.mu0_at[:, 0] == pytest.approx(level * base.mu0_at[:, 0])
+
+
+def test_a_level_beyond_all_friction_is_refused():
+    with pytest.raises(ScenarioError, match=r"trapezoid: \[adhesion\] level 10 brings mu0 to 1\.3, above 1"):
+        profile("trapezoid", "adhesion.level=10")
+
+
+@given(
+    name=st.sampled_from(["trapezoid", "sine_sweep", "random"]),
+    times=st.lists(st.floats(0, 200), min_size=1, max_size=20),
+)
+@settings(max_examples=30, deadline=None)
+def test_one_look_up_and_many_are_the_same(name, times):
+    found = profile(name, "limits.horizon=30 s")
+    times = np.array(times)
+    many = found.table(times, 20 * times)
+    assert np.array_equal(many, [found.mu0(time, 20 * time) for time in times])
+    assert np.all((many > 0) & (many <= 1))
+
+
+def test_the_table_of_the_loop_cannot_be_written_to():
+    with pytest.raises(ValueError, match="read-only"):
+        profile("trapezoid").mu0(0.0, 0.0)[0] = 1
+
+
+def tabled(tmp_path, content, *overrides):
+    (tmp_path / "rail.csv").write_text(content, encoding="utf-8")
+    text = (LIBRARY / "trapezoid.toml").read_text(encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    before, after = text[: text.index("[adhesion]")], text[text.index("[sensors]") :]
+    path.write_text(
+        before + '[adhesion]\nkind = "table"\npolach = "wet"\nfile = "rail.csv"\n' + after, encoding="utf-8"
+    )
+    return load(path, overrides)
+
+
+def test_a_users_curve_is_straight_between_its_points(tmp_path):
+    found = profile_of(tabled(tmp_path, "time,mu0\n1,0.10\n3,0.20\n"))
+    assert found.mu0(0.0, 0.0) == pytest.approx(np.full(6, 0.10))
+    assert found.mu0(2.0, 0.0) == pytest.approx(np.full(6, 0.15))
+    assert found.mu0(50.0, 0.0) == pytest.approx(np.full(6, 0.20))
+
+
+def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path):
+    header = ",".join(f"mu0_{j}" for j in range(1, 7))
+    rows = "distance," + header + "\n0,.1,.1,.1,.1,.1,.1\n100,.2,.3,.4,.5,.6,.7\n"
+    found = profile_of(tabled(tmp_path, rows))
+    # wheelset 6 is 33.9 m behind the first
+    assert found.mu0(0.0, 83.9)[5] == pytest.approx(0.1 + 0.6 * 0.5)
+    assert found.mu0(0.0, 50.0)[0] == pytest.approx(0.15)
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        ("", "is empty"),
+        ("time,friction\n0,1\n", "has the columns time, friction; wanted are"),
+        ("time,distance,mu0\n0,0,1\n", "has the columns"),
+        ("time,mu0_1,mu0_2\n0,.1,.1\n", "has the columns"),
+        ("time,mu0\n0,0.1\n", "has 1 rows of numbers"),
+        ("time,mu0\n0,0.1\n1,x\n", "line 3: could not convert string to float"),
+        ("time,mu0\n0,0.1\n1\n", "line 3: 2 finite numbers are wanted"),
+        ("time,mu0\n0,0.1\n0,0.2\n", "line 3: time does not rise"),
+        ("time,mu0\n0,0.1\n\n1,0\n", "line 4: mu0 must be above 0"),
+    ],
+)
+def test_a_curve_that_is_none_is_refused_with_its_line(tmp_path, content, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        tabled(tmp_path, content)
+    assert f"mine.toml: [adhesion] file rail.csv: {sentence}" in str(refusal.value)

@@ -1,0 +1,107 @@
+"""Quantities keep their size through units, and overrides say what they mean in any order."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.scenario.error import ScenarioError
+from harness.scenario.merge import merged, read_overrides
+from harness.scenario.quantity import Magnitude, to_si
+
+# Factors to SI from the definitions of the units (BIPM brochure; bar, hour and foot are exact).
+FACTORS = [
+    ("km/h", "m/s", 1 / 3.6),
+    ("kmh", "m/s", 1 / 3.6),
+    ("bar", "Pa", 1e5),
+    ("ms", "s", 1e-3),
+    ("µs", "s", 1e-6),
+    ("kN", "N", 1e3),
+    ("t", "kg", 1e3),
+    ("%", "1", 1e-2),
+    ("‰", "1", 1e-3),
+    ("rpm", "rad/s", 2 * math.pi / 60),
+    ("ft", "m", 0.3048),
+]
+
+
+@pytest.mark.parametrize(("unit", "si", "factor"), FACTORS)
+@given(value=st.floats(-1e9, 1e9))
+def test_a_quantity_is_its_number_times_its_unit(unit, si, factor, value):
+    # 1e-12: a few roundings of double precision in the conversion.
+    assert to_si(f"{value!r} {unit}", si) == pytest.approx(value * factor, rel=1e-12, abs=1e-300)
+
+
+def test_a_temperature_has_an_offset():
+    assert to_si("20 degC", "K") == pytest.approx(293.15)
+
+
+@given(text=st.text(max_size=30))
+def test_any_text_is_a_quantity_or_a_sentence(text):
+    sentence = "is "
+    try:
+        assert isinstance(to_si(text, "m/s"), float)
+    except ValueError as problem:
+        sentence = str(problem)
+    assert sentence.startswith("is ")
+
+
+@pytest.mark.parametrize(("unit", "written"), [("kg.m2", "2 kg*m**2"), ("N.m", "2 N*m"), ("m/s2", "2 m/s**2")])
+def test_a_magnitude_is_checked_against_units_as_fmi_spells_them(unit, written):
+    assert Magnitude(written).si(unit) == 2.0
+    with pytest.raises(ValueError, match="cannot be converted"):
+        Magnitude(written).si("Pa")
+
+
+def test_a_bare_magnitude_is_in_whatever_unit_is_wanted():
+    assert Magnitude(3.5).si("kg.m2") == 3.5
+    assert Magnitude(True).si(None) == 1.0
+
+
+scalars = st.one_of(st.integers(-(2**62), 2**62), st.booleans(), st.floats(allow_nan=False, allow_infinity=False))
+keys = st.text(alphabet="abcdefgh_", min_size=1, max_size=8)
+
+
+@given(key=st.lists(keys, min_size=1, max_size=4), value=scalars)
+def test_an_override_puts_one_value_at_one_place(key, value):
+    written = str(value).lower() if isinstance(value, bool) else repr(value)
+    tree = read_overrides([f"{'.'.join(key)}={written}"])
+    for step in key:
+        assert list(tree) == [step]
+        tree = tree[step]
+    assert tree == value
+    assert type(tree) is type(value)
+
+
+@given(text=st.text(alphabet=st.characters(blacklist_categories=["Cc", "Cs"]), min_size=1).filter(str.strip))
+def test_a_value_that_is_not_toml_is_a_text(text):
+    try:
+        value = read_overrides([f"a={text}"])["a"]
+    except ScenarioError:
+        pytest.fail(f"refused {text!r}")
+    assert not isinstance(value, str) or value in {text.strip(), text.strip()[1:-1]} or "\\" in text
+
+
+tables = st.recursive(scalars, lambda inner: st.dictionaries(keys, inner, max_size=3), max_leaves=8)
+
+
+@given(base=st.dictionaries(keys, tables, max_size=4), change=st.dictionaries(keys, tables, max_size=4))
+def test_a_change_laid_over_tables_twice_is_laid_over_once(base, change):
+    once = merged(base, change)
+    assert merged(once, change) == once
+    assert {key: once[key] for key in base if key not in change} == {k: v for k, v in base.items() if k not in change}
+
+
+def test_overrides_do_not_depend_on_their_order():
+    one = read_overrides(["adhesion.kind=random", "adhesion.mean=0.1"])
+    assert one == read_overrides(["adhesion.mean=0.1", "adhesion.kind=random"])
+
+
+def test_another_kind_starts_its_table_anew():
+    base = {"adhesion": {"kind": "trapezoid", "ramp": 1}, "seed": 3}
+    assert merged(base, {"adhesion": {"kind": "constant", "mu0": 0.1}}) == {
+        "adhesion": {"kind": "constant", "mu0": 0.1},
+        "seed": 3,
+    }
+    assert merged(base, {"adhesion": {"kind": "trapezoid", "low": 2}})["adhesion"]["ramp"] == 1

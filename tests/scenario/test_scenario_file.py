@@ -1,0 +1,199 @@
+"""A scenario file is read whole and exactly, or refused in sentences that name file, table and key."""
+
+from pathlib import Path
+
+import pytest
+
+import harness.scenario
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import load, scenario_of
+
+LIBRARY = Path(harness.scenario.__file__).parent / "library"
+TRAPEZOID = LIBRARY / "trapezoid.toml"
+
+
+@pytest.mark.parametrize("name", ["trapezoid", "sine_sweep", "random"])
+def test_every_scenario_of_the_library_loads(name):
+    scenario = load(LIBRARY / f"{name}.toml")
+    assert scenario.name == name
+    assert scenario.adhesion.kind == name
+    assert scenario.start.speed == pytest.approx(80 / 3.6)
+
+
+def test_units_are_converted_and_bare_numbers_are_si():
+    assert load(TRAPEZOID, ["start.speed=36 km/h"]).start.speed == pytest.approx(10.0)
+    assert load(TRAPEZOID, ["start.speed=10"]).start.speed == 10.0
+    assert load(TRAPEZOID, ["adhesion.conditioning.fraction=12 %"]).adhesion.conditioning.fraction == 0.12
+    assert load(TRAPEZOID, ["periods.trace=5 ms"]).periods.every("trace") == 5
+
+
+def test_a_resolved_scenario_loads_to_the_same_scenario():
+    scenario = load(TRAPEZOID, ['vehicle.parameters.p_max=["3.4 bar", 2e5]', "limits.alpha_max=tsi_short_formation"])
+    again = scenario_of(scenario.resolved(), directory=TRAPEZOID.parent, origin="again")
+    assert again == scenario
+    assert again.digest() == scenario.digest()
+    assert scenario.limits.alpha_max == 0.13
+    assert scenario.vehicle.parameters["p_max[1]"].si("Pa") == pytest.approx(3.4e5)
+    assert scenario.vehicle.parameters["p_max[2]"].si("Pa") == 2e5
+
+
+def test_a_foreign_plant_is_mapped_by_name_list_or_table():
+    entries = ["speed='train.v'", "mu0={ variable = 'rail[{i}].grip', scale = 0.01 }", "slip=['a', 'b', 'c', 'd']"]
+    scenario = load(TRAPEZOID, [f"vehicle.map.{entry}" for entry in entries])
+    assert scenario.vehicle.map["speed"] == "train.v"
+    assert scenario.vehicle.map["mu0"] == {"variable": "rail[{i}].grip", "scale": 0.01}
+    again = scenario_of(scenario.resolved(), directory=TRAPEZOID.parent, origin="again")
+    assert again.digest() == scenario.digest()
+
+
+def test_the_digest_follows_values_and_not_spelling():
+    base = load(TRAPEZOID).digest()
+    assert load(TRAPEZOID, ["start.speed=80000 m/h"]).start.speed == pytest.approx(load(TRAPEZOID).start.speed)
+    assert load(TRAPEZOID, ["limits.horizon=90"]).digest() == base
+    assert load(TRAPEZOID, ["seed=7"]).digest() != base
+
+
+def test_the_digest_follows_the_content_of_named_files(tmp_path):
+    curve = tmp_path / "rail.csv"
+    scenario = tmp_path / "mine.toml"
+    text = TRAPEZOID.read_text(encoding="utf-8")
+    head, tail = text.split("[adhesion]")[0], text.split("[sensors]")[1]
+    scenario.write_text(
+        f'{head}[adhesion]\nkind = "table"\npolach = "dry"\nfile = "rail.csv"\n[sensors]{tail}',
+        encoding="utf-8",
+    )
+    curve.write_text("time,mu0\n0,0.1\n9,0.2\n", encoding="utf-8")
+    before = load(scenario).digest()
+    curve.write_text("time,mu0\n0,0.1\n9,0.3\n", encoding="utf-8")
+    assert load(scenario).digest() != before
+    assert "rail.csv" in str(load(scenario).resolved())
+    assert str(tmp_path) not in str(load(scenario).resolved())
+
+
+def test_a_named_polach_set_becomes_the_plants_parameters():
+    polach = load(TRAPEZOID, ["adhesion.polach=dry"]).adhesion.polach
+    # Polach, Wear 258 (2005) 992, dry.
+    assert polach.plant_parameters() == {"k_A": 1.0, "k_S": 0.4, "A_falling": 0.4, "B_falling": 0.6}
+
+
+SERVICE = "sensors.kind=service"
+CONSTANT = ["adhesion.kind=constant", "adhesion.polach=wet"]
+
+REFUSALS = [
+    (["adhesion.levl=3"], "[adhesion] has no key 'levl'; did you mean 'level'?"),
+    (["adhesoin.kind=x"], "the top level has no key 'adhesoin'; did you mean 'adhesion'?"),
+    (["frobnicate.x=1"], "the top level has no key 'frobnicate'; it has actuation, adhesion"),
+    (
+        ["adhesion.kind=sinus"],
+        "[adhesion] kind is 'sinus'; there is constant, trapezoid, sine_sweep, random, table",
+    ),
+    (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is wanted and has no default"),
+    (["start.speed=80 km"], "[start] speed is '80 km', but 'km' cannot be converted to 'm/s'."),
+    (["start.speed='80'"], "[start] speed is '80', which names no unit"),
+    (["start.speed=80 kmm/h"], "[start] speed is '80 kmm/h', whose unit 'kmm/h' is unknown."),
+    (["start.speed=fast"], "[start] speed is 'fast', which is not a number with a unit such as '80 km/h'."),
+    (["start.speed=true"], "[start] speed is true, but a number in 'm/s' is wanted."),
+    (["start.speed=nan"], "[start] speed is nan, but a finite number is wanted."),
+    (["start.speed=-3 km/h"], "[start] speed must be above 0 m/s, got '-3 km/h'."),
+    (["start=3"], "[start] must be a table, got 3"),
+    (["adhesion.minimum=2"], "[adhesion] minimum must be at most 1, got 2."),
+    (["adhesion.minimum=0.5"], "[adhesion] minimum 0.5 is above maximum 0.13."),
+    (["adhesion.period=3 m"], "[adhesion] period is '3 m', but 'm' cannot be converted to 's'"),
+    (["adhesion.ramp=0 s"], "[adhesion] ramp must be above 0 s, got 0."),
+    (["adhesion.low=30 s"], "[adhesion] low and two ramps take 32 s, longer than period 8."),
+    (["adhesion.polach=wett"], "[adhesion] polach is 'wett', which is not a Polach set; there are dry, wet,"),
+    (["adhesion.polach={k_A=2}"], "[adhesion.polach] k_A must be at most 1, got 2."),
+    (
+        ["adhesion.conditioning.by=axle"],
+        "[adhesion.conditioning] by is 'axle'; there is 'group' or 'wheelset'",
+    ),
+    ([*CONSTANT, "adhesion.mu0=[0.1, 0.2]"], "[adhesion] mu0 must be one number or 6, got 2."),
+    ([*CONSTANT, "adhesion.mu0=0.1 m"], "[adhesion] mu0 is '0.1 m', but 'm' cannot be converted to '1'."),
+    (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
+    (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
+    (["name='a/b'"], "name is 'a/b'; string should match pattern"),
+    (["controller.kind=abc"], "[controller] kind is 'abc'; there is 'full_brake', 'slip_two_state'"),
+    (
+        ["estimator.kind=none"],
+        "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is",
+    ),
+    (
+        ["periods.controller=1.5 ms"],
+        "[periods] controller must be a whole multiple of communication, got 0.0015 s",
+    ),
+    (["vehicle.plant=mine.fmu"], "[vehicle] plant names 'mine.fmu', but there is no file"),
+    (
+        ["vehicle.plant=a plant"],
+        "[vehicle] plant is 'a plant', which is neither the name of an FMU recipe nor",
+    ),
+    (
+        ["vehicle.parameters.x=[1, 'a']"],
+        "[vehicle.parameters] x[2] is 'a', which is not a number with a unit",
+    ),
+    (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, but the name of an FMU variable is wanted"),
+    (
+        ["vehicle.wheelset_offsets=[0, 1]"],
+        "[vehicle] wheelset_offsets must be 6 rising distances that start with 0",
+    ),
+    ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
+    (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient or curve but no train_mass"),
+    (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
+    (["limits.alpha_max=0"], "[limits] alpha_max must be above 0, got 0."),
+    (
+        ["limits.stop_speed=100 km/h"],
+        "[limits] stop_speed 27.7778 m/s is not below [start] speed 22.2222 m/s.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("overrides", "sentence"), REFUSALS, ids=[" ".join(case[0]) for case in REFUSALS])
+def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overrides, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        load(TRAPEZOID, overrides)
+    assert any(line.startswith(f"trapezoid.toml: {sentence}") for line in str(refusal.value).splitlines()), str(
+        refusal.value
+    )
+
+
+def test_adhesion_over_distance_wants_to_know_where_the_wheelsets_are(tmp_path):
+    text = TRAPEZOID.read_text(encoding="utf-8").replace("wheelset_offsets", "# wheelset_offsets")
+    path = tmp_path / "short.toml"
+    path.write_text(text, encoding="utf-8")
+    places = [f"adhesion.{key}=30 m" for key in ("first_fall", "low")] + [
+        "adhesion.period=99 m",
+        "adhesion.ramp=5 m",
+    ]
+    with pytest.raises(ScenarioError, match=r"short.toml: .* \[vehicle\] must give wheelset_offsets"):
+        load(path, ["adhesion.over=distance", *places])
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"name = ", "bad.toml: is not TOML: "),
+        (b"\xff\xfe", "bad.toml: is not TOML: "),
+        (b"", "bad.toml: the top level has no 'name'; it is wanted and has no default"),
+    ],
+)
+def test_a_file_that_is_no_scenario_is_refused(tmp_path, content, sentence):
+    path = tmp_path / "bad.toml"
+    path.write_bytes(content)
+    with pytest.raises(ScenarioError) as refusal:
+        load(path)
+    assert sentence in str(refusal.value)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(ScenarioError, match=r"gone\.toml: there is no such file"):
+        load(tmp_path / "gone.toml")
+
+
+def test_a_folder_is_not_a_scenario(tmp_path):
+    with pytest.raises(ScenarioError, match="cannot be read: Is a directory"):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize("override", ["start.speed", "=3", "start.speed=", "vehicle.parameters.r[2]=3"])
+def test_an_override_that_is_none_is_refused(override):
+    with pytest.raises(ScenarioError, match="--set "):
+        load(TRAPEZOID, [override])

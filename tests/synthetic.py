@@ -1,0 +1,94 @@
+"""Traces and stops with known answers, for every test that needs a result without running a plant."""
+
+from pathlib import Path
+
+import numpy as np
+
+import harness.scenario
+from harness.record.bound import Brake, with_bound
+from harness.record.metrics import measure
+from harness.record.outcome import Outcome
+from harness.record.signals import ESTIMATES, PLANT, READINGS, SENT
+from harness.record.stop import Stop
+from harness.record.trace import trace_of
+from harness.scenario.adhesion import profile_of
+
+LIBRARY = Path(harness.scenario.__file__).parent / "library"
+
+# A train of round numbers: 6 wheelsets of 100 kN, wheels of 0.4 m.
+LOAD = 1e5
+RADIUS = 0.4
+BRAKE = Brake(
+    p_max=np.full(4, 3e5),
+    n_units=np.array([2.0, 1.0, 1.0, 2.0]),
+    r_friction=np.full(4, 0.25),
+    r_wheel=np.full(4, RADIUS),
+    J=np.zeros(4),
+    A_piston=0.03,
+    i_rigging=5.0,
+    eta_rigging=1.0,
+    F_spring=1000.0,
+)
+
+
+def parabola(slip, speed, load, mu0):
+    """A creep curve whose peak is known: adhesion mu0 at 5 % slip, whatever the speed."""
+    return mu0 * (1 - ((slip - 0.05) / 0.95) ** 2)
+
+
+def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_speed=0.0, **changes):
+    """The trace of a uniform braking at slip 0.05; `changes` replace signals (broadcast to their shape)."""
+    time = np.arange(round((speed - end_speed) / deceleration / period) + 1) * period
+    v = speed - deceleration * time
+    signals = {
+        "distance": speed * time - deceleration * time**2 / 2,
+        "speed": v,
+        "acceleration": np.full_like(time, -deceleration),
+        "slip": 0.05,
+        "wheelset_speed": (0.95 * v / RADIUS)[:, None],
+        "adhesion": deceleration / 9.81,
+        "group_adhesion": deceleration / 9.81,
+        "wheelset_load": LOAD,
+        "cylinder_pressure": 2e5,
+        "pad_friction": 0.35,
+        "disc_temperature": 300.0,
+        "kinetic_energy": 1e6 * v**2,
+        "pad_heat": 1e6 * (speed**2 - v**2),
+        "mu0": 0.12,
+        "locked": 0.0,
+    }
+    if estimates:
+        signals |= {
+            "estimate_speed": v,
+            "estimate_slip": 0.05,
+            "estimate_adhesion": deceleration / 9.81,
+            "estimate_adhesion_sd": 0.01,
+            "estimate_pad_friction": 0.35,
+            "estimate_pad_friction_sd": 0.01,
+        }
+    signals |= changes
+    kept = (*PLANT, *SENT, *READINGS, *(ESTIMATES if estimates else ()))
+    blocks = {}
+    for signal in kept:
+        values = np.asarray(signals.get(signal.name, 0.0), dtype=float)
+        if values.ndim == 1 and values.shape == time.shape:
+            values = values[:, None]
+        blocks[signal] = np.array(np.broadcast_to(values, (len(time), signal.width)))
+    return trace_of(blocks, period)
+
+
+def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the train stands"):
+    """A stop of a scenario as if it had braked uniformly, with the friction that the scenario names."""
+    period = scenario.periods.communication
+    trace = uniform_stop(scenario.start.speed, deceleration, period, scenario.estimator.kind != "none")
+    trace["mu0"].values[:] = profile_of(scenario).table(trace["time"].values, trace["distance"].values)
+    trace = with_bound(trace, parabola, BRAKE, scenario.limits.alpha_max)
+    return Stop(
+        scenario=scenario,
+        outcome=outcome,
+        reason=reason,
+        trace=trace,
+        metrics=measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
+        versions={"railgrip": "0"},
+        fmus={"Plant.fmu": "0" * 64},
+    )
