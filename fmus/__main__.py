@@ -72,9 +72,7 @@ def check_command(
         out.print(f"{LOCK} written", highlight=False)
     else:
         locked = read_lock()
-        complaints += [
-            f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, locked, face)
-        ]
+        complaints += [f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, locked, face)]
     for complaint in complaints:
         err.print(complaint, highlight=False, markup=False, soft_wrap=True)
     if complaints:

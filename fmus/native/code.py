@@ -102,15 +102,11 @@ def functions(system: System) -> list[ca.Function]:
     at_start = [system.time, system.u, system.p, system.d, system.relation, system.start_guesses]
     outputs, locals_ = split_algebraics(system)
     free, dependent = vector(v.free), column(v.dependent_values)
-    along_x, along_u, along_p = (
-        SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free))
-    )
+    along_x, along_u, along_p = (SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free)))
     moved = ca.jtimes(dependent, free, along_p) if v.dependent and v.free else SX.zeros(dependent.shape)
     both = column([system.derivative, outputs])
     knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, moved)
-    direction = (
-        ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
-    )
+    direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
     nx = len(system.states)
     loops, start = system.loops, system.start_loops
     texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
@@ -142,11 +138,7 @@ def _newton(loops: Loops) -> list[SX]:
 
 
 def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
-    return (
-        ca.substitute(expressions, vector(dependent), values)
-        if dependent and expressions.numel()
-        else expressions
-    )
+    return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 
 def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> dict[str, str]:

@@ -55,9 +55,7 @@ class _Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-        self.rows.append(
-            f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>"
-        )
+        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
 
 
 def _attributes(values: dict[str, str]) -> str:
@@ -156,9 +154,7 @@ def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: 
         return s.attributes.get("description") or ""
 
     first = lay.reference
-    w.add(
-        "time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"}
-    )
+    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
     for i, s in enumerate(lay.states):
         calculated = system.calculated[i]
         declared = _declared(s)
@@ -230,13 +226,7 @@ def _per_second(unit: str) -> str:
     if not slash:
         return f"{numerator}/s"
     inner = denominator[1:-1] if denominator.startswith("(") else denominator
-    return (
-        f"{numerator}/s2"
-        if inner == "s"
-        else f"{numerator}/s3"
-        if inner == "s2"
-        else f"{numerator}/({inner}.s)"
-    )
+    return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
 def _units(lay: Layout) -> list[str]:
@@ -265,13 +255,9 @@ def _structure(w: _Writer, system: System, lay: Layout) -> list[str]:
     outputs, _ = split_algebraics(system)
     unknowns = column([system.derivative, outputs])
     knowns = ca.vertcat(system.x, system.u)
-    references = [first("states") + i for i in range(nx)] + [
-        first("inputs") + i for i in range(len(lay.inputs))
-    ]
+    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(lay.inputs))]
     jacobian = (
-        ca.jacobian(unknowns, knowns)
-        if unknowns.numel() and knowns.numel()
-        else SX(unknowns.numel(), knowns.numel())
+        ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
     )
     depends: list[list[tuple[int, str]]] = [[] for _ in range(unknowns.numel())]
     rows, columns = jacobian.sparsity().get_triplet()

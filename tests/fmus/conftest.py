@@ -83,9 +83,7 @@ def feature(built: Callable[[Path, str], Fmu]) -> Callable[[str], Fmu]:
 
 
 @pytest.fixture(scope="session")
-def modelica(
-    built: Callable[[Path, str], Fmu], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[str], Fmu]:
+def modelica(built: Callable[[Path, str], Fmu], tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Fmu]:
     """Return a function of the text of `model M ... end M;`."""
     folder = tmp_path_factory.mktemp("texts")
 
@@ -102,9 +100,7 @@ def run() -> Iterator[Callable[..., Running]]:
     """Return a function that starts an FMU: run(fmu, interface="cs", start={name: value}, time=0.0)."""
     alive: list[Running] = []
 
-    def start(
-        fmu: Fmu, interface: str = "cs", *, start: dict[str, float] | None = None, time: float = 0.0
-    ) -> Running:
+    def start(fmu: Fmu, interface: str = "cs", *, start: dict[str, float] | None = None, time: float = 0.0) -> Running:
         kind, identifier = (
             (FMU2Slave, fmu.description.coSimulation.modelIdentifier)
             if interface == "cs"
@@ -142,9 +138,7 @@ def run() -> Iterator[Callable[..., Running]]:
         running.instance.freeInstance()
 
 
-def reference_run(
-    library: Path, class_name: str, stop: float, step: float
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def reference_run(library: Path, class_name: str, stop: float, step: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return rumoca's own simulation at the grid points that no event is near, and its variables there.
 
     Around an event one of two simulators is a rounding error early; 2 ms on either side are left out.

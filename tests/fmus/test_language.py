@@ -32,11 +32,7 @@ def test_the_trajectory_is_that_of_rumoca(feature, references, name, interface):
     time, reference = references[name]
     shared = [n for n in reference if any(v.name == n for v in fmu.description.modelVariables)]
     assert shared
-    settings = (
-        {"relative_tolerance": 1e-9}
-        if interface == "ModelExchange"
-        else {"start_values": {"_tolerance": 1e-8}}
-    )
+    settings = {"relative_tolerance": 1e-9} if interface == "ModelExchange" else {"start_values": {"_tolerance": 1e-8}}
     found = fmpy.simulate_fmu(
         str(fmu.folder), stop_time=STOP, output=shared, output_interval=STEP, fmi_type=interface, **settings
     )

@@ -51,9 +51,7 @@ def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed):
     columns, rows = np.nonzero(dense.T)
     pattern = list(zip(rows.tolist(), columns.tolist(), strict=True))
     elimination = eliminate(n, pattern)
-    code = "#include <math.h>\n" + elimination.code.replace("static int", "int").replace(
-        "static void", "void"
-    )
+    code = "#include <math.h>\n" + elimination.code.replace("static int", "int").replace("static void", "void")
     exported = '__attribute__((visibility("default"))) '
     code = code.replace("int sparse_factor", exported + "int sparse_factor").replace(
         "void sparse_solve", exported + "void sparse_solve"
@@ -76,9 +74,7 @@ def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed):
 
 def test_a_cancelled_pivot_is_reported(tmp_path):
     code = eliminate(1, [(0, 0)]).code.replace("static int", '__attribute__((visibility("default"))) int')
-    library = ctypes.CDLL(
-        str(toolchain.shared_library({"lu.c": "#include <math.h>\n" + code}, tmp_path, "lu"))
-    )
+    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": "#include <math.h>\n" + code}, tmp_path, "lu")))
     library.sparse_factor.argtypes = [
         ctypes.POINTER(ctypes.c_double),
         ctypes.c_double,
@@ -129,11 +125,5 @@ def test_a_c_error_is_shown(tmp_path):
 def test_a_library_is_compiled_once(tmp_path):
     first = toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, tmp_path, "a")
     made = first.stat().st_mtime_ns
-    assert (
-        toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, tmp_path, "a").stat().st_mtime_ns
-        == made
-    )
-    assert (
-        toolchain.shared_library({"a.c": "int f(void) { return 2; }"}, tmp_path, "a").stat().st_mtime_ns
-        != made
-    )
+    assert toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, tmp_path, "a").stat().st_mtime_ns == made
+    assert toolchain.shared_library({"a.c": "int f(void) { return 2; }"}, tmp_path, "a").stat().st_mtime_ns != made

@@ -118,9 +118,7 @@ def test_both_compilers_give_the_same_trajectory(name, tmp_path):
             [(t, *map(held, inputs)) for t in (0.0, 3.0)],
             dtype=[("time", float), *((n, float) for n in inputs)],
         )
-        settings = (
-            {"start_values": {"_tolerance": 1e-7}} if (compiler, kind) == ("native", "CoSimulation") else {}
-        )
+        settings = {"start_values": {"_tolerance": 1e-7}} if (compiler, kind) == ("native", "CoSimulation") else {}
         result = fmpy.simulate_fmu(
             str(path), stop_time=3.0, input=signals, output=outputs, output_interval=0.015, fmi_type=kind,
             relative_tolerance=1e-7, **settings,

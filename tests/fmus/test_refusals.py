@@ -80,8 +80,6 @@ def test_too_few_equations_are_counted(tmp_path):
 
 def test_a_class_with_events_is_no_plain_differential_equation(tmp_path):
     file = tmp_path / "Model.mo"
-    file.write_text(
-        "model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;"
-    )
+    file.write_text("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
     with pytest.raises(Refused, match="noEvent"):
         lower("M", file)

@@ -63,9 +63,7 @@ def reference(class_name: str, inputs: list[str]) -> tuple[np.ndarray, dict[str,
     for name in inputs:
         groups.setdefault(name.partition("[")[0], []).append(held(name))
     scalar = {name for name in inputs if "[" not in name}
-    bound = [
-        f"{k} = {v[0]}" if k in scalar else f"{k} = {{{', '.join(map(repr, v))}}}" for k, v in groups.items()
-    ]
+    bound = [f"{k} = {v[0]}" if k in scalar else f"{k} = {{{', '.join(map(repr, v))}}}" for k, v in groups.items()]
     text = f"model Wrapped\n  {class_name} inside({', '.join(bound)});\nend Wrapped;"
     model = rumoca.Session(roots=[str(Path(LIBRARY).parent)]).loads(
         text, model="Wrapped", filename="wrapped/Wrapped.mo"
@@ -152,9 +150,7 @@ def test_the_jacobian_of_a_prediction_is_its_central_difference(train, run, name
         instance.set(**{n: x})
         given = np.array(instance.instance.getDirectionalDerivative(references, [fmu.reference(n)], [1.0]))
         rounding = 1e-9 * np.maximum(np.abs(sides[0]), 1) / h * 1e-6
-        assert given == pytest.approx(
-            (sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5 + np.max(rounding)
-        ), n
+        assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5 + np.max(rounding)), n
 
 
 def test_the_contact_point_is_polachs_formula(train, run):
