@@ -1,0 +1,47 @@
+"""A plant FMU of the library, opened by its recipe's name."""
+
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+
+from fmus.build import fmu
+from harness.fmu import CoSimulation, Description, Signal, bind, describe
+
+Edge = Mapping[str, str | tuple[str, int]]
+"""Name → unit, or unit and number of elements."""
+
+
+@contextmanager
+def plant(
+    name: str, *, inputs: Edge, outputs: Edge, period: float, parameters: Mapping[str, float]
+) -> Generator[CoSimulation]:
+    """Open a plant FMU of the library, built when it is not up to date.
+
+    Args:
+        name: Of the recipe.
+        inputs: What it is sent, in the order of the vectors that it is sent.
+        outputs: What it shows, in the order of the vectors that come back.
+        period: Between communications [s].
+        parameters: By FMU variable; the others keep their defaults.
+
+    Raises:
+        harness.fmu.FmuError: A signal or parameter is not there.
+        fmus.errors.FmuError: The FMU cannot be built.
+    """
+    description = _described(name)
+    binding = bind(
+        description, inputs=_signals(inputs), outputs=_signals(outputs), parameters=(), table={}, where=f"twin {name}"
+    )
+    with CoSimulation(description, binding, period=period, parameters=dict(parameters)) as opened:
+        yield opened
+
+
+@cache
+def _described(name: str) -> Description:
+    return describe(Path(fmu(name)))
+
+
+def _signals(edge: Edge) -> tuple[Signal, ...]:
+    pairs = ((name, (told, 0) if isinstance(told, str) else told) for name, told in edge.items())
+    return tuple(Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in pairs)
