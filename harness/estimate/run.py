@@ -192,7 +192,8 @@ def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapp
         if np.isnan(values).any():
             at = recording["time"].values[int(np.argmax(np.isnan(values)))]
             raise EstimationError(
-                f"recording: input {name} is not a number at {at:.3f} s; a filter must know its inputs, fill or cut the gap."
+                f"recording: input {name} is not a number at {at:.3f} s; a filter must know its inputs, "
+                "fill or cut the gap."
             )
     earlier = np.vstack([found[:1], found[:-1]])
     return 0.5 * (earlier + found) if between == "mean" else earlier

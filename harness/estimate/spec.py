@@ -25,15 +25,15 @@ kind = "roller_rig"                         # a twin, see harness.estimate.sourc
 scenario = "slide"
 """
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, StrictInt
 
 from estimators.gate import Gate
 from estimators.prediction import CasadiPrediction
 from harness.estimate.error import EstimationError
+from harness.estimate.magnitudes import in_units
 from harness.estimate.run import Settings, model_of, per_step, prediction_of
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Magnitude
@@ -113,7 +113,7 @@ def prediction_for(specification: Specification) -> CasadiPrediction:
     """
     model = specification.model
     units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
-    return prediction_of(model.class_, _si(f"{specification.name}: [model.parameters]", model.parameters, units))
+    return prediction_of(model.class_, in_units(f"{specification.name}: [model.parameters]", model.parameters, units))
 
 
 def settings_for(specification: Specification, period: float) -> Settings:
@@ -141,17 +141,5 @@ def _gate(specification: Specification, gate: GateTable) -> Gate:
     where = f"{specification.name}: [gate]"
     if first not in units:
         raise EstimationError(f"{where} inputs: the model has no input '{first}'; it has {', '.join(units)}.")
-    threshold = _si(where, {"threshold": gate.threshold}, {"threshold": units[first]})["threshold"]
+    threshold = in_units(where, {"threshold": gate.threshold}, {"threshold": units[first]})["threshold"]
     return Gate(states=tuple(gate.states), inputs=tuple(gate.inputs), threshold=threshold)
-
-
-def _si(where: str, written: Mapping[str, Magnitude], units: Mapping[str, str]) -> dict[str, float]:
-    values: dict[str, Any] = {}
-    for name, magnitude in written.items():
-        if name not in units:
-            raise EstimationError(f"{where} has no '{name}'; there is {', '.join(units)}.")
-        try:
-            values[name] = magnitude.si(units[name])
-        except ValueError as problem:
-            raise EstimationError(f"{where} {name} {problem}") from problem
-    return values

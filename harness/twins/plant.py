@@ -3,10 +3,11 @@
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from functools import cache
-from pathlib import Path
 
 from fmus.build import fmu
+from harness.estimate.magnitudes import in_units
 from harness.fmu import CoSimulation, Description, Signal, bind, describe
+from harness.scenario.quantity import Magnitude
 
 Edge = Mapping[str, str | tuple[str, int]]
 """Name → unit, or unit and number of elements."""
@@ -29,7 +30,7 @@ def plant(
         harness.fmu.FmuError: A signal or parameter is not there.
         fmus.errors.FmuError: The FMU cannot be built.
     """
-    description = _described(name)
+    description = described(name)
     binding = bind(
         description, inputs=_signals(inputs), outputs=_signals(outputs), parameters=(), table={}, where=f"twin {name}"
     )
@@ -38,8 +39,28 @@ def plant(
 
 
 @cache
-def _described(name: str) -> Description:
-    return describe(Path(fmu(name)))
+def described(name: str) -> Description:
+    """Return the description of a plant FMU, built when it is not up to date; asked once in a process."""
+    return describe(fmu(name))
+
+
+def parameters(name: str, written: Mapping[str, Magnitude], where: str) -> dict[str, float]:
+    """Return parameters of a plant that a scenario writes, in the plant's units.
+
+    Raises:
+        EstimationError: The plant has no such parameter, or its unit has another dimension.
+    """
+    units = {v.name: v.unit_name for v in described(name).variables.values() if v.causality == "parameter"}
+    return in_units(where, written, units)
+
+
+def defaults(name: str) -> dict[str, float]:
+    """Return the numeric parameters of a plant as its class has them."""
+    return {
+        v.name: float(v.start)
+        for v in described(name).variables.values()
+        if v.causality == "parameter" and v.kind == "Real" and v.start is not None
+    }
 
 
 def _signals(edge: Edge) -> tuple[Signal, ...]:
