@@ -14,7 +14,16 @@ from fmus.native.system import Assertion, System, column
 from fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"
-PARTS = ("layout.h", "evaluate.c", "events.c", "rosenbrock.c", "advance.c", "fmi2.c", "modelexchange.c", "cosimulation.c")
+PARTS = (
+    "layout.h",
+    "evaluate.c",
+    "events.c",
+    "rosenbrock.c",
+    "advance.c",
+    "fmi2.c",
+    "modelexchange.c",
+    "cosimulation.c",
+)
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
@@ -92,11 +101,15 @@ def functions(system: System) -> list[ca.Function]:
     at_start = [system.time, system.u, system.p, system.d, system.relation, system.start_guesses]
     outputs, locals_ = split_algebraics(system)
     free, dependent = vector(v.free), column(v.dependent_values)
-    along_x, along_u, along_p = (SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free)))
+    along_x, along_u, along_p = (
+        SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free))
+    )
     moved = ca.jtimes(dependent, free, along_p) if v.dependent and v.free else SX.zeros(dependent.shape)
     both = column([system.derivative, outputs])
     knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, moved)
-    direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
+    direction = (
+        ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
+    )
     nx = len(system.states)
     loops, start = system.loops, system.start_loops
     texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
@@ -124,7 +137,11 @@ def functions(system: System) -> list[ca.Function]:
 
 
 def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
-    return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
+    return (
+        ca.substitute(expressions, vector(dependent), values)
+        if dependent and expressions.numel()
+        else expressions
+    )
 
 
 def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> dict[str, str]:

@@ -138,13 +138,14 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
             f"rumoca {rumoca.version()} writes the DAE as {found}, this compiler reads {SCHEMA}; "
             "install the version pinned in pyproject.toml."
         )
+    base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     sources = {
-        number: (_short(str(path) if name == alias else name), text.encode()) for number, name, text in files
+        number: (_short(path if name == alias else Path(name), base), text.encode())
+        for number, name, text in files
     }
     return Dae(class_name=class_name, content=content, sources=sources)
 
 
-def _short(name: str) -> str:
-    """Return a path relative to the working folder where that is possible."""
-    path = Path(name)
-    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else name
+def _short(file: Path, base: Path) -> str:
+    """Return a file's path from the folder that holds the library's folder, wherever that is on this machine."""
+    return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

@@ -55,7 +55,9 @@ class _Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
+        self.rows.append(
+            f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>"
+        )
 
 
 def _attributes(values: dict[str, str]) -> str:
@@ -88,7 +90,14 @@ def _declared(s: Scalar) -> dict[str, str]:
 
 
 def write(
-    system: System, *, guid: str, identifier: str, interfaces: tuple[str, ...], solver: str, tolerance: float, step: float
+    system: System,
+    *,
+    guid: str,
+    identifier: str,
+    interfaces: tuple[str, ...],
+    solver: str,
+    tolerance: float,
+    step: float,
 ) -> str:
     """Return modelDescription.xml.
 
@@ -121,7 +130,9 @@ def write(
             f"<fmiModelDescription{_attributes(head)}>",
             *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
             *(
-                [f"  <CoSimulation{_attributes(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"]
+                [
+                    f"  <CoSimulation{_attributes(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"
+                ]
                 if "cs" in interfaces
                 else []
             ),
@@ -149,7 +160,9 @@ def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: 
         return s.attributes.get("description") or ""
 
     first = lay.reference
-    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
+    w.add(
+        "time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"}
+    )
     for i, s in enumerate(lay.states):
         calculated = system.calculated[i]
         declared = _declared(s)
@@ -219,7 +232,13 @@ def _per_second(unit: str) -> str:
     if not slash:
         return f"{numerator}/s"
     inner = denominator[1:-1] if denominator.startswith("(") else denominator
-    return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
+    return (
+        f"{numerator}/s2"
+        if inner == "s"
+        else f"{numerator}/s3"
+        if inner == "s2"
+        else f"{numerator}/({inner}.s)"
+    )
 
 
 def _units(lay: Layout) -> list[str]:
@@ -248,8 +267,14 @@ def _structure(w: _Writer, system: System, lay: Layout) -> list[str]:
     outputs, _ = split_algebraics(system)
     unknowns = column([system.derivative, outputs])
     knowns = ca.vertcat(system.x, system.u)
-    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(lay.inputs))]
-    jacobian = ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
+    references = [first("states") + i for i in range(nx)] + [
+        first("inputs") + i for i in range(len(lay.inputs))
+    ]
+    jacobian = (
+        ca.jacobian(unknowns, knowns)
+        if unknowns.numel() and knowns.numel()
+        else SX(unknowns.numel(), knowns.numel())
+    )
     depends: list[list[tuple[int, str]]] = [[] for _ in range(unknowns.numel())]
     rows, columns = jacobian.sparsity().get_triplet()
     for k, (row, col) in enumerate(zip(rows, columns, strict=True)):

@@ -16,6 +16,9 @@ from fmus.native.system import System
 from fmus.native.toolchain import SUFFIX, shared_library
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
+FLAGS = ("-O1", "-fexpensive-optimizations", "-fstrict-aliasing", "-ftree-vectorize")
+"""-O2 takes twice as long over the long straight-line functions and gains nothing measurable at run time."""
+
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of every file in the zip, the earliest it can hold."""
 
@@ -48,7 +51,12 @@ def platform_folder() -> str:
 
 
 def sources(
-    system: System, *, interfaces: tuple[str, ...], solver: str = "rodas4", tolerance: float = 1e-6, step: float = 1e-3
+    system: System,
+    *,
+    interfaces: tuple[str, ...],
+    solver: str = "rodas4",
+    tolerance: float = 1e-6,
+    step: float = 1e-3,
 ) -> Source:
     """Return the C code and modelDescription.xml of a system.
 
@@ -62,7 +70,13 @@ def sources(
 
     def make(guid: str) -> tuple[dict[str, str], str]:
         xml = description.write(
-            system, guid=guid, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step
+            system,
+            guid=guid,
+            identifier=identifier,
+            interfaces=interfaces,
+            solver=solver,
+            tolerance=tolerance,
+            step=step,
         )
         return code.c_sources(system, guid=guid, solver=solver, tolerance=tolerance), xml
 
@@ -71,12 +85,13 @@ def sources(
     # Everything that decides the GUID is in it already; now it is put in place.
     return Source(
         identifier=identifier,
-        files=files | {"model.c": files["model.c"].replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{{{guid}}}"')},
+        files=files
+        | {"model.c": files["model.c"].replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{{{guid}}}"')},
         xml=xml.replace('guid=""', f'guid="{{{guid}}}"'),
     )
 
 
-def pack(source: Source, path: Path, *, flags: tuple[str, ...] = ("-O3",)) -> Path:
+def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FLAGS) -> Path:
     """Compile and zip an FMU.
 
     Raises:

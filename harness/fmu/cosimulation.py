@@ -84,9 +84,7 @@ class CoSimulation:
             FmuError: A parameter is wrong or the period is not positive.
         """
         if not (isfinite(period) and period > 0):
-            raise FmuError(
-                f"{description.file.name}: the communication period is a positive time, got {period} s."
-            )
+            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
         self._description = description
         self._binding = binding
         self._period = period
@@ -129,26 +127,22 @@ class CoSimulation:
         """Make the buffers, addresses and functions of the hot path."""
         pointer, size = ctypes.c_void_p, ctypes.c_size_t
         self._component = ctypes.c_void_p(instance.component)
-        self._do_step = instance.function(
-            "fmi2DoStep", pointer, ctypes.c_double, ctypes.c_double, ctypes.c_int
-        )
+        self._do_step = instance.function("fmi2DoStep", pointer, ctypes.c_double, ctypes.c_double, ctypes.c_int)
         inputs, outputs = self._binding.inputs, self._binding.outputs
-        self._values = np.zeros(outputs.size)
+        present = np.sort(np.concatenate([[], *(c.positions for c in outputs.channels)])).astype(np.intp)
+        self._values = np.zeros(present.size)
         # A sum is finite exactly when all of y is, in one pass: so far scaled down, finite values cannot
         # overflow, and numbers of any physical size stay normal.
-        self._total = np.full(outputs.size, 2.0**-512).dot
+        self._total = np.full(present.size, 2.0**-512).dot
+        self._present = present if present.size < outputs.size else None
+        self._blank = np.full(outputs.size, np.nan)
         carriers = {c.carrier for c in (*inputs.channels, *outputs.channels)}
-        setters = {
-            c: instance.function(f"fmi2Set{c}", pointer, pointer, size, pointer) for c in sorted(carriers)
-        }
-        getters = {
-            c: instance.function(f"fmi2Get{c}", pointer, pointer, size, pointer) for c in sorted(carriers)
-        }
-        self._senders = tuple(
-            _Sender(c, setters[c.carrier], self._component, inputs.size) for c in inputs.channels
-        )
+        setters = {c: instance.function(f"fmi2Set{c}", pointer, pointer, size, pointer) for c in sorted(carriers)}
+        getters = {c: instance.function(f"fmi2Get{c}", pointer, pointer, size, pointer) for c in sorted(carriers)}
+        self._senders = tuple(_Sender(c, setters[c.carrier], self._component, inputs.size) for c in inputs.channels)
         self._receivers = tuple(
-            _Receiver(c, getters[c.carrier], self._component, self._values) for c in outputs.channels
+            _Receiver(c, np.searchsorted(present, c.positions), getters[c.carrier], self._component, self._values)
+            for c in outputs.channels
         )
 
     @property
@@ -206,7 +200,7 @@ class CoSimulation:
         values = self._values.copy()
         if not isfinite(self._total(values)):
             self._not_finite(values)
-        return values
+        return values if self._present is None else self._spread(values)
 
     def snapshot(self) -> Snapshot:
         """Return the present state, to `restore` later.
@@ -258,7 +252,15 @@ class CoSimulation:
         values = self._values.copy()
         if not isfinite(self._total(values)):
             self._not_finite(values)
-        return values
+        return self._spread(values)
+
+    def _spread(self, values: Vector) -> Vector:
+        """Return the vector of all signals, NaN where the FMU has none."""
+        if self._present is None:
+            return values
+        everything = self._blank.copy()
+        everything[self._present] = values
+        return everything
 
     def _fail(self, call: str, status: int, time: float, doing: str) -> None:
         """Raise the failure behind a bad status, and remember it."""
@@ -273,7 +275,7 @@ class CoSimulation:
     def _not_finite(self, values: Vector) -> None:
         instance = self._open()
         worst = int(np.flatnonzero(~np.isfinite(values))[0])
-        name = self._binding.outputs.elements[worst]
+        name = self._binding.outputs.elements[worst if self._present is None else self._present[worst]]
         failure = instance.failure("not_finite", "", self.time, variable=name, doing=f"{values[worst]}")
         self._spent = PlantFailed(failure)
         self._ready = False
@@ -299,9 +301,7 @@ class _Sender:
         "status",
     )
 
-    def __init__(
-        self, channel: Channel, setter: Callable[..., int], component: ctypes.c_void_p, size: int
-    ) -> None:
+    def __init__(self, channel: Channel, setter: Callable[..., int], component: ctypes.c_void_p, size: int) -> None:
         n = len(channel.references)
         self.carrier = channel.carrier
         self.status = 0
@@ -358,7 +358,12 @@ class _Receiver:
     )
 
     def __init__(
-        self, channel: Channel, getter: Callable[..., int], component: ctypes.c_void_p, values: Vector
+        self,
+        channel: Channel,
+        positions: NDArray[np.intp],
+        getter: Callable[..., int],
+        component: ctypes.c_void_p,
+        values: Vector,
     ) -> None:
         n = len(channel.references)
         self.carrier = channel.carrier
@@ -367,9 +372,9 @@ class _Receiver:
         self._component = component
         self._count = n
         self._values = values
-        self._positions = channel.positions
-        first = int(channel.positions[0])
-        adjacent = bool(np.all(channel.positions == np.arange(first, first + n)))
+        self._positions = positions
+        first = int(positions[0])
+        adjacent = bool(np.all(positions == np.arange(first, first + n)))
         # Reals that lie side by side are written by the FMU straight into their place.
         self._direct = adjacent and channel.carrier == "Real"
         own = np.zeros(n) if channel.carrier == "Real" else np.zeros(n, dtype=np.int32)

@@ -195,13 +195,10 @@ def _require_binary(description: Description, members: frozenset[str]) -> None:
             continue
         wanted = f"binaries/{here}/{interface.identifier}{suffix}"
         if wanted not in members:
-            others = sorted(
-                {m.split("/")[1] for m in members if m.startswith("binaries/") and m.count("/") > 1}
-            )
+            others = sorted({m.split("/")[1] for m in members if m.startswith("binaries/") and m.count("/") > 1})
             found = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
             raise FmuError(
-                f"{description.file}: no binary for this platform, {wanted} is missing; {found}. "
-                f"Export it for {here}."
+                f"{description.file}: no binary for this platform, {wanted} is missing; {found}. Export it for {here}."
             )
 
 

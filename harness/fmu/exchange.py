@@ -131,9 +131,7 @@ class ModelExchange:
             "seed": where(self._seed.ctypes.data),
         }
         self._state_pointers = [where(states.ctypes.data + 4 * j) for j in range(n)]
-        self._column_pointers = [
-            where(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)
-        ]
+        self._column_pointers = [where(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)]
         nominal = np.zeros(n)
         instance.call(
             "fmi2GetNominalsOfContinuousStates",
@@ -308,9 +306,7 @@ class FmuPrediction:
             )
         for name in (*states, *inputs, *outputs):
             _require_si(description, description.variable(name, "prediction"))
-        offered = (
-            description.model_exchange is not None and description.model_exchange.directional_derivatives
-        )
+        offered = description.model_exchange is not None and description.model_exchange.directional_derivatives
         if differentiation == "directional" and not offered:
             raise FmuError(
                 f"{description.file}: does not offer directional derivatives; use central differences or "
@@ -320,9 +316,7 @@ class FmuPrediction:
         self.inputs = tuple(inputs)
         self.outputs = tuple(outputs)
         self._directional = offered and differentiation != "central"
-        self._model = ModelExchange(
-            description, parameters=parameters, inputs=inputs, outputs=outputs, folder=folder
-        )
+        self._model = ModelExchange(description, parameters=parameters, inputs=inputs, outputs=outputs, folder=folder)
         # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
         self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
         self._ours = np.array([description.states.index(s) for s in self.states], dtype=np.intp)
@@ -387,9 +381,7 @@ def _settle(instance: Instance) -> None:
         if not event.newDiscreteStatesNeeded:
             break
     else:
-        raise PlantFailed(
-            instance.failure("error", "fmi2NewDiscreteStates", 0.0, doing="its events never settle")
-        )
+        raise PlantFailed(instance.failure("error", "fmi2NewDiscreteStates", 0.0, doing="its events never settle"))
     if event.nextEventTimeDefined:
         raise FmuError(
             f"{instance.description.file}: a prediction must be smooth, this FMU announces an event at "
@@ -402,9 +394,7 @@ def _settle(instance: Instance) -> None:
 def _real(description: Description, name: str, causality: Literal["input", "output"]) -> Variable:
     found = description.variable(name, "prediction")
     if found.kind != "Real":
-        raise FmuError(
-            f"{description.file}: '{name}' is {found.kind}, a prediction is made of Real variables."
-        )
+        raise FmuError(f"{description.file}: '{name}' is {found.kind}, a prediction is made of Real variables.")
     if causality == "input" and found.causality != "input":
         raise FmuError(f"{description.file}: '{name}' is not an input but {found.causality}.")
     return found

@@ -195,9 +195,7 @@ class Instance:
         self._broken = None if reason == "discard" else reason
         raise PlantFailed(failure)
 
-    def failure(
-        self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = ""
-    ) -> Failure:
+    def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
         """Return a failure of this FMU with what it said about it."""
         worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s >= OK_OR_WARNING]
         return Failure(
@@ -214,9 +212,7 @@ class Instance:
         """Ask a slave that discarded a step how far it came and whether it wanted to end."""
         ended, reached = ctypes.c_int(0), ctypes.c_double(0.0)
         knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(ended))
-        knows_time = self._library.fmi2GetRealStatus(
-            self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(reached)
-        )
+        knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(reached))
         return Failure(
             file=failure.file,
             time=failure.time,
@@ -244,9 +240,7 @@ class Instance:
 
     def enter_initialization(self, start: float, tolerance: float | None) -> None:
         """Set the experiment up and enter initialisation mode."""
-        self.call(
-            "fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, start, 0, 0.0, time=start
-        )
+        self.call("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, start, 0, 0.0, time=start)
         self.call("fmi2EnterInitializationMode", time=start)
 
     def exit_initialization(self, start: float) -> None:
@@ -284,7 +278,6 @@ def _interface(description: Description, way: Way) -> Interface:
         wanted = "Co-Simulation" if way == "co-simulation" else "Model Exchange"
         role = "a plant is stepped" if way == "co-simulation" else "a prediction is evaluated"
         raise FmuError(
-            f"{description.file}: {role} through {wanted}, this FMU offers only {other}; "
-            f"export it as {wanted}."
+            f"{description.file}: {role} through {wanted}, this FMU offers only {other}; export it as {wanted}."
         )
     return chosen

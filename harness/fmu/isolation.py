@@ -66,9 +66,7 @@ class IsolatedCoSimulation:
         """
         if not (isfinite(patience) and patience > 0):
             raise FmuError(f"{description.file.name}: patience is a positive time, got {patience} s.")
-        CoSimulation(
-            description, binding, period=period, parameters=parameters
-        )  # the same questions are wrong
+        CoSimulation(description, binding, period=period, parameters=parameters)  # the same questions are wrong
         assignments(description, parameters)
         self._description = description
         self._binding = binding

@@ -79,8 +79,10 @@ class Channel:
 class Side:
     """All signals that travel one way, laid out in one vector.
 
+    The layout does not depend on the FMU: what an FMU lacks is NaN among outputs and is ignored among inputs.
+
     Attributes:
-        layout: Where each present signal is in the vector.
+        layout: Where each signal is in the vector.
         elements: Scalar names of ours, in the order of the vector.
         absent: Signals that are not needed and that the FMU does not have.
         channels: One per FMI type in use.
@@ -173,9 +175,7 @@ def bind(
     if sum(len(c.variables) for c in tied.channels) != len(driven):
         twice = [v for c in tied.channels for v in c.variables]
         again = sorted({v for v in twice if twice.count(v) > 1})
-        raise FmuError(
-            f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}."
-        )
+        raise FmuError(f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}.")
     return Binding(
         inputs=tied,
         outputs=seen,
@@ -207,12 +207,13 @@ def _side(
                 missing += gone
             else:
                 absent.append(signal.name)
-            continue
-        layout[signal.name] = slice(len(elements), len(elements) + len(targets))
-        for element, target in zip(signal.elements, targets, strict=True):
+            targets = ()
+        first = len(elements)
+        elements += signal.elements
+        layout[signal.name] = slice(first, len(elements))
+        for position, (element, target) in enumerate(zip(signal.elements, targets, strict=False), start=first):
             row = _tie(description, signal, element, target, where, causality, into_fmu=into_fmu)
-            rows[_carrier(row[0])].append((len(elements), *row))
-            elements.append(element)
+            rows[_carrier(row[0])].append((position, *row))
     if missing:
         raise FmuError(_all_missing(description, missing, causality, where))
     return Side(
@@ -314,8 +315,7 @@ def _unit_of(found: Variable, target: _Target, ours: Unit, file: str, who: str) 
             return unit(found.unit_name)
         except FmuError as error:
             raise FmuError(
-                f"{who}: {file} gives '{found.name}' the unit '{found.unit_name}' without defining it, and "
-                f"{error}"
+                f"{who}: {file} gives '{found.name}' the unit '{found.unit_name}' without defining it, and {error}"
             ) from error
     if ours.dimension == "1":  # a number, an index or a truth value needs no unit
         return unit("1")
@@ -358,8 +358,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
         raise FmuError(f"{who}: unit is a text as 'bar', got {stated!r}.")
     if pattern and "{i}" not in name:
         raise FmuError(
-            f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', "
-            f"or by a list of {signal.size}."
+            f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', or by a list of {signal.size}."
         )
     sign = -1.0 if name.startswith("-") else 1.0
     return _Target(
@@ -380,9 +379,7 @@ def _all_missing(description: Description, missing: Sequence[str], causality: Ca
     offered = description.named(causality)
     lines = [f"'{name}'{_near(name, offered, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""
-    has = (
-        f"it has {', '.join(offered[:12])}{', …' if len(offered) > 12 else ''}" if offered else "it has none"
-    )
+    has = f"it has {', '.join(offered[:12])}{', …' if len(offered) > 12 else ''}" if offered else "it has none"
     return (
         f"{description.file}: no {causality} {', '.join(lines)}{rest}; {has}. "
         f"Name the variables it uses instead under {where}."

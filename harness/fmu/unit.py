@@ -85,9 +85,7 @@ def conversion(source: Unit, target: Unit, *, difference: bool = False) -> tuple
         FmuError: The dimensions differ.
     """
     if source.exponents != target.exponents:
-        raise FmuError(
-            f"'{source.name}' ({source.dimension}) cannot become '{target.name}' ({target.dimension})."
-        )
+        raise FmuError(f"'{source.name}' ({source.dimension}) cannot become '{target.name}' ({target.dimension}).")
     gain = source.factor / target.factor
     return gain, 0.0 if difference else (source.offset - target.offset) / target.factor
 

@@ -48,12 +48,14 @@ class Believer:
         wheelset_speed: Indices of the wheelset speeds.
         pad_friction: Indices of the pad frictions.
         adhesion: Indices of the adhesions.
+        inputs: Number of the filter's inputs: pressures first, the rest (track force) is not known to the train.
         wheel_radius: As the estimator believes it, one for each group [m].
     """
 
     filter: Estimator
     first: Estimate
     seen: Array
+    inputs: int
     speed: int
     wheelset_speed: Array
     pad_friction: Array

@@ -33,7 +33,9 @@ class Vehicle(Table):
     map: dict[str, MapEntry] = Field(
         default={}, description="our name → variable of a foreign FMU: text with {i} for arrays, list, or table"
     )
-    isolate: StrictBool = Field(default=False, description="run the FMU in a process of its own")
+    trust: StrictBool = Field(
+        default=False, description="load an FMU of one's own into this process: faster, but a crash in it ends the run"
+    )
     wheelset_offsets: tuple[Length, ...] = Field(
         default=(),
         description="distance of each wheelset behind the first; wanted when adhesion is over distance",

@@ -56,9 +56,7 @@ def test_a_description_is_a_value(foundry: Path):
 
 
 def test_a_missing_file_is_named(tmp_path: Path):
-    with pytest.raises(
-        FmuError, match=r"absent\.fmu: there is no such file; build it .* or correct the path"
-    ):
+    with pytest.raises(FmuError, match=r"absent\.fmu: there is no such file; build it .* or correct the path"):
         describe(tmp_path / "absent.fmu")
 
 
@@ -105,9 +103,7 @@ def test_an_invalid_description_says_what_is_invalid(tmp_path: Path):
 
 def test_an_fmu_for_another_platform_is_refused(foundry: Path, tmp_path: Path):
     file = tiny(foundry, platform="win32").rename(tmp_path / "windows.fmu")
-    with pytest.raises(
-        FmuError, match=r"no binary for this platform, .* is missing; it has binaries for win32"
-    ):
+    with pytest.raises(FmuError, match=r"no binary for this platform, .* is missing; it has binaries for win32"):
         describe(file)
 
 

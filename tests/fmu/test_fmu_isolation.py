@@ -35,9 +35,7 @@ def edge(description: Description) -> Binding:
 
 def isolated(file: Path, patience: float = 10.0, **parameters: object) -> IsolatedCoSimulation:
     description = describe(file)
-    return IsolatedCoSimulation(
-        description, edge(description), period=PERIOD, parameters=parameters, patience=patience
-    )
+    return IsolatedCoSimulation(description, edge(description), period=PERIOD, parameters=parameters, patience=patience)
 
 
 def test_the_numbers_are_those_of_the_same_process(foundry: Path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny, xml
 
-from harness.fmu import Binding, CoSimulation, Description, FmuError, Signal, bind, describe
+from harness.fmu import Binding, CoSimulation, Description, FmuError, PlantFailed, Signal, bind, describe
 
 WHERE = "city.toml: [vehicle.map]"
 
@@ -155,11 +155,33 @@ def test_everything_missing_is_told_at_once(foundry: Path):
 
 
 def test_what_is_not_needed_may_be_absent(foundry: Path):
-    binding = bind(
-        describe(tiny(foundry)), inputs=[], outputs=[signal("x"), signal("heat", "J", needed=False)]
-    )
+    binding = bind(describe(tiny(foundry)), inputs=[], outputs=[signal("x"), signal("heat", "J", needed=False)])
     assert binding.outputs.absent == ("heat",)
-    assert binding.outputs.elements == ("x",)
+
+
+def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
+    """What the FMU lacks is NaN among outputs and dropped among inputs; the rest is where it always is."""
+    description = describe(tiny(foundry))
+    binding = bind(
+        description,
+        inputs=[signal("wind", "N", 2, needed=False), signal("u")],
+        outputs=[signal("heat", "J", needed=False), signal("y"), signal("slip", size=2, needed=False), signal("flag")],
+    )
+    assert binding.outputs.layout["flag"] == slice(4, 5)
+    with CoSimulation(description, binding, period=1e-3, parameters={}) as plant:
+        for seen in (plant.start(np.array([5.0, 6.0, 0.5])), plant.step(np.array([5.0, 6.0, 0.5]))):
+            np.testing.assert_array_equal(np.isnan(seen), [True, False, True, True, False])
+    x = 0.75 + 0.25 * np.exp(-2e-3)
+    np.testing.assert_allclose(seen[[1, 4]], [2 * x + 0.5, 1.0], rtol=1e-14)
+
+
+def test_a_failure_names_our_signal_when_something_is_absent(foundry: Path):
+    description = describe(tiny(foundry, "NAN_OUTPUT"))
+    binding = bind(description, inputs=[], outputs=[signal("heat", "J", needed=False), signal("x"), signal("y")])
+    with CoSimulation(description, binding, period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(0))
+        with pytest.raises(PlantFailed, match="output 'y' is not a finite number"):
+            plant.step(np.zeros(0))
 
 
 def test_half_an_array_is_a_mistake(foundry: Path):
@@ -190,9 +212,7 @@ def test_a_wrong_entry_is_refused(foreign: Description, entry: object, sentence:
 
 def test_an_array_needs_a_pattern_or_a_full_list(foreign: Description):
     outputs = [signal("speed", "m/s", 4)]
-    with pytest.raises(
-        FmuError, match=r"has 4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"
-    ):
+    with pytest.raises(FmuError, match=r"has 4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"):
         tied(foreign, {"speed": "x"}, outputs=outputs)
     with pytest.raises(FmuError, match=r"the list names 1 variables, the signal has 4 elements"):
         tied(foreign, {"speed": ["x"]}, outputs=outputs)

@@ -63,9 +63,7 @@ def test_a_factor_that_loses_the_value_is_refused(factor: float):
         Unit(name="odd", exponents=(0,) * 8, factor=factor, offset=0.0)
 
 
-@given(
-    st.floats(-1e9, 1e9), st.sampled_from([("km/h", "m/s"), ("bar", "Pa"), ("degC", "K"), ("rpm", "rad/s")])
-)
+@given(st.floats(-1e9, 1e9), st.sampled_from([("km/h", "m/s"), ("bar", "Pa"), ("degC", "K"), ("rpm", "rad/s")]))
 def test_there_and_back_is_the_same_value(value: float, pair: tuple[str, str]):
     source, target = map(unit, pair)
     there = conversion(source, target)

@@ -9,7 +9,7 @@ from fmus.native.toolchain import shared_library
 
 GUID = "{7d1c6f0e-tiny}"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-SOURCE = Path(__file__).parent / "tiny.c"
+SOURCES = {name: (Path(__file__).parent / name).read_text() for name in ("tiny.c", "curved.c", "quiet.h")}
 
 UNITS = """
   <UnitDefinitions>
@@ -79,9 +79,7 @@ def xml(
     offered = "\n  ".join(WAYS[w] for w in ways)
     if not directional:
         offered = offered.replace(' providesDirectionalDerivative="true"', "")
-    outputs, initial = (
-        "".join(f'<Unknown index="{i}"/>' for i in known) for known in ((1, 6, 7, 8), (2, 6, 7, 8))
-    )
+    outputs, initial = ("".join(f'<Unknown index="{i}"/>' for i in known) for known in ((1, 6, 7, 8), (2, 6, 7, 8)))
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
@@ -118,7 +116,7 @@ def tiny(
         platform: Folder of the binary inside the FMU.
     """
     library = shared_library(
-        {"tiny.c": SOURCE.read_text()},
+        {"tiny.c": SOURCES["tiny.c"], "quiet.h": SOURCES["quiet.h"]},
         folder / "libraries",
         f"tiny_{misbehaviour.lower()}",
         include=(HEADERS,),
@@ -128,4 +126,51 @@ def tiny(
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", description or xml())
         archive.write(library, f"binaries/{platform}/tiny{fmpy.sharedLibraryExtension}")
+    return file
+
+
+CURVED_STATES = ("a", "b", "c")
+CURVED_OUTPUTS = ("y[1]", "y[2]")
+
+
+def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0) -> Path:
+    """Build the smooth model-exchange FMU of curved.c in `folder` and return its file."""
+    library = shared_library(
+        {"curved.c": SOURCES["curved.c"], "quiet.h": SOURCES["quiet.h"]},
+        folder / "libraries",
+        "curved",
+        include=(HEADERS,),
+        flags=(f'-DTINY_GUID="{GUID}"',),
+    )
+    size = f' nominal="{nominal}"'
+    rows = [_row(n, i, "local", "continuous", "exact", f'Real start="0"{size}') for i, n in enumerate("abc")]
+    rows += [
+        _row(f"der({n})", 3 + i, "local", "continuous", "calculated", f'Real derivative="{i + 1}"')
+        for i, n in enumerate("abc")
+    ]
+    rows += [_row(f"u[{i + 1}]", 6 + i, "input", "continuous", "", 'Real start="0"') for i in range(2)]
+    rows += [_row(f"y[{i + 1}]", 8 + i, "output", "continuous", "calculated", "Real") for i in range(2)]
+    rows.append(_row("k", 10, "parameter", "fixed", "exact", 'Real start="1"'))
+    rows += [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
+    offered = ' providesDirectionalDerivative="true"' if directional else ""
+    unknown = {i: f'<Unknown index="{i}"/>' for i in range(14)}
+    structure = (
+        f"<Outputs>{unknown[9]}{unknown[10]}</Outputs><Derivatives>{unknown[4]}{unknown[5]}{unknown[6]}</Derivatives>"
+        f"<InitialUnknowns>{''.join(unknown[i] for i in (4, 5, 6, 9, 10))}</InitialUnknowns>"
+    )
+    text = "\n".join(
+        [
+            f'<fmiModelDescription fmiVersion="2.0" modelName="Curved" guid="{GUID}" numberOfEventIndicators="0">',
+            f'  <ModelExchange modelIdentifier="curved"{offered}/>',
+            "  <ModelVariables>",
+            *rows,
+            "  </ModelVariables>",
+            f"  <ModelStructure>{structure}</ModelStructure>",
+            "</fmiModelDescription>",
+        ]
+    )
+    file = folder / f"curved_{directional}.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
     return file

@@ -1,0 +1,240 @@
+"""What can be known at all: symbolic at a point, and numeric along a trajectory.
+
+Two questions are answered. *Can* the states be told from the readings and their time derivatives
+(`observability`), as Schwarz and Keck (2020, eq. 16) ask? And *how well*, from noisy readings over a window
+of a real trajectory (`along`)? The first is a property of the model at a point; the second depends on
+sensors, excitation and time.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from estimators.belief import Matrix, Vector
+from estimators.design import noise_matrix, positive_definite
+from estimators.discretisation import transition
+from estimators.errors import EstimatorError
+from estimators.prediction import CasadiPrediction, Prediction
+
+ROUNDING = 1e-11
+"""Singular values below this share of the largest count as zero. Entries are exact derivatives in double
+precision; some Lie derivatives lose some three digits of sixteen, scaling of the columns a few more."""
+
+
+class ReadingsAndRates:
+    """The map z = [y, ẏ, ÿ, …] of state and held input, by Lie derivatives of the outputs along f.
+
+    Args:
+        prediction: The model.
+        order: Highest time derivative of the readings; 0 is the readings alone.
+
+    Raises:
+        EstimatorError: The order is negative.
+
+    Source: Hermann and Krener, IEEE Trans. Automatic Control 22 (1977) 728, with inputs constant in time.
+    """
+
+    def __init__(self, prediction: CasadiPrediction, order: int) -> None:
+        """Differentiate `order` times; expressions grow with each."""
+        if order < 0:
+            raise EstimatorError(f"observability: order counts derivatives, 0 or more, got {order}.")
+        of = prediction.equations
+        rates = [of.output]
+        for _ in range(order):
+            rates.append(ca.jtimes(rates[-1], of.x, of.derivative))
+        stacked = ca.vertcat(*rates)
+        self.order = order
+        self._parameters = prediction.parameters
+        given = [of.x, of.u, of.p]
+        self._map = ca.Function("map", given, [stacked])
+        self._jacobian = ca.Function("jacobian", given, [ca.densify(ca.jacobian(stacked, of.x))])
+
+    def map(self, x: Vector, u: Vector) -> Vector:
+        """Return z, shape (m·(order + 1),): all readings, then all their first derivatives, and so on."""
+        return np.asarray(self._map(x, u, self._parameters), dtype=np.float64)[:, 0]
+
+    def jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return ∂z/∂x, shape (m·(order + 1), n)."""
+        return np.asarray(self._jacobian(x, u, self._parameters), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observability:
+    """What readings and their derivatives tell about the states at one point.
+
+    Attributes:
+        states: Names of the states.
+        order: Highest derivative that was needed, or the last that brought nothing new.
+        rank: Number of independent combinations of states that are determined.
+        hidden: Directions that are not, shape (n − rank, n), unit vectors in units of `scale`.
+        undetermined: Names of the states that take part in a hidden direction.
+    """
+
+    states: tuple[str, ...]
+    order: int
+    rank: int
+    hidden: Matrix
+    undetermined: tuple[str, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every state is determined."""
+        return self.rank == len(self.states)
+
+
+def observability(
+    prediction: CasadiPrediction, x: Vector, u: Vector, scale: ArrayLike, largest_order: int = 6
+) -> Observability:
+    """Return what [y, ẏ, …] determines at a point, with as many derivatives as bring something new.
+
+    Derivatives are added until every state is determined, or until one more adds no rank: at a regular point
+    no later one will either.
+
+    Args:
+        prediction: The model.
+        x: The point, shape (n,).
+        u: Inputs held there, shape (nu,).
+        scale: Typical size of each state, shape (n,), positive: makes columns comparable.
+        largest_order: Derivatives to try at most; expressions of larger models grow fast.
+
+    Raises:
+        EstimatorError: A size is not positive, or shapes do not fit the model.
+    """
+    n = len(prediction.states)
+    size = _sizes(scale, prediction.states)
+    if np.shape(x) != (n,) or np.shape(u) != (len(prediction.inputs),):
+        raise EstimatorError(
+            f"observability: wants {n} states and {len(prediction.inputs)} inputs, "
+            f"got shapes {np.shape(x)} and {np.shape(u)}."
+        )
+    rank, order = 0, 0
+    directions = np.eye(n)
+    for order in range(largest_order + 1):
+        scaled = ReadingsAndRates(prediction, order).jacobian(x, u) * size
+        # Readings and their derivatives have units of their own: every row counts by its direction only.
+        lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
+        rows = scaled[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
+        _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
+        found = int(np.sum(values > ROUNDING * np.max(values, initial=0.0)))
+        if found == n or (order > 0 and found == rank):
+            rank = found
+            break
+        rank = found
+    hidden = directions[rank:]
+    part = np.linalg.norm(hidden, axis=0) if hidden.size else np.zeros(n)
+    # Unit vectors: what takes no part in them is zero but for rounding over the gap in the singular values.
+    lost = tuple(name for name, share in zip(prediction.states, part, strict=True) if share > 1e-6)
+    return Observability(states=prediction.states, order=order, rank=rank, hidden=hidden, undetermined=lost)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Information:
+    """How well noisy readings over windows of a trajectory tell the state at the start of each window.
+
+    Attributes:
+        start: First sample of each window, shape (k,).
+        smallest: Smallest singular value of the scaled Gramian of each window, shape (k,): the square of
+            (size of the state over its uncertainty) in the worst direction. Below 1 the readings tell less
+            than the typical size.
+        deviation: Standard deviation to which each state is known from the window alone, shape (k, n), in its
+            unit; infinity where the readings say nothing about it.
+    """
+
+    start: NDArray[np.intp]
+    smallest: Vector
+    deviation: Matrix
+
+
+def gramian(prediction: Prediction, x: Matrix, u: Matrix, period: float, reading_noise: ArrayLike) -> Matrix:
+    """Return the discrete observability Gramian Σ Φᵀ(k,0) Hᵀ R⁻¹ H Φ(k,0) along a trajectory, shape (n, n).
+
+    It is the inverse of the covariance to which the state at the first sample is known from all readings, if
+    the model is exact: the Fisher information.
+
+    Args:
+        prediction: The model; linearised at the samples, between them as in `discretisation`.
+        x: States at K samples, shape (K, n).
+        u: Inputs held from each sample to the next, shape (K, nu).
+        period: Seconds between samples.
+        reading_noise: Covariance of the readings, (m,) of variances or (m, m).
+    """
+    noise = noise_matrix("reading_noise", reading_noise, prediction.outputs)
+    if not positive_definite(noise):
+        raise EstimatorError("observability: reading_noise is not positive definite.")
+    whitening = np.linalg.inv(np.linalg.cholesky(noise))
+    since_start = np.eye(len(prediction.states))
+    rows: list[Matrix] = []
+    for state, held in zip(x, u, strict=True):
+        rows.append(whitening @ prediction.output_jacobian(state, held) @ since_start)
+        since_start = transition(prediction.derivative_jacobian(state, held), period) @ since_start
+    stacked = np.concatenate(rows)
+    return stacked.T @ stacked
+
+
+def along(
+    prediction: Prediction,
+    x: Matrix,
+    u: Matrix,
+    period: float,
+    reading_noise: ArrayLike,
+    scale: ArrayLike,
+    window: int,
+    stride: int,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Information:
+    """Return how well the state is known from windows along a trajectory.
+
+    Args:
+        prediction: The model.
+        x: States at K samples, shape (K, n); a truth or the means of a filter.
+        u: Inputs held from each sample to the next, shape (K, nu).
+        period: Seconds between samples.
+        reading_noise: Covariance of the readings, (m,) of variances or (m, m).
+        scale: Typical size of each state, shape (n,), positive.
+        window: Samples in a window.
+        stride: Samples from the start of one window to the next.
+        progress: Told after each window how many of how many are done.
+
+    Raises:
+        EstimatorError: A window longer than the trajectory, or a size that is not positive.
+    """
+    if not 1 <= window <= len(x) or stride < 1:
+        raise EstimatorError(
+            f"observability: window wants 1 to {len(x)} samples and stride at least 1, "
+            f"got {window} and {stride}."
+        )
+    size = _sizes(scale, prediction.states)
+    starts = np.arange(0, len(x) - window + 1, stride)
+    smallest, deviation = np.empty(starts.size), np.empty((starts.size, size.size))
+    for i, first in enumerate(starts):
+        part = slice(first, first + window)
+        scaled = gramian(prediction, x[part], u[part], period, reading_noise) * np.outer(size, size)
+        values, directions = np.linalg.eigh(scaled)
+        smallest[i] = max(values[0], 0.0)
+        deviation[i] = size * _deviation(values, directions)
+        progress(i + 1, starts.size)
+    return Information(start=starts, smallest=smallest, deviation=deviation)
+
+
+def _deviation(values: Vector, directions: Matrix) -> Vector:
+    """Return √diag(G⁻¹) from the eigenvalues and -vectors of G; infinity for states in its null space."""
+    n = values.size
+    # What rounding leaves of a zero eigenvalue of a sum of squares.
+    null = values <= n * np.finfo(np.float64).eps * values[-1]
+    known = np.sum(directions[:, ~null] ** 2 / values[~null], axis=1)
+    lost = np.linalg.norm(directions[:, null], axis=1) > 1e-6
+    return np.where(lost, math.inf, np.sqrt(known))
+
+
+def _sizes(scale: ArrayLike, states: tuple[str, ...]) -> Vector:
+    size = np.asarray(scale, dtype=np.float64)
+    if size.shape != (len(states),) or not np.all(size > 0.0):
+        raise EstimatorError(
+            f"observability: scale wants a positive size for each of {', '.join(states)}, "
+            f"got {size.tolist()}."
+        )
+    return size

@@ -1,0 +1,188 @@
+"""Named noises for the prediction models of the train: how far equations and sensors are trusted, and why.
+
+A set is a value; change it with `dataclasses.replace` or write your own. Entries are standard deviations,
+because people think in those: of a reading in its unit, of a start value in its unit, and of a process in its
+unit per √s, the spread that one second of random walk adds.
+
+The sets were chosen on stops of the plant `TwoPartTrain` (trapezoid, sweep, random, step and dry rail;
+slip-based and adhesion-based control), one set for all of them; nothing here is fitted to a single scenario.
+Schwarz et al. (2019) tune such numbers by optimisation, the objective rewarding only what is measured; these
+follow from sensors and physics instead.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimators.belief import Vector
+from estimators.errors import EstimatorError
+from estimators.gate import Gate
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One standard deviation and why it has this size.
+
+    Attributes:
+        name: Variable without index: `w` stands for all of `w[1]`, `w[2]`, ….
+        deviation: In `unit`, positive.
+        unit: Of the deviation.
+        reason: What sets the size.
+    """
+
+    name: str
+    deviation: float
+    unit: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseSet:
+    """Everything a filter over a prediction is told about noise.
+
+    Attributes:
+        name: For reports.
+        process: Of the states, per √s.
+        readings: Of the outputs.
+        start: Of the states at the start.
+    """
+
+    name: str
+    process: tuple[Entry, ...]
+    readings: tuple[Entry, ...]
+    start: tuple[Entry, ...]
+
+    def process_noise(self, states: Sequence[str]) -> Vector:
+        """Return the densities of independent process noises in (unit of the state)²/s, shape (n,)."""
+        return self._squares("process noise", self.process, states)
+
+    def reading_noise(self, outputs: Sequence[str]) -> Vector:
+        """Return the variances of independent readings, shape (m,)."""
+        return self._squares("reading noise", self.readings, outputs)
+
+    def start_covariance(self, states: Sequence[str]) -> Vector:
+        """Return the variances of the states at the start, shape (n,)."""
+        return self._squares("start", self.start, states)
+
+    def _squares(self, what: str, entries: Sequence[Entry], names: Sequence[str]) -> Vector:
+        """Return the squared deviation of each name, by what stands before its index."""
+        deviations = {entry.name: entry.deviation for entry in entries}
+        missing = sorted({name.partition("[")[0] for name in names} - deviations.keys())
+        if missing:
+            raise EstimatorError(
+                f"Noise set '{self.name}': no {what} for {', '.join(missing)}; "
+                f"it has {', '.join(deviations)}."
+            )
+        return np.array([deviations[name.partition("[")[0]] for name in names]) ** 2
+
+
+def pad_gate(
+    *, pad_force: float, A_piston: float, i_rigging: float, eta_rigging: float, F_spring: float, groups: int
+) -> Gate:
+    """Return the gate that holds the pad friction of a group still while its pads are released.
+
+    Args:
+        pad_force: Normal force of both pads of one unit in N below which they count as released; 1–2 kN
+            of the 56 kN at full brake: the torque of the pads is then within the errors of the other torques.
+        A_piston: Area of a piston, m².
+        i_rigging: Force of both pads over force of the piston.
+        eta_rigging: Efficiency of the rigging.
+        F_spring: Force of return spring and slack adjuster, N.
+        groups: Number of brake groups.
+    """
+    return Gate(
+        states=tuple(f"mu_b[{i}]" for i in range(1, groups + 1)),
+        inputs=tuple(f"cylinder_pressure[{i}]" for i in range(1, groups + 1)),
+        threshold=(pad_force / (eta_rigging * i_rigging) + F_spring) / A_piston,
+    )
+
+
+START = (
+    Entry("v", 0.1, "m/s", "started at the first reading of a sensor of this class"),
+    Entry("w", 0.3, "rad/s", "0.1 m/s at the rim, started as rolling"),
+    Entry("mu_b", 0.04, "1", "pads spread by 10 % between lots and 5 % between units around 0.35"),
+    Entry("alpha", 0.02, "1", "a train that coasts or just begins to brake"),
+)
+START_SUSPENSION = (
+    Entry("dz", 1e-4, "m", "deflection from static on smooth track; braking adds 3 mm"),
+    Entry("ddz", 1e-2, "m/s", "0.2 mm at the 6–10 Hz of the primary suspension"),
+)
+
+PROCESS = (
+    Entry("v", 1e-3, "m/s/√s", "the force balance holds but for wind and the like, 100 N on 84 t"),
+    Entry("w", 1e-2, "rad/s/√s", "the torque balance holds but for hysteresis of the rigging"),
+    Entry("mu_b", 0.005, "1/√s", "0.35 → 0.40 in a stop of 25 s is 0.05/√25 = 0.01, and it is smooth"),
+    Entry(
+        "alpha",
+        0.1,
+        "1/√s",
+        "slip control moves adhesion by 0.03 in 0.1 s; a step is followed in milliseconds",
+    ),
+)
+PROCESS_SUSPENSION = (
+    Entry("dz", 1e-6, "m/√s", "a kinematic identity; a floor"),
+    Entry("ddz", 1e-2, "m/s/√s", "unequal adhesion of coupled wheelsets, car bodies that move a little"),
+)
+PROCESS_SERVICE = (
+    Entry("v", 1e-2, "m/s/√s", "as ideal, and gradients that the accelerometer takes for braking"),
+    Entry("w", 1e-2, "rad/s/√s", "as ideal"),
+    Entry("mu_b", 0.005, "1/√s", "as ideal"),
+    Entry(
+        "alpha",
+        0.05,
+        "1/√s",
+        "half the ideal: beside such encoders more is only noise; steps take some 10 ms",
+    ),
+)
+
+READINGS_IDEAL = (
+    Entry("speed", 1e-3, "m/s", "perfect: a floor far below what a slip needs"),
+    Entry("wheelset_speed", 1e-2, "rad/s", "perfect: a floor, 4 mm/s at the rim"),
+    Entry("acceleration", 1e-2, "m/s2", "perfect: a floor, 0.001 in adhesion"),
+)
+READINGS_IDEAL_SUSPENSION = (Entry("deflection", 1e-5, "m", "perfect: a floor, 24 N of wheelset load"),)
+READINGS_SERVICE = (
+    Entry("speed", 0.1, "m/s", "Doppler radar: 0.05–0.15 m/s of noise, 0.2–0.5 % of scale error"),
+    Entry(
+        "wheelset_speed", 0.2, "rad/s", "pulse timing: 0.05 rad/s from the clock, 0.2–0.5 % from tooth pitch"
+    ),
+    Entry(
+        "acceleration", 0.06, "m/s2", "0.03 of noise, 0.05 of bias; the bias stays in the adhesion as 0.005"
+    ),
+)
+READINGS_SERVICE_SUSPENSION = (Entry("deflection", 2e-4, "m", "potentiometer, 0.1–0.3 mm"),)
+
+TRAIN_IDEAL = NoiseSet(
+    name="train, ideal sensors",
+    process=PROCESS + PROCESS_SUSPENSION,
+    readings=READINGS_IDEAL + READINGS_IDEAL_SUSPENSION,
+    start=START + START_SUSPENSION,
+)
+"""For `TrainPrediction` (25 states)."""
+
+TRAIN_SERVICE = NoiseSet(
+    name="train, service sensors",
+    process=PROCESS_SERVICE + PROCESS_SUSPENSION,
+    readings=READINGS_SERVICE + READINGS_SERVICE_SUSPENSION,
+    start=START + START_SUSPENSION,
+)
+"""For `TrainPrediction` (25 states)."""
+
+REDUCED_IDEAL = NoiseSet(
+    name="reduced train, ideal sensors", process=PROCESS, readings=READINGS_IDEAL, start=START
+)
+"""For `TrainPredictionReduced` (13 states)."""
+
+REDUCED_SERVICE = NoiseSet(
+    name="reduced train, service sensors", process=PROCESS_SERVICE, readings=READINGS_SERVICE, start=START
+)
+"""For `TrainPredictionReduced` (13 states)."""
+
+NOISE_SETS = {
+    "train_ideal": TRAIN_IDEAL,
+    "train_service": TRAIN_SERVICE,
+    "reduced_ideal": REDUCED_IDEAL,
+    "reduced_service": REDUCED_SERVICE,
+}
+"""The sets by the names that scenario files use."""

@@ -1,0 +1,92 @@
+"""Command line: python -m fmus build | list | check."""
+
+import sys
+from typing import Annotated
+
+import typer
+from fmpy.validation import validate_fmu
+from rich.console import Console
+from rich.table import Table
+
+from fmus.build import OUTPUT, Compiler, build, choose
+from fmus.errors import FmuError
+from fmus.lock import LOCK, differences, entry, read_lock, write_lock
+from fmus.recipe import read_recipes
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
+out = Console()
+err = Console(stderr=True)
+
+Names = Annotated[list[str] | None, typer.Argument(help="FMUs of recipes.toml; all when none is named")]
+Choice = Annotated[str, typer.Option(help="auto, openmodelica or native")]
+
+
+def _compiler(text: str) -> Compiler:
+    choose(text)  # pyright: ignore[reportArgumentType] - which is what checks it
+    return text  # pyright: ignore[reportReturnType]
+
+
+@app.command("build")
+def build_command(names: Names = None, compiler: Choice = "auto") -> None:
+    """Bring FMUs up to date in build/fmus."""
+    with err.status("building"):
+        for built in build(names or (), _compiler(compiler)):
+            out.print(f"{built.path}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)
+
+
+@app.command("list")
+def list_command() -> None:
+    """Show the recipes and which FMUs are there."""
+    book = read_recipes()
+    table = Table("FMU", "class", "interfaces", "solver", "tolerance", "on disk")
+    for name, recipe in book.recipes.items():
+        there = (OUTPUT / f"{name}.fmu").exists()
+        table.add_row(
+            name,
+            recipe.class_name,
+            " ".join(recipe.interfaces),
+            recipe.solver,
+            f"{recipe.tolerance:g}",
+            "yes" if there else "no",
+        )
+    out.print(table)
+
+
+@app.command("check")
+def check_command(
+    names: Names = None,
+    compiler: Choice = "auto",
+    update: Annotated[bool, typer.Option("--update", help="write lock.toml instead of comparing")] = False,
+) -> None:
+    """Validate FMUs against the FMI standard and compare them with lock.toml."""
+    book = read_recipes()
+    complaints: list[str] = []
+    for built in build(names or (), _compiler(compiler)):
+        complaints += [f"{built.name}.fmu: {problem}" for problem in validate_fmu(str(built.path))]
+    wanted = names or list(book.recipes)
+    entries = {name: entry(book[name]) for name in (book.recipes if update else wanted)}
+    if update:
+        write_lock(book, entries)
+        out.print(f"{LOCK} written", highlight=False)
+    else:
+        locked = read_lock()
+        for name in wanted:
+            complaints += [f"{d.name}: {d.what}" for d in differences(name, locked, entries[name])]
+    for complaint in complaints:
+        err.print(complaint, highlight=False, markup=False, soft_wrap=True)
+    if complaints:
+        raise typer.Exit(3)
+    out.print(f"{len(wanted)} FMUs are valid" + ("" if update else " and as lock.toml says"), highlight=False)
+
+
+def main() -> None:
+    """Run the command line; an error of ours ends in its sentence and its exit code."""
+    try:
+        app()
+    except FmuError as error:
+        err.print(str(error), highlight=False, markup=False, soft_wrap=True)
+        sys.exit(error.exit_code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+"""lock.toml: what the FMUs look like from outside, so that a change of the models is seen in review."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from fmus.build import native_source
+from fmus.native.code import layout
+from fmus.native.dae import LIBRARY, read
+from fmus.native.model import output_scalars
+from fmus.native.system import explicit
+from fmus.native.variables import Scalar
+from fmus.recipe import Cookbook, Recipe
+
+LOCK = Path(__file__).with_name("lock.toml")
+
+Entry = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One thing that is not as lock.toml says."""
+
+    name: str
+    what: str
+
+
+def entry(recipe: Recipe, library: Path = LIBRARY) -> Entry:
+    """Return what lock.toml records of a recipe's FMU from the built-in compiler.
+
+    Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; parameters, nonlinear_loops (their
+    unknowns), event_indicators, time_events, clocks, discretes, assertions as counts.
+    """
+    system = explicit(read(recipe.class_name, library))
+    lay = layout(system)
+    return {
+        "class": recipe.class_name,
+        "digest": native_source(recipe, library).digest,
+        "parameters": lay.free,
+        "discretes": len(lay.discretes),
+        "event_indicators": system.indicators.numel(),
+        "time_events": system.instants.numel(),
+        "clocks": len(system.clocks),
+        "assertions": len(system.assertions),
+        "nonlinear_loops": [list(block) for block in system.loops.blocks],
+        "states": _units(lay.states),
+        "inputs": _units(lay.inputs),
+        "outputs": _units(output_scalars(system)),
+    }
+
+
+def _units(scalars: list[Scalar]) -> dict[str, str]:
+    return {s.name: s.attributes.get("unit") or "" for s in scalars}
+
+
+def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
+    """Return the entries of a lock file by FMU, none when there is no file; `tools` is an entry of its own."""
+    return tomllib.loads(file.read_text()) if file.exists() else {}
+
+
+def write_lock(book: Cookbook, entries: Mapping[str, Entry], file: Path = LOCK) -> None:
+    """Write a lock file."""
+    lines = [
+        "# Written by `python -m fmus check --update`; a change here is a change of the models' faces.",
+        "",
+        "[tools]",
+    ]
+    lines += [f"{tool} = {_toml(version(tool))}" for tool in ("rumoca", "casadi")]
+    for name in book.recipes:
+        lines += ["", f"[{name}]"]
+        tables: list[str] = []
+        for key, value in entries[name].items():
+            if isinstance(value, dict):
+                tables += ["", f"[{name}.{key}]", *(f"{_toml(k)} = {_toml(v)}" for k, v in value.items())]
+            else:
+                lines.append(f"{key} = {_toml(value)}")
+        lines += tables
+    file.write_text("\n".join([*lines, ""]))
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{escaped}"'
+    if isinstance(value, list):
+        return f"[{', '.join(_toml(v) for v in value)}]"
+    return str(value)
+
+
+def differences(name: str, locked: Mapping[str, Entry], found: Entry) -> list[Difference]:
+    """Return what is not as locked.
+
+    The digest is compared only under the tool versions it was made with: another CasADi may write other C.
+    """
+    if name not in locked:
+        return [Difference(name, "is not in lock.toml")]
+    same_tools = all(locked.get("tools", {}).get(tool) == version(tool) for tool in ("rumoca", "casadi"))
+    out: list[Difference] = []
+    for key, value in found.items():
+        before = locked[name].get(key)
+        if before == value or (key == "digest" and not same_tools):
+            continue
+        if isinstance(value, dict) and isinstance(before, dict):
+            for k in [*before, *(k for k in value if k not in before)]:
+                if before.get(k) != value.get(k):
+                    out.append(Difference(name, f"{key}: {k} was {before.get(k)!r}, is {value.get(k)!r}"))
+            if list(before) != list(value) and not out:
+                out.append(Difference(name, f"{key}: the order has changed"))
+        else:
+            out.append(Difference(name, f"{key} was {before!r}, is {value!r}"))
+    return out

@@ -1,0 +1,79 @@
+"""What to make: recipes.toml as checked values."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from fmus.errors import WrongQuestion
+
+RECIPES = Path(__file__).with_name("recipes.toml")
+
+
+class Recipe(BaseModel):
+    """How one FMU is made.
+
+    Attributes:
+        class_name: Modelica class, `class` in the file.
+        interfaces: me, cs or both.
+        solver: Of co-simulation, in the built-in compiler.
+        tolerance: Relative error of an internal step.
+        step: Communication step the FMU suggests, s.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    class_name: str = Field(alias="class")
+    interfaces: tuple[Literal["me", "cs"], ...] = Field(min_length=1)
+    solver: Literal["rodas3", "rodas4"]
+    tolerance: float = Field(gt=0, lt=1)
+    step: float = Field(gt=0)
+
+
+@dataclass(frozen=True, slots=True)
+class Cookbook:
+    """The recipes of one file, by name."""
+
+    file: Path
+    recipes: Mapping[str, Recipe]
+
+    def __getitem__(self, name: str) -> Recipe:
+        """Return a recipe.
+
+        Raises:
+            WrongQuestion: There is none of that name.
+        """
+        if name not in self.recipes:
+            near = get_close_matches(name, self.recipes, n=1)
+            hint = f"; did you mean {near[0]}?" if near else f"; it has {', '.join(self.recipes)}."
+            raise WrongQuestion(f"{self.file} has no FMU named '{name}'{hint}")
+        return self.recipes[name]
+
+
+def read_recipes(file: Path = RECIPES) -> Cookbook:
+    """Return the recipes of a file.
+
+    Raises:
+        WrongQuestion: The file is missing, is not TOML, or holds an unknown key or impossible value.
+    """
+    try:
+        tables = tomllib.loads(file.read_text())
+    except FileNotFoundError as error:
+        raise WrongQuestion(f"there is no file {file}.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise WrongQuestion(f"{file} is not TOML: {error}.") from error
+    recipes: dict[str, Recipe] = {}
+    for name, table in tables.items():
+        try:
+            recipes[name] = Recipe.model_validate(table)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(str(part) for part in first["loc"])
+            raise WrongQuestion(
+                f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}."
+            ) from error
+    return Cookbook(file=file, recipes=recipes)

@@ -1,0 +1,455 @@
+"""From a scenario to the parties of its stop: the only place that names concrete classes."""
+
+import platform
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers import tuning
+from controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased, SeekerTuning
+from controllers.brake import BrakeGroup
+from controllers.full_brake import FullBrake
+from controllers.slip_based import SlipBased, SlipLevels
+from controllers.valves import ValveLogic, ValveModel
+from estimators.compiled import CompiledFilter
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.prediction import CasadiPrediction
+from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
+from fmus.build import fmu
+from fmus.native import Model, lower
+from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
+from harness.instruments import sensors_of
+from harness.loop.cycle import Believer, Clock, Ended, run
+from harness.loop.edge import OUTPUT, OUTPUTS
+from harness.loop.ports import Actuation, Controller, Plant
+from harness.loop.sensors import READING
+from harness.record import signals
+from harness.record.bound import with_bound
+from harness.record.metrics import measure
+from harness.record.outcome import Outcome
+from harness.record.recorder import Recorder
+from harness.record.stop import Stop
+from harness.scenario.adhesion import profile_of
+from harness.scenario.error import ScenarioError
+from harness.scenario.file import NamedFile
+from harness.scenario.parties import KalmanFilter
+from harness.scenario.schema import Scenario
+from harness.scenario.track import track_force_of
+from harness.train import brake_groups_of, brake_of
+
+Vector = NDArray[np.float64]
+
+CATALOGUE = "TwoPartTrain"
+"""The recipe whose parameters are the train's nominal data."""
+
+_NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
+"""Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
+
+_PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
+
+
+def run_stop(
+    scenario: Scenario,
+    progress: Callable[[float], None] | None = None,
+    tell: Callable[[str], None] = lambda sentence: None,
+) -> Stop:
+    """Run a scenario and return its stop.
+
+    Args:
+        scenario: What to run.
+        progress: Called with the train speed [m/s] a few times per simulated second.
+        tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parties cannot do.
+        FmuError: An FMU does not fit; nothing was run.
+    """
+    if scenario.controller.kind == "ideal_bound":
+        from harness.ideal import ideal_stop  # it needs this module to run its reference stop
+
+        return ideal_stop(scenario, progress)
+    profile, force = profile_of(scenario), track_force_of(scenario.track)
+    believing = scenario.estimator.kind != "none"
+    recorder = Recorder(
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believing else ())),
+        _samples(scenario) + 1,
+    )
+    groups = controlled_groups(scenario)
+    radius = tuple(group.wheel_radius for group in groups)
+    plant_file, fmus = plant_description(scenario), {}
+    fmus[plant_file.file.name] = plant_file.digest
+    with ExitStack() as stack:
+        plant = stack.enter_context(_plant(scenario, plant_file, radius, tell))
+        believer = stack.enter_context(_believer(scenario, fmus)) if believing else None
+        try:
+            ended = run(
+                plant=plant,
+                rail=_Rail(profile.mu0, force.at),
+                sensors=sensors_of(scenario, radius[0]),
+                believer=believer,
+                controller=controller_of(scenario, groups),
+                actuation=_actuation(scenario, groups),
+                wheel_radius=radius,
+                clock=Clock(
+                    period=scenario.periods.communication,
+                    estimator=scenario.periods.every("estimator"),
+                    controller=scenario.periods.every("controller"),
+                    samples=_samples(scenario),
+                ),
+                stop_speed=scenario.limits.stop_speed,
+                recorder=recorder,
+                progress=progress,
+            )
+        except PlantFailed as failed:
+            written = int(np.sum(~np.isnan(recorder.rows[:, recorder.at["speed"]])))
+            ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=written)
+    return judged(scenario, recorder, ended, plant_file, fmus)
+
+
+def judged(
+    scenario: Scenario, recorder: Recorder, ended: Ended, plant_file: Description, fmus: Mapping[str, str]
+) -> Stop:
+    """Return the stop that a run of the loop gave, with bound and figures."""
+    trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
+    # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve.
+    truth = parameters_of(plant_file) | dict(scenario.vehicle.parameters)
+    try:
+        trace = with_bound(trace, contact_of(scenario), brake_of(truth), scenario.limits.alpha_max)
+    except ScenarioError:
+        pass  # a foreign plant that does not show its brakes has no bound; the figures that need it are empty
+    return Stop(
+        scenario=scenario,
+        outcome=ended.outcome,
+        reason=ended.reason,
+        trace=trace,
+        metrics=measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
+        versions=versions(),
+        fmus=dict(fmus),
+    )
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what takes part in a stop."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+
+
+def _samples(scenario: Scenario) -> int:
+    return round(scenario.limits.horizon / scenario.periods.communication)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rail:
+    mu0: Callable[[float, float], Vector]
+    force: Callable[[float], float]
+
+
+# ---- the train's nominal data -----------------------------------------------------------------------------------
+
+
+@cache
+def _described(path: Path, stamp: tuple[int, int]) -> Description:
+    return describe(path)
+
+
+def description_of(path: Path) -> Description:
+    """Return the description of an FMU, read once for each version of the file."""
+    status = path.stat() if path.exists() else None
+    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0))
+
+
+@cache
+def recipe_file(name: str) -> Path:
+    """Return the FMU of a recipe, built when it is not up to date; asked once in a process."""
+    return fmu(name)
+
+
+def plant_description(scenario: Scenario) -> Description:
+    """Return the description of the plant FMU of a scenario."""
+    plant = scenario.vehicle.plant
+    return description_of(plant.path if isinstance(plant, NamedFile) else recipe_file(plant))
+
+
+def parameters_of(description: Description) -> dict[str, float]:
+    """Return the start values of an FMU's numeric parameters."""
+    found: dict[str, float] = {}
+    for variable in description.variables.values():
+        if variable.causality == "parameter" and variable.kind in ("Real", "Integer") and variable.start is not None:
+            found[variable.name] = float(variable.start)
+    return found
+
+
+def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
+    """Return the brakes as the controller believes them: the catalogue train and [controller.parameters]."""
+    nominal = parameters_of(description_of(recipe_file(CATALOGUE)))
+    changed = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
+    return brake_groups_of(nominal | changed)
+
+
+# ---- plant ------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _plant(
+    scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
+) -> Iterator[Plant]:
+    """Open the plant of a scenario, bound to the edge of the loop."""
+    vehicle = scenario.vehicle
+    own = not isinstance(vehicle.plant, NamedFile)
+    command = (
+        Signal(name="pressure_command", unit="Pa", size=signals.GROUPS, needed=True)
+        if scenario.actuation.kind == "ideal"
+        else Signal(name="valve_command", unit="1", size=signals.GROUPS, needed=True)
+    )
+    start = Signal(name="speed_start", unit="m/s", size=0, needed=True)
+    binding = bind(
+        description,
+        inputs=(
+            command,
+            Signal(name="mu0", unit="1", size=signals.WHEELSETS, needed=True),
+            Signal(name="track_force", unit="N", size=0, needed=bool(np.any(track_force_of(scenario.track).forces))),
+        ),
+        outputs=tuple(
+            Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in _NEEDED)
+            for s in signals.PLANT
+        ),
+        parameters=(start,),
+        table=vehicle.map,
+        where=f"{scenario.name}: [vehicle.map]",
+    )
+    surface = scenario.adhesion.polach.plant_parameters()
+    shaped = {name: value for name, value in surface.items() if own or name in description.variables}
+    values = binding.translated({"speed_start": scenario.start.speed}) | shaped | dict(vehicle.parameters)
+    plant = open_plant(
+        description,
+        binding,
+        period=scenario.periods.communication,
+        parameters=values,
+        trusted=own or vehicle.trust,
+        tell=tell,
+    )
+    whole = len(binding.outputs.elements) == OUTPUTS and binding.inputs.size == signals.GROUPS + signals.WHEELSETS + 1
+    with plant as opened:
+        yield opened if whole else _Partial(opened, binding.inputs.layout, binding.outputs.layout, radius)
+
+
+class _Partial:
+    """A foreign plant that lacks some outputs, or the track force: they are missing, or follow from others."""
+
+    def __init__(
+        self, plant: Plant, inputs: Mapping[str, slice], outputs: Mapping[str, slice], radius: tuple[float, ...]
+    ) -> None:
+        self._plant = plant
+        self._sent = signals.GROUPS + signals.WHEELSETS + (1 if "track_force" in inputs else 0)
+        self._places = [(OUTPUT[name], theirs) for name, theirs in outputs.items()]
+        self._radius = None if "slip" in outputs else np.array(radius)
+
+    def start(self, inputs: Vector) -> Vector:
+        return self._whole(self._plant.start(inputs[: self._sent]))
+
+    def step(self, inputs: Vector) -> Vector:
+        return self._whole(self._plant.step(inputs[: self._sent]))
+
+    def _whole(self, seen: Vector) -> Vector:
+        truth = np.full(OUTPUTS, np.nan)
+        for ours, theirs in self._places:
+            truth[ours] = seen[theirs]
+        if self._radius is not None:
+            speed = max(float(truth[OUTPUT["speed"]][0]), 1e-3)
+            truth[OUTPUT["slip"]] = 1.0 - self._radius * truth[OUTPUT["wheelset_speed"]] / speed
+        return truth
+
+
+# ---- estimator --------------------------------------------------------------------------------------------------
+
+
+@cache
+def lowered(class_name: str) -> Model:
+    """Return a class as CasADi functions; compiled once in a process."""
+    return lower(class_name)
+
+
+_NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"}
+
+
+@contextmanager
+def _believer(scenario: Scenario, fmus: dict[str, str]) -> Iterator[Believer]:
+    """Make the estimator of a scenario; an FMU that takes part adds its digest to `fmus`."""
+    table = scenario.estimator
+    assert isinstance(table, KalmanFilter)
+    noise = _noise(table)
+    period = scenario.periods.estimator
+    with ExitStack() as stack:
+        if table.kind == "fmu":
+            description = description_of(recipe_file(table.model))
+            fmus[description.file.name] = description.digest
+            parameters = parameters_of(description) | dict(table.parameters)
+            model = lowered(f"RailBraking.FMUs.{table.model}")
+            prediction = stack.enter_context(
+                FmuPrediction(
+                    description,
+                    parameters=dict(table.parameters),
+                    states=[v.name for v in model.states],
+                    inputs=[v.name for v in model.inputs],
+                    outputs=[v.name for v in model.outputs],
+                )
+            )
+        else:
+            model = lowered(f"RailBraking.FMUs.{table.model}")
+            parameters = {v.name: v.start for v in model.parameters}
+            _refuse_unknown("[estimator.parameters]", table.parameters, parameters)
+            parameters |= dict(table.parameters)
+            prediction = CasadiPrediction(model, parameters)
+        gate = pad_gate(
+            pad_force=1500.0,
+            A_piston=parameters["A_piston"],
+            i_rigging=parameters["i_rigging"],
+            eta_rigging=parameters["eta_rigging"],
+            F_spring=parameters["F_spring"],
+            groups=signals.GROUPS,
+        )
+        states, outputs = prediction.states, prediction.outputs
+        noises = noise.process_noise(states), noise.reading_noise(outputs)
+        if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
+            filter_ = CompiledFilter(prediction, *noises, period, gate)
+        else:
+            filter_ = ExtendedKalmanFilter(prediction, *noises, period, gate)
+        radius = parameters["r_wheel"]
+        mean = np.zeros(len(states))
+        at = {name: states.index(f"{name}[1]") for name in ("w", "mu_b", "alpha")}
+        every = np.arange(signals.GROUPS)
+        mean[states.index("v")] = scenario.start.speed
+        mean[at["w"] + every] = scenario.start.speed / radius
+        mean[at["mu_b"] + every] = [parameters[f"mu_b_start[{g + 1}]"] for g in every]
+        mean[at["alpha"] + every] = [parameters[f"alpha_start[{g + 1}]"] for g in every]
+        seen = [READING[name.partition("[")[0]].start + _element(name) for name in outputs]
+        yield Believer(
+            filter=filter_,
+            first=filter_.start(mean, noise.start_covariance(states)),
+            seen=np.array(seen, dtype=np.intp),
+            inputs=len(prediction.inputs),
+            speed=states.index("v"),
+            wheelset_speed=at["w"] + every,
+            pad_friction=at["mu_b"] + every,
+            adhesion=at["alpha"] + every,
+            wheel_radius=(radius,) * signals.GROUPS,
+        )
+
+
+def _element(name: str) -> int:
+    """Return the zero-based index of `name[i]`, 0 for a scalar."""
+    index = name.partition("[")[2]
+    return int(index[:-1]) - 1 if index else 0
+
+
+def _noise(table: KalmanFilter) -> NoiseSet:
+    wanted = f"{_NOISE_PREFIX.get(table.model, table.model)}_{table.noise}"
+    if wanted not in NOISE_SETS:
+        raise ScenarioError(
+            f"[estimator] has no noise set '{table.noise}' for model '{table.model}'; there are "
+            + ", ".join(sorted(NOISE_SETS))
+            + " (model_noise)."
+        )
+    return NOISE_SETS[wanted]
+
+
+def _refuse_unknown(where: str, given: Mapping[str, float], known: Mapping[str, float]) -> None:
+    unknown = [name for name in given if name not in known]
+    if unknown:
+        raise ScenarioError(f"{where} has no parameter '{unknown[0]}'; it has {', '.join(sorted(known))}.")
+
+
+# ---- controller and actuation -----------------------------------------------------------------------------------
+
+
+def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Controller:
+    """Return the control law of a scenario, its named set changed by [controller.parameters]."""
+    kind = scenario.controller.kind
+    train = parameters_of(description_of(recipe_file(CATALOGUE)))
+    own = {n: v for n, v in scenario.controller.parameters.items() if n not in train}
+    if kind == "full_brake":
+        _refuse_unknown("[controller.parameters]", own, {})
+        return FullBrake(groups)
+    if kind in ("slip_two_state", "slip_three_state"):
+        levels = tuning.SLIP_LEVELS
+        allowed = {"low": levels.low, "high": levels.high, "speed_min": levels.speed_min}
+        _refuse_unknown("[controller.parameters]", own, allowed)
+        values = allowed | own
+        try:
+            return SlipBased(groups, SlipLevels(**values, hold=kind == "slip_three_state"))
+        except ValueError as problem:
+            raise ScenarioError(f"[controller.parameters]: {problem}") from problem
+    seeker = tuning.SEEKER[scenario.actuation.kind]
+    names = {name: float(getattr(seeker, name)) for name in SeekerTuning.__slots__}
+    _refuse_unknown("[controller.parameters]", own, names)
+    given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max} | own
+    seeker = replace(seeker, **given)
+    return (AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
+
+
+class _Ideal:
+    """The plant takes the demanded pressure itself."""
+
+    def command(self, demands: tuple[float, ...], measured: tuple[float, ...]) -> tuple[float, ...]:
+        return demands
+
+
+class _Valves:
+    """One valve logic for each group."""
+
+    def __init__(self, logics: tuple[ValveLogic, ...]) -> None:
+        self._logics = logics
+
+    def command(self, demands: tuple[float, ...], measured: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple(
+            logic.command(demand, pressure)
+            for logic, demand, pressure in zip(self._logics, demands, measured, strict=True)
+        )
+
+
+def _actuation(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
+    if scenario.actuation.kind == "ideal":
+        return _Ideal()
+    nominal = parameters_of(description_of(recipe_file("TwoPartTrainPneumatic")))
+    return _Valves(
+        tuple(
+            ValveLogic(
+                group.pressure_max,
+                ValveModel(
+                    period=scenario.periods.controller,
+                    dead_time=0.5 * (nominal["dead_fill"] + nominal["dead_vent"]),
+                    fill_time=nominal["T_fill"],
+                    vent_time=nominal["T_vent"],
+                    supply=group.pressure_max,
+                    band=tuning.VALVE_BAND,
+                    pulse_min=tuning.VALVE_PULSE_MIN,
+                ),
+            )
+            for group in groups
+        )
+    )
+
+
+# ---- contact ----------------------------------------------------------------------------------------------------
+
+
+def contact_of(scenario: Scenario) -> Callable[[Vector, Vector, Vector, Vector], Vector]:
+    """Return adhesion as a function of slip, speed, load and mu0, element by element.
+
+    It is `RailBraking.FMUs.ContactPoint` with the creep curve of the scenario: the physics is written once.
+    """
+    model = lowered("RailBraking.FMUs.ContactPoint")
+    values = {v.name: v.start for v in model.parameters} | scenario.adhesion.polach.plant_parameters()
+    parameters = np.array([values[v.name] for v in model.parameters])
+    order = [("slip", "speed", "load", "mu0").index(v.name) for v in model.inputs]
+
+    def adhesion(slip: Vector, speed: Vector, load: Vector, mu0: Vector) -> Vector:
+        given = np.stack([np.ravel(values) for values in (slip, speed, load, mu0)])[order]
+        return np.asarray(model.output(0.0, np.zeros((0, 1)), given, parameters)).reshape(np.shape(slip))
+
+    return adhesion

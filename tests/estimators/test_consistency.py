@@ -1,0 +1,68 @@
+import math
+
+import numpy as np
+import pytest
+
+from estimators.belief import Estimate
+from estimators.consistency import chi_square_bounds, delay, nees
+from estimators.errors import EstimatorError
+
+
+def test_nees_of_an_error_of_one_standard_deviation_along_one_axis_is_one():
+    estimate = Estimate(mean=np.array([1.0, 2.0]), covariance=np.diag([4.0, 9.0]))
+    assert nees(estimate, np.array([3.0, 2.0])) == pytest.approx(1.0, rel=1e-14)
+    assert nees(estimate, np.array([3.0, 5.0])) == pytest.approx(2.0, rel=1e-14)
+    assert nees(estimate, np.array([3.0, 5.0]), states=[1]) == pytest.approx(1.0, rel=1e-14)
+
+
+def test_nees_does_not_depend_on_units():
+    covariance = np.array([[2.0, 0.5], [0.5, 1.0]])
+    truth, mean, unit = np.array([0.3, -0.4]), np.array([0.1, 0.2]), np.diag([1e3, 1e-3])
+    here = nees(Estimate(mean=mean, covariance=covariance), truth)
+    there = nees(Estimate(mean=unit @ mean, covariance=unit @ covariance @ unit), unit @ truth)
+    assert there == pytest.approx(here, rel=1e-10)
+
+
+def test_bounds_are_the_table_of_the_chi_square_distribution():
+    """Abramowitz and Stegun, table 26.8: the 2.5 % and 97.5 % points for 10 degrees."""
+    assert chi_square_bounds(10) == pytest.approx((3.24697, 20.4831), abs=1e-4)
+    # 10 runs of 1 degree are 10 degrees, the mean a tenth of them.
+    assert chi_square_bounds(1, runs=10) == pytest.approx((0.324697, 2.04831), abs=1e-5)
+
+
+def test_bounds_hold_the_share_of_gaussian_means_that_they_claim():
+    random = np.random.default_rng(0)
+    low, high = chi_square_bounds(4, runs=50)
+    means = np.mean(np.sum(random.standard_normal((4000, 50, 4)) ** 2, axis=2), axis=1)
+    inside = np.mean((means > low) & (means < high))
+    # Three standard deviations of a share of 0.95 in 4000 draws.
+    assert inside == pytest.approx(0.95, abs=3 * math.sqrt(0.95 * 0.05 / 4000))
+
+
+def test_delay_of_a_first_order_lag_is_its_logarithm():
+    """An estimate with time constant T is within d of a step h after T ln(h/d)."""
+    time = np.arange(3000) * 1e-3
+    truth = np.where(time >= 1.0, 0.05, 0.12)
+    estimate = np.where(time >= 1.0, 0.05 + 0.07 * np.exp(-(time - 1.0) / 0.05), 0.12)
+    expected = 0.05 * math.log(0.07 / 0.02)
+    assert delay(time, truth, estimate, 1.0, 0.02) == pytest.approx(expected, abs=1e-3)  # one sample
+    assert delay(time, truth, truth, 1.0, 0.02) == 0.0
+    assert delay(time, truth, np.full(3000, 0.12), 1.0, 0.02) == math.inf
+
+
+def test_delay_counts_to_the_last_time_it_leaves():
+    time = np.arange(10) * 0.1
+    estimate = np.array([0, 0, 0, 1, 1, 0, 1, 1, 1, 1.0])
+    assert delay(time, np.ones(10), estimate, 0.2, 0.5) == pytest.approx(0.4)
+
+
+def test_questions_without_an_answer_get_a_sentence():
+    estimate = Estimate(mean=np.zeros(2), covariance=np.eye(2))
+    with pytest.raises(EstimatorError, match="wants the 2 states"):
+        nees(estimate, np.zeros(3))
+    with pytest.raises(EstimatorError, match="degrees ≥ 1"):
+        chi_square_bounds(0)
+    with pytest.raises(EstimatorError, match=r"before the step at 5\.0 s"):
+        delay(np.arange(3.0), np.zeros(3), np.zeros(3), 5.0, 0.1)
+    with pytest.raises(EstimatorError, match=r"a mean of 2 states wants a covariance of shape \(2, 2\)"):
+        Estimate(mean=np.zeros(2), covariance=np.eye(3))

@@ -1,0 +1,105 @@
+/* A smooth FMI 2.0 model-exchange FMU for tests, with Jacobians known in closed form:
+ *
+ *   da/dt = -k a + u1,   db/dt = a b + sin c,   dc/dt = b - c^3 + u2,   y1 = a + b c,   y2 = c + u1.
+ *
+ * Value references: 0-2 a b c, 3-5 their derivatives, 6-7 u, 8-9 y, 10 k, 11 how often values were sent, 12 how often
+ * derivatives, values or directional derivatives were asked for. dc/dt is no number where c > 1000.              */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "quiet.h"
+
+typedef struct { double v[13]; } Model;
+#define V (((Model *)c)->v)
+
+static void derivatives(const double *v, double *dx) {
+    dx[0] = -v[10] * v[0] + v[6];
+    dx[1] = v[0] * v[1] + sin(v[2]);
+    dx[2] = v[2] > 1000 ? NAN : v[1] - v[2] * v[2] * v[2] + v[7];
+}
+static void outputs(const double *v, double *y) {
+    y[0] = v[0] + v[1] * v[2];
+    y[1] = v[2] + v[6];
+}
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *call, fmi2Boolean visible, fmi2Boolean logging) {
+    (void)name; (void)type; (void)resources; (void)call; (void)visible; (void)logging;
+    if (strcmp(guid, TINY_GUID)) return NULL;
+    Model *m = calloc(1, sizeof *m);
+    m->v[10] = 1;
+    return m;
+}
+void fmi2FreeInstance(fmi2Component c) { free(c); }
+fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t, fmi2Boolean sd,
+                               fmi2Real stop) {
+    (void)c; (void)td; (void)tol; (void)t; (void)sd; (void)stop; return fmi2OK;
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) { (void)c; (void)t; return fmi2OK; }
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[]) {
+    V[11]++;
+    for (size_t i = 0; i < n; i++) V[vr[i]] = v[i];
+    return fmi2OK;
+}
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
+    V[12]++;
+    derivatives(V, V + 3); outputs(V, V + 8);
+    for (size_t i = 0; i < n; i++) v[i] = V[vr[i]];
+    return fmi2OK;
+}
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
+    if (n != 3) return fmi2Error;
+    V[11]++; memcpy(V, x, 3 * sizeof *x); return fmi2OK;
+}
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
+    if (n != 3) return fmi2Error;
+    memcpy(x, V, 3 * sizeof *x); return fmi2OK;
+}
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
+    if (n != 3) return fmi2Error;
+    V[12]++; derivatives(V, dx); return fmi2OK;
+}
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference z[], size_t nz,
+                                        const fmi2ValueReference w[], size_t nw, const fmi2Real dw[], fmi2Real dz[]) {
+    double s[8] = {0}, d[10] = {0}, *v = V;
+    V[12]++;
+    for (size_t i = 0; i < nw; i++) { if (w[i] > 7) return fmi2Error; s[w[i]] = dw[i]; }
+    d[3] = -v[10] * s[0] + s[6];
+    d[4] = v[1] * s[0] + v[0] * s[1] + cos(v[2]) * s[2];
+    d[5] = s[1] - 3 * v[2] * v[2] * s[2] + s[7];
+    d[8] = s[0] + v[2] * s[1] + v[1] * s[2];
+    d[9] = s[2] + s[6];
+    for (size_t i = 0; i < nz; i++) dz[i] = d[z[i]];
+    return fmi2OK;
+}
+
+/* Nothing of it is needed for co-simulation. */
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c; (void)state; return fmi2Error; }
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) { (void)c; (void)state; return fmi2Error; }
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c; (void)state; return fmi2Error; }
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
+    (void)c; (void)t; (void)h; (void)no; return fmi2Error;
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k, fmi2Real *v) {
+    (void)c; (void)k; (void)v; return fmi2Discard;
+}
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind k, fmi2Boolean *v) {
+    (void)c; (void)k; (void)v; return fmi2Discard;
+}

@@ -1,0 +1,175 @@
+"""A prediction FMU is the function it was written as, in the order asked for, with as few calls as possible."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tiny_fmu import CURVED_OUTPUTS, curved, tiny, xml
+
+from harness.fmu import FmuError, FmuPrediction, ModelExchange, PlantFailed, describe
+
+K = 1.7
+POINTS = [
+    (np.array([0.3, -0.8, 0.5]), np.array([0.2, -0.1])),
+    (np.array([-4.0, 2.0, 9.0]), np.array([10.0, 3.0])),
+    (np.zeros(3), np.zeros(2)),
+]
+
+
+def opened(file: Path, states: str = "abc", **more: object) -> FmuPrediction:
+    return FmuPrediction(
+        describe(file),
+        parameters={"k": K},
+        states=tuple(states),
+        inputs=("u[1]", "u[2]"),
+        outputs=CURVED_OUTPUTS,
+        **more,  # type: ignore[arg-type]
+    )
+
+
+@pytest.fixture
+def prediction(foundry: Path) -> Iterator[FmuPrediction]:
+    with opened(curved(foundry)) as made:
+        yield made
+
+
+def derivative(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    a, b, c = x
+    return np.array([-K * a + u[0], a * b + np.sin(c), b - c**3 + u[1]])
+
+
+def jacobians(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    a, b, c = x
+    return np.array([[-K, 0, 0], [b, a, np.cos(c)], [0, 1, -3 * c**2]]), np.array([[1, c, b], [0, 0, 1]])
+
+
+@pytest.mark.parametrize(("x", "u"), POINTS)
+def test_it_is_the_function_of_its_equations(prediction: FmuPrediction, x: np.ndarray, u: np.ndarray):
+    # The same few operations in C: rounding only.
+    np.testing.assert_allclose(prediction.derivative(x, u), derivative(x, u), rtol=1e-14)
+    np.testing.assert_allclose(prediction.output(x, u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+
+
+@pytest.mark.parametrize(("x", "u"), POINTS)
+def test_directional_and_central_jacobians_are_the_closed_form(foundry: Path, x: np.ndarray, u: np.ndarray):
+    exact_f, exact_h = jacobians(x)
+    with opened(curved(foundry)) as exact, opened(curved(foundry), differentiation="central") as central:
+        np.testing.assert_allclose(exact.derivative_jacobian(x, u), exact_f, rtol=1e-14)
+        np.testing.assert_allclose(exact.output_jacobian(x, u), exact_h, rtol=1e-14)
+        # Central differences lose a third of the digits: ε^(2/3) = 4e-11 of values up to 9³ here.
+        np.testing.assert_allclose(central.derivative_jacobian(x, u), exact_f, atol=4e-8)
+        np.testing.assert_allclose(central.output_jacobian(x, u), exact_h, atol=4e-8)
+
+
+def test_without_directional_derivatives_it_differentiates_itself(foundry: Path):
+    file = curved(foundry, directional=False)
+    x, u = POINTS[0]
+    with opened(file) as made:
+        np.testing.assert_allclose(made.derivative_jacobian(x, u), jacobians(x)[0], atol=4e-8)
+    with pytest.raises(FmuError, match="does not offer directional derivatives; use central differences"):
+        opened(file, differentiation="directional")
+
+
+@pytest.mark.parametrize("order", ["abc", "cab", "bca"])
+@pytest.mark.parametrize("differentiation", ["directional", "central"])
+def test_states_come_in_the_order_asked_for(foundry: Path, order: str, differentiation: str):
+    x, u = POINTS[0]
+    moved = ["abc".index(s) for s in order]
+    f_x, h_x = jacobians(x)
+    with opened(curved(foundry), order, differentiation=differentiation) as made:
+        assert made.states == tuple(order)
+        np.testing.assert_allclose(made.derivative(x[moved], u), derivative(x, u)[moved], rtol=1e-14)
+        np.testing.assert_allclose(made.output(x[moved], u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+        np.testing.assert_allclose(made.derivative_jacobian(x[moved], u), f_x[np.ix_(moved, moved)], atol=4e-8)
+        np.testing.assert_allclose(made.output_jacobian(x[moved], u), h_x[:, moved], atol=4e-8)
+
+
+def test_one_point_is_sent_once_and_both_jacobians_cost_one_call_per_state(foundry: Path):
+    x, u = POINTS[0]
+    with ModelExchange(
+        describe(curved(foundry)), parameters={"k": K}, inputs=("u[1]", "u[2]"), outputs=("sent", "asked")
+    ) as model:
+        before = model.output(x, u)
+        model.derivative(x, u)
+        model.directional(x, u)
+        after = model.output(x, u)
+    # One to read `after` itself, one for the derivative, one for each of three states; nothing was sent again.
+    np.testing.assert_array_equal(after - before, [0, 5])
+
+
+def test_results_are_not_overwritten_by_the_next_point(prediction: FmuPrediction):
+    (x, u), (other, _), _ = POINTS
+    first = prediction.derivative(x, u), prediction.derivative_jacobian(x, u)
+    prediction.derivative(other, u)
+    prediction.derivative_jacobian(other, u)
+    np.testing.assert_allclose(first[0], derivative(x, u), rtol=1e-14)
+    np.testing.assert_allclose(first[1], jacobians(x)[0], rtol=1e-14)
+
+
+def test_a_point_changed_in_place_is_a_new_point(prediction: FmuPrediction):
+    x, u = POINTS[0][0].copy(), POINTS[0][1]
+    prediction.derivative(x, u)
+    prediction.derivative_jacobian(x, u)
+    x[0] = 5.0
+    np.testing.assert_allclose(prediction.derivative(x, u), derivative(x, u), rtol=1e-14)
+    np.testing.assert_allclose(prediction.derivative_jacobian(x, u), jacobians(x)[0], rtol=1e-14)
+
+
+def test_a_derivative_that_is_no_number_is_named(prediction: FmuPrediction):
+    with pytest.raises(PlantFailed, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
+        prediction.derivative(np.array([0.0, 0.0, 2000.0]), np.zeros(2))
+
+
+def test_a_wrong_number_of_states_is_refused(prediction: FmuPrediction):
+    with pytest.raises(ValueError, match="has 3 states and 2 inputs, got shapes"):
+        prediction.derivative(np.zeros(4), np.zeros(2))
+
+
+def test_other_states_than_expected_are_named(foundry: Path):
+    with pytest.raises(FmuError, match="missing: mu; unexpected: c"):
+        FmuPrediction(describe(curved(foundry)), parameters={}, states=("a", "b", "mu"), inputs=(), outputs=())
+
+
+def test_an_undriven_input_is_refused(foundry: Path):
+    with pytest.raises(FmuError, match=r"leaves inputs undriven: u\[2\]"):
+        FmuPrediction(
+            describe(curved(foundry)), parameters={}, states=("a", "b", "c"), inputs=("u[1]",), outputs=("y[1]",)
+        )
+
+
+def test_events_are_refused(foundry: Path):
+    description = describe(tiny(foundry, description=xml(ways=("ModelExchange",), indicators=2)))
+    with pytest.raises(FmuError, match="a prediction must be smooth, this FMU has 2 event indicators"):
+        FmuPrediction(description, parameters={}, states=("x",), inputs=("u",), outputs=("y",))
+
+
+def test_a_prediction_is_in_si(foundry: Path):
+    description = describe(tiny(foundry, description=xml(ways=("ModelExchange",), output_unit="km/h")))
+    with pytest.raises(FmuError, match="'y' of a prediction is in 'km/h', SI is wanted"):
+        FmuPrediction(description, parameters={}, states=("x",), inputs=("u",), outputs=("y",))
+
+
+def test_a_prediction_needs_model_exchange(foundry: Path):
+    text = (
+        xml(ways=("CoSimulation",))
+        .replace(
+            'name="mode" valueReference="10" causality="input"', 'name="mode" valueReference="10" causality="local"'
+        )
+        .replace(
+            'variability="discrete"><Integer start="0"/>', 'variability="discrete" initial="exact"><Integer start="0"/>'
+        )
+    )
+    description = describe(tiny(foundry, description=text))
+    with pytest.raises(FmuError, match="this FMU offers only Co-Simulation; export it as Model Exchange"):
+        FmuPrediction(
+            description, parameters={}, states=("x",), inputs=("u",), outputs=("y",), differentiation="central"
+        ).__enter__()
+
+
+def test_nothing_is_left_behind(foundry: Path, scratch: Path):
+    with opened(curved(foundry)) as made:
+        assert len(list(scratch.iterdir())) == 1
+    assert list(scratch.iterdir()) == []
+    with pytest.raises(RuntimeError, match="inside 'with'"):
+        made.derivative(*POINTS[0])
