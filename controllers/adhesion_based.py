@@ -12,8 +12,10 @@ Two forms:
   whether to go a little above or below it. The paper allows L to depend on the states to compensate f_s.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import ClassVar
 
 from controllers.brake import BrakeGroup
 from controllers.sight import Sight
@@ -55,6 +57,24 @@ class SeekerTuning:
     adhesion_max: float
     adhesion_guard: float
     speed_min: float
+
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "filter_time": "s",
+            "margin": "1",
+            "rise": "1",
+            "fall": "1",
+            "slip_rate_max": "1/s",
+            "slip_rate_min": "1/s",
+            "dwell": "s",
+            "slip_small": "1",
+            "slip_vent": "1",
+            "adhesion_small": "1",
+            "adhesion_guard": "1",
+            "speed_min": "m/s",
+        }
+    )
+    """Unit of each parameter that a user may change; period and adhesion_max are the scenario's."""
 
 
 class _Derivative:

@@ -52,9 +52,7 @@ def chi_square_bounds(degrees: int, runs: int = 1, confidence: float = 0.95) -> 
     return float(low), float(high)
 
 
-def delay(
-    time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step_at: float, tolerance: float
-) -> float:
+def delay(time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step_at: float, tolerance: float) -> float:
     """Return how long after a step of the truth the estimate is within `tolerance` of it, for good.
 
     Args:

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators.belief import Estimate, Matrix, Vector
+from estimators.belief import Estimate, Matrix, Vector, sealed
 from estimators.errors import EstimatorError
 from estimators.gate import Gate
 from estimators.prediction import Prediction
@@ -82,9 +82,7 @@ class Design:
             )
         density = noise_matrix("process_noise", process_noise, states)
         if np.min(np.linalg.eigvalsh(density)) < -1e-12 * np.max(np.abs(density), initial=0.0):
-            raise EstimatorError(
-                "Filter: process_noise has a negative eigenvalue; no noise has that covariance."
-            )
+            raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
         reading = noise_matrix("reading_noise", reading_noise, outputs)
         if not positive_definite(reading):
             raise EstimatorError(
@@ -98,12 +96,8 @@ class Design:
             spread=density * period,
             reading_noise=reading,
             period=period,
-            gated_states=()
-            if gate is None
-            else tuple(index("Gate", "state", n, states) for n in gate.states),
-            gating_inputs=()
-            if gate is None
-            else tuple(index("Gate", "input", n, inputs) for n in gate.inputs),
+            gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
+            gating_inputs=() if gate is None else tuple(index("Gate", "input", n, inputs) for n in gate.inputs),
             gate_threshold=-math.inf if gate is None else gate.threshold,
             outlier_limit=math.inf if outlier_limit is None else outlier_limit,
         )
@@ -121,38 +115,27 @@ class Design:
         first = np.array(mean, dtype=np.float64)
         if first.shape != (len(self.states),):
             raise EstimatorError(
-                f"start: mean wants {len(self.states)} states ({', '.join(self.states)}), "
-                f"got shape {first.shape}."
+                f"start: mean wants {len(self.states)} states ({', '.join(self.states)}), got shape {first.shape}."
             )
         lost = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
         if lost:
             raise EstimatorError(f"start: the mean of {', '.join(lost)} is not a finite number.")
         spread = noise_matrix("covariance", covariance, self.states)
         if not positive_definite(spread):
-            raise EstimatorError(
-                "start: covariance is not positive definite; give every state a variance above zero."
-            )
-        return frozen_estimate(first, spread)
+            raise EstimatorError("start: covariance is not positive definite; give every state a variance above zero.")
+        return sealed(first, spread)
 
     def check(self, held: Vector, seen: Vector) -> None:
         """Refuse inputs or readings of the wrong length."""
         if held.shape != (len(self.inputs),):
             raise EstimatorError(
-                f"step: held wants {len(self.inputs)} inputs ({', '.join(self.inputs)}), "
-                f"got shape {held.shape}."
+                f"step: held wants {len(self.inputs)} inputs ({', '.join(self.inputs)}), got shape {held.shape}."
             )
         if seen.shape != (len(self.outputs),):
             raise EstimatorError(
                 f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
                 f"got shape {seen.shape}; write NaN for a reading that is not there."
             )
-
-
-def frozen_estimate(mean: Vector, covariance: Matrix) -> Estimate:
-    """Return an estimate whose arrays can no longer be written: a belief is a value."""
-    mean.setflags(write=False)
-    covariance.setflags(write=False)
-    return Estimate(mean=mean, covariance=covariance)
 
 
 def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix:
@@ -195,6 +178,4 @@ def index(who: str, kind: str, name: str, names: tuple[str, ...]) -> int:
     try:
         return names.index(name)
     except ValueError:
-        raise EstimatorError(
-            f"{who}: there is no {kind} '{name}'; there are {', '.join(names) or 'none'}."
-        ) from None
+        raise EstimatorError(f"{who}: there is no {kind} '{name}'; there are {', '.join(names) or 'none'}.") from None

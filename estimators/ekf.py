@@ -4,14 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.lapack import dposv
+from scipy.linalg import get_lapack_funcs
 
-from estimators.belief import Estimate, Matrix, Vector
-from estimators.design import Design, frozen_estimate
+from estimators.belief import Estimate, Matrix, Vector, sealed
+from estimators.design import Design
 from estimators.discretisation import advanced, transition
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
 from estimators.prediction import Prediction
+
+(POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
+"""LAPACK's solver for positive definite systems: factor, solution, and 0 if there was a factor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,9 +38,7 @@ class Innovation:
     @property
     def squared(self) -> float:
         """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees for a consistent filter."""
-        return (
-            float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
-        )
+        return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
 
 
 class ExtendedKalmanFilter:
@@ -87,7 +88,8 @@ class ExtendedKalmanFilter:
 
         Raises:
             EstimatorError: `held` or `seen` has the wrong shape.
-            FilterDiverged: The mean is no longer finite or the covariance no longer positive definite.
+            FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
+                definite, as happens only when that of the states no longer is.
         """
         self.design.check(held, seen)
         predicted = self.predict(prior, held)
@@ -107,7 +109,7 @@ class ExtendedKalmanFilter:
         jacobian = self.prediction.derivative_jacobian(prior.mean, held) * free[:, np.newaxis]
         phi = transition(jacobian, self.design.period)
         covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
-        return frozen_estimate(mean, 0.5 * (covariance + covariance.T))
+        return sealed(mean, 0.5 * (covariance + covariance.T))
 
     def innovation(self, predicted: Estimate, held: Vector, seen: Vector) -> Innovation:
         """Return what the readings, but for missing ones and outliers, say beyond `predicted`."""
@@ -134,7 +136,7 @@ class ExtendedKalmanFilter:
             return predicted
         P, H = predicted.covariance, innovation.jacobian
         # Straight from LAPACK: scipy's checked wrapper takes longer than the rest of this function.
-        _, solution, info = dposv(innovation.covariance, H @ P)
+        _, solution, info = POSV(innovation.covariance, H @ P)
         if info != 0:
             raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
         gain = solution.T * self._free(held)[:, np.newaxis]
@@ -144,7 +146,7 @@ class ExtendedKalmanFilter:
         mean = predicted.mean + gain @ innovation.residual
         if not np.all(np.isfinite(mean)):
             raise FilterDiverged("Filter: the readings threw the mean to a value that is not finite.")
-        return frozen_estimate(mean, 0.5 * (covariance + covariance.T))
+        return sealed(mean, 0.5 * (covariance + covariance.T))
 
     def _free(self, held: Vector) -> Vector:
         """Return 1 for every state that may move and 0 for one that its gate freezes, shape (n,)."""

@@ -5,7 +5,7 @@ class EstimatorError(ValueError):
     """The question was wrong: a shape, a name or a value that no filter can be made of."""
 
 
-class FilterDiverged(ArithmeticError):  # noqa: N818 - an outcome of a stop, not a programming error
+class FilterDiverged(ArithmeticError):
     """The belief is no longer one: a mean that is not finite or a covariance that is not positive definite.
 
     A filter that diverges during a stop is a result of that stop, so this is no `EstimatorError`: the loop

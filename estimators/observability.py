@@ -69,13 +69,16 @@ class Observability:
     Attributes:
         states: Names of the states.
         order: Highest derivative that was needed, or the last that brought nothing new.
+        singular_values: Of ∂z/∂x with columns in units of `scale` and rows of length one, largest first: how
+            far the determined combinations are from not being so.
         rank: Number of independent combinations of states that are determined.
         hidden: Directions that are not, shape (n − rank, n), unit vectors in units of `scale`.
-        undetermined: Names of the states that take part in a hidden direction.
+        undetermined: Names of the states that take part in a hidden direction, by more than ten tolerances.
     """
 
     states: tuple[str, ...]
     order: int
+    singular_values: Vector
     rank: int
     hidden: Matrix
     undetermined: tuple[str, ...]
@@ -87,7 +90,12 @@ class Observability:
 
 
 def observability(
-    prediction: CasadiPrediction, x: Vector, u: Vector, scale: ArrayLike, largest_order: int = 6
+    prediction: CasadiPrediction,
+    x: Vector,
+    u: Vector,
+    scale: ArrayLike,
+    largest_order: int = 6,
+    tolerance: float = ROUNDING,
 ) -> Observability:
     """Return what [y, ẏ, …] determines at a point, with as many derivatives as bring something new.
 
@@ -100,6 +108,8 @@ def observability(
         u: Inputs held there, shape (nu,).
         scale: Typical size of each state, shape (n,), positive: makes columns comparable.
         largest_order: Derivatives to try at most; expressions of larger models grow fast.
+        tolerance: Share of the largest singular value below which one counts as zero. The default asks what
+            is determined in principle; a smoothed model, whose released pads still rub a little, wants more.
 
     Raises:
         EstimatorError: A size is not positive, or shapes do not fit the model.
@@ -111,24 +121,31 @@ def observability(
             f"observability: wants {n} states and {len(prediction.inputs)} inputs, "
             f"got shapes {np.shape(x)} and {np.shape(u)}."
         )
-    rank, order = 0, 0
-    directions = np.eye(n)
+    rank, order, values, directions = 0, 0, np.zeros(0), np.eye(n)
     for order in range(largest_order + 1):
         scaled = ReadingsAndRates(prediction, order).jacobian(x, u) * size
         # Readings and their derivatives have units of their own: every row counts by its direction only.
         lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
         rows = scaled[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
         _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
-        found = int(np.sum(values > ROUNDING * np.max(values, initial=0.0)))
+        found = int(np.sum(values > tolerance * np.max(values, initial=0.0)))
         if found == n or (order > 0 and found == rank):
             rank = found
             break
         rank = found
     hidden = directions[rank:]
     part = np.linalg.norm(hidden, axis=0) if hidden.size else np.zeros(n)
-    # Unit vectors: what takes no part in them is zero but for rounding over the gap in the singular values.
-    lost = tuple(name for name, share in zip(prediction.states, part, strict=True) if share > 1e-6)
-    return Observability(states=prediction.states, order=order, rank=rank, hidden=hidden, undetermined=lost)
+    # Where values up to `tolerance` count as zero, directions are known to about as much.
+    least = max(1e-6, 10.0 * tolerance)
+    lost = tuple(name for name, share in zip(prediction.states, part, strict=True) if share > least)
+    return Observability(
+        states=prediction.states,
+        order=order,
+        singular_values=values,
+        rank=rank,
+        hidden=hidden,
+        undetermined=lost,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,8 +221,7 @@ def along(
     """
     if not 1 <= window <= len(x) or stride < 1:
         raise EstimatorError(
-            f"observability: window wants 1 to {len(x)} samples and stride at least 1, "
-            f"got {window} and {stride}."
+            f"observability: window wants 1 to {len(x)} samples and stride at least 1, got {window} and {stride}."
         )
     size = _sizes(scale, prediction.states)
     starts = np.arange(0, len(x) - window + 1, stride)
@@ -234,7 +250,6 @@ def _sizes(scale: ArrayLike, states: tuple[str, ...]) -> Vector:
     size = np.asarray(scale, dtype=np.float64)
     if size.shape != (len(states),) or not np.all(size > 0.0):
         raise EstimatorError(
-            f"observability: scale wants a positive size for each of {', '.join(states)}, "
-            f"got {size.tolist()}."
+            f"observability: scale wants a positive size for each of {', '.join(states)}, got {size.tolist()}."
         )
     return size

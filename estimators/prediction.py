@@ -1,6 +1,6 @@
 """The model inside a filter: what it must offer, and the one made from CasADi functions."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
 import casadi as ca
@@ -135,6 +135,31 @@ class Equations:
         self.output_jacobian = ca.jacobian(self.output, self.x)
 
 
+class _Evaluator:
+    """An expression as a fast numeric function: arguments in and results out through fixed buffers.
+
+    CasADi reads and writes the buffers through their addresses; the attributes keep them alive.
+    """
+
+    def __init__(self, of: Equations, expression: ca.SX, parameters: Vector) -> None:
+        """Fix the buffers; later changes of `parameters` are seen."""
+        self._function = ca.Function("evaluate", [of.x, of.u, of.p], [ca.densify(expression)])
+        self._x, self._u, self._parameters = np.zeros(of.x.numel()), np.zeros(of.u.numel()), parameters
+        self._result = np.zeros(expression.shape, order="F")  # CasADi counts down columns
+        self._buffer, self._run = self._function.buffer()
+        for place, array in enumerate((self._x, self._u, self._parameters)):
+            # The stub describes the C++ overload, with a size; Python's takes a memoryview.
+            self._buffer.set_arg(place, array.data)  # pyright: ignore[reportCallIssue]
+        self._buffer.set_res(0, self._result.T.data)  # pyright: ignore[reportCallIssue]
+
+    def __call__(self, x: Vector, u: Vector) -> Matrix:
+        """Return the value, shape of the expression, in an array of its own."""
+        self._x[:] = x
+        self._u[:] = u
+        self._run()
+        return self._result.copy()
+
+
 class CasadiPrediction:
     """A prediction from the CasADi functions of a model, its Jacobians exact and sparse inside.
 
@@ -155,21 +180,18 @@ class CasadiPrediction:
         missing = [name for name in names if name not in parameters]
         unknown = [name for name in parameters if name not in names]
         if missing:
-            raise EstimatorError(
-                f"Prediction: no value for the parameters {', '.join(missing)}; give every one."
-            )
+            raise EstimatorError(f"Prediction: no value for the parameters {', '.join(missing)}; give every one.")
         if unknown:
             raise EstimatorError(
-                f"Prediction: the model has no parameters {', '.join(unknown)}; "
-                f"it has {', '.join(names) or 'none'}."
+                f"Prediction: the model has no parameters {', '.join(unknown)}; it has {', '.join(names) or 'none'}."
             )
         self.parameters = np.array([parameters[name] for name in names], dtype=np.float64)
         self.equations = Equations(model)
         of = self.equations
-        self._derivative = self._evaluator("derivative", of.derivative)
-        self._output = self._evaluator("output", of.output)
-        self._derivative_jacobian = self._evaluator("derivative_jacobian", of.derivative_jacobian)
-        self._output_jacobian = self._evaluator("output_jacobian", of.output_jacobian)
+        self._derivative = _Evaluator(of, of.derivative, self.parameters)
+        self._output = _Evaluator(of, of.output, self.parameters)
+        self._derivative_jacobian = _Evaluator(of, of.derivative_jacobian, self.parameters)
+        self._output_jacobian = _Evaluator(of, of.output_jacobian, self.parameters)
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
         """Return f(x, u), shape (n,)."""
@@ -186,24 +208,3 @@ class CasadiPrediction:
     def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return ∂h/∂x, shape (m, n)."""
         return self._output_jacobian(x, u)
-
-    def _evaluator(self, name: str, expression: ca.SX) -> Callable[[Vector, Vector], Matrix]:
-        """Return a fast numeric form of `expression`: arguments in and results out through fixed buffers."""
-        of = self.equations
-        function = ca.Function(name, [of.x, of.u, of.p], [ca.densify(expression)])
-        x, u = np.zeros(len(self.states)), np.zeros(len(self.inputs))
-        result = np.zeros(expression.shape, order="F")  # CasADi counts down columns
-        buffer, run = function.buffer()
-        for place, array in enumerate((x, u, self.parameters)):
-            buffer.set_arg(place, array.data)
-        buffer.set_res(0, result.T.data)
-
-        def evaluate(x_now: Vector, u_now: Vector) -> Matrix:
-            x[:] = x_now
-            u[:] = u_now
-            run()
-            return result.copy()
-
-        # The buffer reads these arrays through their addresses, which it does not keep alive.
-        evaluate.__dict__["kept"] = (function, buffer, x, u, result, self.parameters)
-        return evaluate

@@ -1,13 +1,16 @@
 """From a scenario to the parties of its stop: the only place that names concrete classes."""
 
+import hashlib
 import platform
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Generator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +18,7 @@ from controllers import tuning
 from controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased, SeekerTuning
 from controllers.brake import BrakeGroup
 from controllers.full_brake import FullBrake
-from controllers.slip_based import SlipBased, SlipLevels
+from controllers.slip_based import SlipBased
 from controllers.valves import ValveLogic, ValveModel
 from estimators.compiled import CompiledFilter
 from estimators.ekf import ExtendedKalmanFilter
@@ -23,10 +26,11 @@ from estimators.prediction import CasadiPrediction
 from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from fmus.build import fmu
 from fmus.native import Model, lower
+from fmus.native.toolchain import shared_library
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
 from harness.loop.cycle import Believer, Clock, Ended, run
-from harness.loop.edge import OUTPUT, OUTPUTS
+from harness.loop.edge import OUTPUT
 from harness.loop.ports import Actuation, Controller, Plant
 from harness.loop.sensors import READING
 from harness.record import signals
@@ -39,11 +43,15 @@ from harness.scenario.adhesion import profile_of
 from harness.scenario.error import ScenarioError
 from harness.scenario.file import NamedFile
 from harness.scenario.parties import KalmanFilter
+from harness.scenario.quantity import Magnitude
 from harness.scenario.schema import Scenario
 from harness.scenario.track import track_force_of
 from harness.train import brake_groups_of, brake_of
 
 Vector = NDArray[np.float64]
+
+BUILD = Path("build/native")
+"""Where compiled filters and contacts are kept and found again."""
 
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the train's nominal data."""
@@ -118,11 +126,10 @@ def judged(
     """Return the stop that a run of the loop gave, with bound and figures."""
     trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
     # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve.
-    truth = parameters_of(plant_file) | dict(scenario.vehicle.parameters)
-    try:
+    truth = parameters_of(plant_file) | plant_parameters(scenario, plant_file)
+    # A foreign plant that does not show its brakes has no bound; the figures that need it are empty.
+    with suppress(ScenarioError):
         trace = with_bound(trace, contact_of(scenario), brake_of(truth), scenario.limits.alpha_max)
-    except ScenarioError:
-        pass  # a foreign plant that does not show its brakes has no bound; the figures that need it are empty
     return Stop(
         scenario=scenario,
         outcome=ended.outcome,
@@ -186,18 +193,47 @@ def parameters_of(description: Description) -> dict[str, float]:
 
 def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
     """Return the brakes as the controller believes them: the catalogue train and [controller.parameters]."""
-    nominal = parameters_of(description_of(recipe_file(CATALOGUE)))
-    changed = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
-    return brake_groups_of(nominal | changed)
+    train = description_of(recipe_file(CATALOGUE))
+    nominal = parameters_of(train)
+    written = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
+    return brake_groups_of(nominal | _si("[controller.parameters]", written, _units_of(train)))
+
+
+def _units_of(description: Description) -> dict[str, str]:
+    return {v.name: v.unit_name for v in description.variables.values() if v.causality == "parameter"}
+
+
+def _si(where: str, written: Mapping[str, Magnitude], units: Mapping[str, str]) -> dict[str, float]:
+    """Return what a table of parameters says, in the units of those who take it.
+
+    Raises:
+        ScenarioError: There is no such parameter, or its unit has another dimension.
+    """
+    values: dict[str, float] = {}
+    for name, magnitude in written.items():
+        if name not in units:
+            near = get_close_matches(name, units, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(sorted(units)) or 'none'}."
+            raise ScenarioError(f"{where} has no parameter '{name}'; {hint}")
+        try:
+            values[name] = magnitude.si(units[name])
+        except ValueError as problem:
+            raise ScenarioError(f"{where} {name} {problem}") from problem
+    return values
 
 
 # ---- plant ------------------------------------------------------------------------------------------------------
 
 
+def plant_parameters(scenario: Scenario, description: Description) -> dict[str, float]:
+    """Return [vehicle.parameters] in the units of the plant FMU."""
+    return _si("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
+
+
 @contextmanager
 def _plant(
     scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
-) -> Iterator[Plant]:
+) -> Generator[Plant]:
     """Open the plant of a scenario, bound to the edge of the loop."""
     vehicle = scenario.vehicle
     own = not isinstance(vehicle.plant, NamedFile)
@@ -224,7 +260,9 @@ def _plant(
     )
     surface = scenario.adhesion.polach.plant_parameters()
     shaped = {name: value for name, value in surface.items() if own or name in description.variables}
-    values = binding.translated({"speed_start": scenario.start.speed}) | shaped | dict(vehicle.parameters)
+    values = (
+        binding.translated({"speed_start": scenario.start.speed}) | shaped | plant_parameters(scenario, description)
+    )
     plant = open_plant(
         description,
         binding,
@@ -233,35 +271,26 @@ def _plant(
         trusted=own or vehicle.trust,
         tell=tell,
     )
-    whole = len(binding.outputs.elements) == OUTPUTS and binding.inputs.size == signals.GROUPS + signals.WHEELSETS + 1
     with plant as opened:
-        yield opened if whole else _Partial(opened, binding.inputs.layout, binding.outputs.layout, radius)
+        yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
 
 
-class _Partial:
-    """A foreign plant that lacks some outputs, or the track force: they are missing, or follow from others."""
+class _WithSlip:
+    """A foreign plant that does not show slip: it follows from the speeds it shows and the nominal radii."""
 
-    def __init__(
-        self, plant: Plant, inputs: Mapping[str, slice], outputs: Mapping[str, slice], radius: tuple[float, ...]
-    ) -> None:
+    def __init__(self, plant: Plant, radius: tuple[float, ...]) -> None:
         self._plant = plant
-        self._sent = signals.GROUPS + signals.WHEELSETS + (1 if "track_force" in inputs else 0)
-        self._places = [(OUTPUT[name], theirs) for name, theirs in outputs.items()]
-        self._radius = None if "slip" in outputs else np.array(radius)
+        self._radius = np.array(radius)
 
     def start(self, inputs: Vector) -> Vector:
-        return self._whole(self._plant.start(inputs[: self._sent]))
+        return self._whole(self._plant.start(inputs))
 
     def step(self, inputs: Vector) -> Vector:
-        return self._whole(self._plant.step(inputs[: self._sent]))
+        return self._whole(self._plant.step(inputs))
 
-    def _whole(self, seen: Vector) -> Vector:
-        truth = np.full(OUTPUTS, np.nan)
-        for ours, theirs in self._places:
-            truth[ours] = seen[theirs]
-        if self._radius is not None:
-            speed = max(float(truth[OUTPUT["speed"]][0]), 1e-3)
-            truth[OUTPUT["slip"]] = 1.0 - self._radius * truth[OUTPUT["wheelset_speed"]] / speed
+    def _whole(self, truth: Vector) -> Vector:
+        speed = max(float(truth[OUTPUT["speed"]][0]), 1e-3)
+        truth[OUTPUT["slip"]] = 1.0 - self._radius * truth[OUTPUT["wheelset_speed"]] / speed
         return truth
 
 
@@ -278,32 +307,29 @@ _NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"
 
 
 @contextmanager
-def _believer(scenario: Scenario, fmus: dict[str, str]) -> Iterator[Believer]:
+def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
     """Make the estimator of a scenario; an FMU that takes part adds its digest to `fmus`."""
     table = scenario.estimator
     assert isinstance(table, KalmanFilter)
     noise = _noise(table)
     period = scenario.periods.estimator
+    model = lowered(f"RailBraking.FMUs.{table.model}")
+    changed = _si("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
+    parameters = {v.name: v.start for v in model.parameters} | changed
     with ExitStack() as stack:
         if table.kind == "fmu":
             description = description_of(recipe_file(table.model))
             fmus[description.file.name] = description.digest
-            parameters = parameters_of(description) | dict(table.parameters)
-            model = lowered(f"RailBraking.FMUs.{table.model}")
             prediction = stack.enter_context(
                 FmuPrediction(
                     description,
-                    parameters=dict(table.parameters),
+                    parameters=parameters,
                     states=[v.name for v in model.states],
                     inputs=[v.name for v in model.inputs],
                     outputs=[v.name for v in model.outputs],
                 )
             )
         else:
-            model = lowered(f"RailBraking.FMUs.{table.model}")
-            parameters = {v.name: v.start for v in model.parameters}
-            _refuse_unknown("[estimator.parameters]", table.parameters, parameters)
-            parameters |= dict(table.parameters)
             prediction = CasadiPrediction(model, parameters)
         gate = pad_gate(
             pad_force=1500.0,
@@ -316,7 +342,7 @@ def _believer(scenario: Scenario, fmus: dict[str, str]) -> Iterator[Believer]:
         states, outputs = prediction.states, prediction.outputs
         noises = noise.process_noise(states), noise.reading_noise(outputs)
         if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-            filter_ = CompiledFilter(prediction, *noises, period, gate)
+            filter_ = CompiledFilter(prediction, *noises, period, gate, directory=BUILD)
         else:
             filter_ = ExtendedKalmanFilter(prediction, *noises, period, gate)
         radius = parameters["r_wheel"]
@@ -358,12 +384,6 @@ def _noise(table: KalmanFilter) -> NoiseSet:
     return NOISE_SETS[wanted]
 
 
-def _refuse_unknown(where: str, given: Mapping[str, float], known: Mapping[str, float]) -> None:
-    unknown = [name for name in given if name not in known]
-    if unknown:
-        raise ScenarioError(f"{where} has no parameter '{unknown[0]}'; it has {', '.join(sorted(known))}.")
-
-
 # ---- controller and actuation -----------------------------------------------------------------------------------
 
 
@@ -371,24 +391,19 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
     """Return the control law of a scenario, its named set changed by [controller.parameters]."""
     kind = scenario.controller.kind
     train = parameters_of(description_of(recipe_file(CATALOGUE)))
-    own = {n: v for n, v in scenario.controller.parameters.items() if n not in train}
+    own = {name: value for name, value in scenario.controller.parameters.items() if name not in train}
+    where = "[controller.parameters]"
     if kind == "full_brake":
-        _refuse_unknown("[controller.parameters]", own, {})
+        _si(where, own, {})
         return FullBrake(groups)
     if kind in ("slip_two_state", "slip_three_state"):
-        levels = tuning.SLIP_LEVELS
-        allowed = {"low": levels.low, "high": levels.high, "speed_min": levels.speed_min}
-        _refuse_unknown("[controller.parameters]", own, allowed)
-        values = allowed | own
+        values = _si(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
         try:
-            return SlipBased(groups, SlipLevels(**values, hold=kind == "slip_three_state"))
+            return SlipBased(groups, replace(tuning.SLIP_LEVELS, **values, hold=kind == "slip_three_state"))
         except ValueError as problem:
-            raise ScenarioError(f"[controller.parameters]: {problem}") from problem
-    seeker = tuning.SEEKER[scenario.actuation.kind]
-    names = {name: float(getattr(seeker, name)) for name in SeekerTuning.__slots__}
-    _refuse_unknown("[controller.parameters]", own, names)
-    given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max} | own
-    seeker = replace(seeker, **given)
+            raise ScenarioError(f"{where}: {problem}") from problem
+    given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max}
+    seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **_si(where, own, SeekerTuning.UNITS))
     return (AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
 
 
@@ -447,9 +462,24 @@ def contact_of(scenario: Scenario) -> Callable[[Vector, Vector, Vector, Vector],
     values = {v.name: v.start for v in model.parameters} | scenario.adhesion.polach.plant_parameters()
     parameters = np.array([values[v.name] for v in model.parameters])
     order = [("slip", "speed", "load", "mu0").index(v.name) for v in model.inputs]
+    compiled = _compiled_contact()
 
     def adhesion(slip: Vector, speed: Vector, load: Vector, mu0: Vector) -> Vector:
         given = np.stack([np.ravel(values) for values in (slip, speed, load, mu0)])[order]
-        return np.asarray(model.output(0.0, np.zeros((0, 1)), given, parameters)).reshape(np.shape(slip))
+        return np.asarray(compiled(given, parameters)).reshape(np.shape(slip))
 
     return adhesion
+
+
+@cache
+def _compiled_contact() -> ca.Function:
+    """Return the contact as C: the search for peaks evaluates it a million times a stop."""
+    model = lowered("RailBraking.FMUs.ContactPoint")
+    given, parameters = ca.SX.sym("given", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
+    function = ca.Function("contact", [given, parameters], [model.output(0, ca.SX(0, 1), given, parameters)])
+    generator = ca.CodeGenerator("contact.c")
+    generator.add(function)
+    source = generator.dump()
+    name = f"contact_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+    library = shared_library({"contact.c": source}, BUILD, name, flags=("-fvisibility=default",))
+    return ca.external("contact", str(library.resolve()))

@@ -8,11 +8,32 @@
 int step_plain(double *block);
 int step_wide(double *block);
 
+#if defined(__x86_64__)
+#include <cpuid.h>
+
+/* Whether processor and operating system have AVX2. Not __builtin_cpu_supports: in a shared library it needs a symbol
+   that not every compiler's runtime can give. */
+static int has_avx2(void)
+{
+    unsigned a, b, c, d, saved, unused;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & (1u << 27)) || !(c & (1u << 28)))
+        return 0;                       /* no XSAVE by the system, or no AVX */
+    __asm__("xgetbv" : "=a"(saved), "=d"(unused) : "c"(0));
+    if ((saved & 6) != 6)
+        return 0;                       /* the system does not save vector registers */
+    return __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & (1u << 5));
+}
+
 EXPORT int step(double *block)
 {
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2"))
-        return step_wide(block);
-#endif
+    static int wide = -1;               /* asked once: on a virtual machine the question takes microseconds */
+    if (wide < 0)
+        wide = has_avx2();
+    return wide ? step_wide(block) : step_plain(block);
+}
+#else
+EXPORT int step(double *block)
+{
     return step_plain(block);
 }
+#endif

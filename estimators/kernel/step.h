@@ -108,7 +108,7 @@ static void transition(double period, const double *free, double *jacobian, row 
         phi[i][i] += 1.0;
     }
     for (int k = ORDER - 1; k >= 1; k--) {
-        double scaled[A_ROW[N] + 1];
+        double scaled[A_COUNT];
         for (int at = 0; at < A_ROW[N]; at++)
             scaled[at] = jacobian[at] / k;
         for (int i = 0; i < N; i++)
@@ -125,7 +125,7 @@ static void spread(const double *block, const double *free, const row *phi, row 
 {
     static const row zero;
     const row *prior = (const row *)(block + COVARIANCE), *noise = (const row *)(block + SPREAD);
-    double factor[PHI_ROW[N]];
+    double factor[PHI_COUNT];
     row turned[N] = {{0}}, sum;
 
     for (int i = 0; i < N; i++)
@@ -172,7 +172,7 @@ static int condition(double *block, const double *free, const double *mean, cons
 {
     static const row zero;
     const double *seen = block + SEEN, *noise = block + READING_NOISE;
-    double expectation[M], H[H_ROW[M] + 1], residual[M], S[M][M], R[M][M], minus[M];
+    double expectation[M], H[H_COUNT], residual[M], S[M][M], R[M][M], minus[M];
     row PH[M], gain[M], sum;              /* P H' and K, by columns: row a is column a of the r used readings */
     int used[M], all[M], related[M], relative[M][M], r = 0;
 
@@ -259,7 +259,7 @@ static int condition(double *block, const double *free, const double *mean, cons
 /* Advance the belief in `block` by one period; on failure it stays as it was. */
 int STEP(double *block)
 {
-    double free[N], mean[N], jacobian[A_ROW[N] + 1];
+    double free[N], mean[N], jacobian[A_COUNT];
     row phi[N], predicted[N];
 
     for (int i = 0; i < N; i++)

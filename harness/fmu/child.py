@@ -27,6 +27,7 @@ _REQUESTS: Final = {code: request for request, code in _CODES.items()}
 ANSWER: Final = 0
 FAILED: Final = 255
 _HEAD: Final = struct.Struct("<BI")
+_CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,24 +50,22 @@ def send(line: socket.socket, kind: Request | int, payload: bytes) -> None:
 
 
 def receive(line: socket.socket) -> tuple[int, bytes]:
-    """Return the next message.
+    """Return the next message; the two ends take turns, so there is never more than one on the line.
 
     Raises:
         ConnectionError: The other end is gone.
         TimeoutError: The line has a timeout and nothing came.
     """
-    code, length = _HEAD.unpack(_exactly(line, _HEAD.size))
-    return code, _exactly(line, length)
-
-
-def _exactly(line: socket.socket, length: int) -> bytes:
-    got = line.recv(length) if length else b""
-    while len(got) < length:
-        more = line.recv(length - len(got)) if got else b""
+    got = b""
+    wanted = _HEAD.size
+    while len(got) < wanted:
+        more = line.recv(_CHUNK)
         if not more:
             raise ConnectionError("the other end of the line is gone")
         got += more
-    return got
+        if len(got) >= _HEAD.size:
+            wanted = _HEAD.size + _HEAD.unpack_from(got)[1]
+    return _HEAD.unpack_from(got)[0], got[_HEAD.size :]
 
 
 def serve(line: socket.socket) -> None:

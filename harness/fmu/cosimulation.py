@@ -5,8 +5,8 @@ binding; conversions are applied only where the FMU's units differ. All buffers 
 """
 
 import ctypes
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Generator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -164,15 +164,14 @@ class CoSimulation:
         instance = self._open()
         if self._sample >= 0:
             raise RuntimeError("a plant is started once; open another one to start again")
-        try:
+        if np.shape(inputs) != (self._binding.inputs.size,):
+            raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
+        with self._remembering():
             instance.enter_initialization(self._start_time, self._tolerance)
             self._send(instance, inputs)
             instance.exit_initialization(self._start_time)
             self._sample = 0
             values = self._receive(instance)
-        except PlantFailed as failed:
-            self._spent = failed
-            raise
         self._ready = True
         return values
 
@@ -217,7 +216,8 @@ class CoSimulation:
                 "canGetAndSetFMUstate; replay the stop from its start instead."
             )
         handle = ctypes.c_void_p(None)
-        instance.call("fmi2GetFMUstate", ctypes.byref(handle), time=self.time, doing="saving its state")
+        with self._remembering():
+            instance.call("fmi2GetFMUstate", ctypes.byref(handle), time=self.time, doing="saving its state")
         self._snapshots.append(handle.value or 0)
         self._looks_back = 0
         return Snapshot(sample=self._sample, handle=handle.value or 0, owner=id(self))
@@ -228,9 +228,10 @@ class CoSimulation:
         if snapshot.owner != id(self) or snapshot.handle not in self._snapshots:
             raise RuntimeError("this snapshot belongs to another plant or to one that is closed")
         state = ctypes.c_void_p(snapshot.handle)
-        instance.call("fmi2SetFMUstate", state, time=self.time, doing="returning to a saved state")
-        self._sample = snapshot.sample
-        return self._receive(instance)
+        with self._remembering():
+            instance.call("fmi2SetFMUstate", state, time=self.time, doing="returning to a saved state")
+            self._sample = snapshot.sample
+            return self._receive(instance)
 
     def _open(self) -> Instance:
         if self._spent is not None:
@@ -263,13 +264,17 @@ class CoSimulation:
         return everything
 
     def _fail(self, call: str, status: int, time: float, doing: str) -> None:
-        """Raise the failure behind a bad status, and remember it."""
-        instance = self._open()
+        """Raise the failure behind a bad status."""
+        with self._remembering():
+            self._open().check(status, call, time, doing)
+
+    @contextmanager
+    def _remembering(self) -> Generator[None]:
+        """Keep a failure that passes: the plant is spent and repeats it from then on."""
         try:
-            instance.check(status, call, time, doing)
+            yield
         except PlantFailed as failed:
-            self._spent = failed
-            self._ready = False
+            self._spent, self._ready = failed, False
             raise
 
     def _not_finite(self, values: Vector) -> None:
@@ -277,9 +282,8 @@ class CoSimulation:
         worst = int(np.flatnonzero(~np.isfinite(values))[0])
         name = self._binding.outputs.elements[worst if self._present is None else self._present[worst]]
         failure = instance.failure("not_finite", "", self.time, variable=name, doing=f"{values[worst]}")
-        self._spent = PlantFailed(failure)
-        self._ready = False
-        raise self._spent
+        with self._remembering():
+            raise PlantFailed(failure)
 
 
 class _Sender:

@@ -55,7 +55,7 @@ class Failure:
         return f"{self.file}: at {self.time:.9g} s {what}{about}{reached}{said}."
 
 
-class PlantFailed(Exception):  # noqa: N818 — an outcome of a run, not an error in the question
+class PlantFailed(Exception):
     """An FMU failed while it ran; `failure` says how. Survives pickling between processes."""
 
     def __init__(self, failure: Failure) -> None:

@@ -169,8 +169,12 @@ class Instance:
         The interpreter lock is kept: a call lasts microseconds, and handing the lock over and back costs a
         good part of that.
         """
-        address = _address(getattr(self._library, name))
-        return cast(Callable[..., int], ctypes.PYFUNCTYPE(ctypes.c_int, *argument_types)(address))
+        prototype = ctypes.PYFUNCTYPE(ctypes.c_int, *argument_types)
+        return cast(Callable[..., int], prototype(_address(getattr(self._library, name))))
+
+    def address(self, name: str) -> ctypes.c_void_p:
+        """Return where an FMI function is, for a caller in C."""
+        return ctypes.c_void_p(_address(getattr(self._library, name)))
 
     def call(self, name: str, *arguments: Any, time: float, doing: str = "") -> None:
         """Call an FMI function of this instance off the hot path.

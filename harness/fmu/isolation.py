@@ -27,7 +27,7 @@ from harness.fmu.description import Description
 from harness.fmu.failure import Failure, FmuError, PlantFailed
 from harness.fmu.instance import unpacked
 from harness.fmu.mapping import Binding
-from harness.fmu.parameters import Values, assignments
+from harness.fmu.parameters import Values
 
 Vector = NDArray[np.float64]
 
@@ -66,8 +66,12 @@ class IsolatedCoSimulation:
         """
         if not (isfinite(patience) and patience > 0):
             raise FmuError(f"{description.file.name}: patience is a positive time, got {patience} s.")
+        if os.name != "posix":
+            raise FmuError(
+                f"{description.file.name}: a plant cannot have a process of its own on this system; "
+                "set trust = true under [vehicle] to load it into this one."
+            )
         CoSimulation(description, binding, period=period, parameters=parameters)  # the same questions are wrong
-        assignments(description, parameters)
         self._description = description
         self._binding = binding
         self._period = period
@@ -80,6 +84,7 @@ class IsolatedCoSimulation:
         self._line: socket.socket | None = None
         self._spent: PlantFailed | None = None
         self._sample = -1
+        self._hurry = False
 
     def __enter__(self) -> Self:
         """Unpack the FMU here, so that its files go even if the child does not survive; start the child."""
@@ -121,6 +126,7 @@ class IsolatedCoSimulation:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         """Let the child free the FMU, end it if it does not, and remove the files."""
+        self._hurry = self._hurry or kind is not None  # whoever breaks off does not wait for a step to end
         self._stack.close()
 
     def _end(self) -> None:
@@ -131,7 +137,7 @@ class IsolatedCoSimulation:
         if line is not None:
             line.close()  # the child takes the end of the line for goodbye
         try:
-            process.wait(timeout=0 if self._spent is not None else self._patience)
+            process.wait(timeout=0 if self._hurry or self._spent is not None else self._patience)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
@@ -195,7 +201,9 @@ class IsolatedCoSimulation:
         line = self._line
         if line is None:
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
-        line.settimeout(patience or self._patience)
+        allowed = patience or self._patience
+        if line.gettimeout() != allowed:  # changing it is a call to the system, twice for each step
+            line.settimeout(allowed)
         try:
             send(line, request, payload)
             kind, answer = receive(line)

@@ -1,15 +1,16 @@
 """The Python engine: any mix of parties, sample by sample. It is the reference for faster ones."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controllers.sight import Sight
+from estimators.belief import Estimate
 from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
-from harness.loop.ports import Actuation, Controller, Estimate, Estimator, Plant, Rail, Sensors
+from harness.loop.ports import Actuation, Controller, Estimator, Plant, Rail, Sensors
 from harness.loop.sensors import READING
 from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
@@ -132,17 +133,17 @@ def run(
     truth = plant.start(inputs)
     watch = _Watch(believer, wheel_radius, columns)
     reading = sensors.read(0, truth)
-    held = reading[READING["cylinder_pressure"]]
+    time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     for k in range(clock.samples + 1):
         if k > 0:
             truth = plant.step(inputs)
             reading = sensors.read(k, truth)
+        watch.see(reading)
         time, distance, speed = k * period, float(truth[at_distance]), float(truth[at_speed])
         if believer is not None and k > 0 and k % clock.estimator == 0:
-            problem = watch.believe(held, reading)
+            problem = watch.believe()
             if problem:
-                return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} at {time:.3f} s.", samples=k)
-            held = reading[READING["cylinder_pressure"]]
+                return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=k)
         row = rows[k]
         row[truth_columns] = truth
         row[sent.mu0] = inputs[FRICTION]
@@ -151,7 +152,7 @@ def run(
         row[read] = reading
         watch.record(row)
         if k % clock.controller == 0:
-            sight = watch.sight(time, reading)
+            sight = watch.sight(time)
             demands = controller.decide(sight)
             command = actuation.command(demands, sight.pressure)
             if not all(map(math.isfinite, command)):
@@ -181,7 +182,7 @@ class _Columns:
 
     __slots__ = ("command", "mu0", "track_force")
 
-    def __init__(self, columns: dict[str, slice], mu0: str, track_force: str, command: str) -> None:
+    def __init__(self, columns: Mapping[str, slice], mu0: str, track_force: str, command: str) -> None:
         self.mu0 = columns[mu0]
         self.track_force = columns[track_force].start
         self.command = columns[command]
@@ -190,30 +191,50 @@ class _Columns:
 class _Watch:
     """What is seen and believed, from sample to sample: the last readings and the belief."""
 
-    def __init__(self, believer: Believer | None, wheel_radius: tuple[float, ...], columns: dict[str, slice]) -> None:
+    def __init__(
+        self, believer: Believer | None, wheel_radius: tuple[float, ...], columns: Mapping[str, slice]
+    ) -> None:
         self._believer = believer
         self._estimate = believer.first if believer is not None else None
         self._radius = believer.wheel_radius if believer is not None else wheel_radius
-        self._last: list[float] = []
+        self._columns = columns
+        self._slip = (0.0,) * GROUPS
+        self._latest: Vector | None = None  # newest reading of every sensor
+        self._fresh: Vector | None = None  # the same, NaN where nothing came since the last step of the belief
+        self._held = np.zeros(GROUPS)
         if believer is not None:
             n = len(believer.first.mean)
             self._diagonal = np.concatenate([believer.adhesion, believer.pad_friction]) * (n + 1)
-            self._speed_column = columns["estimate_speed"].start
-            self._slip_columns = columns["estimate_slip"]
-            self._columns = columns
-            self._slip = (0.0,) * GROUPS
+            self._held = np.zeros(believer.inputs)
 
-    def believe(self, held: Vector, reading: Vector) -> str | None:
-        """Step the belief; return what is wrong with it, if anything is."""
-        believer, estimate = self._believer, self._estimate
-        assert believer is not None and estimate is not None
-        self._estimate = estimate = believer.filter.step(estimate, held, reading[believer.seen])
-        mean = estimate.mean
-        if not math.isfinite(mean.dot(mean)):
-            return "The estimator diverged: its mean is not finite"
+    def see(self, reading: Vector) -> None:
+        """Take a reading; an entry that is NaN brings nothing new."""
+        if self._latest is None:
+            self._latest = reading
+            # What the pressures were before anything was read is not known: the first reading stands for it.
+            self._held[:GROUPS] = reading[READING["cylinder_pressure"]]
+            return
+        new = ~np.isnan(reading)
+        whole = bool(new.all())
+        self._latest = reading if whole else np.where(new, reading, self._latest)
+        self._fresh = reading if whole or self._fresh is None else np.where(new, reading, self._fresh)
+
+    def believe(self) -> str | None:
+        """Step the belief over what was seen since its last step; return what is wrong with it, if anything is."""
+        believer, estimate, fresh, latest = self._believer, self._estimate, self._fresh, self._latest
+        assert believer is not None
+        assert estimate is not None
+        assert fresh is not None
+        assert latest is not None
+        try:
+            self._estimate = estimate = believer.filter.step(estimate, self._held, fresh[believer.seen])
+        except ArithmeticError as diverged:
+            return str(diverged)
+        self._fresh = None
+        self._held[:GROUPS] = latest[READING["cylinder_pressure"]]
         variances = estimate.covariance.ravel()[self._diagonal]
         if not variances.min() >= 0.0:
-            return "The estimator diverged: a variance is negative or not a number"
+            return "The estimator diverged: a variance is negative or not a number."
         return None
 
     def record(self, row: Vector) -> None:
@@ -226,19 +247,17 @@ class _Watch:
         wheels = mean[believer.wheelset_speed].tolist()
         self._slip = _slips(speed, wheels, self._radius)
         deviations = np.sqrt(estimate.covariance.ravel()[self._diagonal])
-        row[self._speed_column] = speed
-        row[self._slip_columns] = self._slip
+        row[columns["estimate_speed"]] = speed
+        row[columns["estimate_slip"]] = self._slip
         row[columns["estimate_adhesion"]] = mean[believer.adhesion]
         row[columns["estimate_pad_friction"]] = mean[believer.pad_friction]
         row[columns["estimate_adhesion_sd"]] = deviations[:GROUPS]
         row[columns["estimate_pad_friction_sd"]] = deviations[GROUPS:]
 
-    def sight(self, time: float, reading: Vector) -> Sight:
-        """Return what the controller sees now; a reading that is not new is the last one."""
-        values = reading.tolist()
-        if self._last:
-            values = [new if new == new else old for new, old in zip(values, self._last, strict=True)]
-        self._last = values
+    def sight(self, time: float) -> Sight:
+        """Return what the controller sees now; a sensor without a new reading shows its last one."""
+        assert self._latest is not None
+        values = self._latest.tolist()
         pressure = tuple(values[READING["cylinder_pressure"]])
         acceleration = values[READING["acceleration"].start]
         believer, estimate = self._believer, self._estimate

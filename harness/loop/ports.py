@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.sight import Sight
+from estimators.belief import Estimate
 
 Vector = NDArray[np.float64]
 
@@ -29,20 +30,6 @@ class Sensors(Protocol):
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of a sample, ordered as in `harness.loop.sensors`; NaN where there is no new one."""
-        ...
-
-
-class Estimate(Protocol):
-    """A belief: mean (n,) and covariance (n, n) of the prediction's states."""
-
-    @property
-    def mean(self) -> Vector:
-        """Mean, in the order and units of the prediction's states."""
-        ...
-
-    @property
-    def covariance(self) -> Vector:
-        """Covariance of the mean."""
         ...
 
 
@@ -77,10 +64,10 @@ class Actuation(Protocol):
 class Rail(Protocol):
     """What the track does to the train."""
 
-    def mu0(self, time: float, distance: float) -> Vector:
+    def mu0(self, time: float, distance: float, /) -> Vector:
         """Return the maximum friction at each wheelset."""
         ...
 
-    def force(self, distance: float) -> float:
+    def force(self, distance: float, /) -> float:
         """Return the force of gradient and curve on the train, forward positive [N]."""
         ...

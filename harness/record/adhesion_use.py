@@ -10,8 +10,10 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     """Return ∫ F dt / ∫ F_ideal dt of the train and of each wheelset, F the braking force in the contact.
 
     1 is a stop at the ideal bound. A wheelset may exceed it for a moment: inertia releases force that no
-    steady torque would hold.
+    steady torque would hold. NaN where the trace has no bound, as of a plant that does not show its brakes.
     """
+    if "ideal_share" not in trace:
+        return float("nan"), (float("nan"),) * len(GROUP_OF_WHEELSET)
     time, load = trace["time"].values, trace["wheelset_load"].values
     used = np.trapezoid(trace["adhesion"].values * load, time, axis=0)
     possible = np.trapezoid(trace["ideal_share"].values * load, time, axis=0)

@@ -87,10 +87,10 @@ def profile_of(scenario: Scenario) -> Profile:
             found = _from_curve(curve, places)
         case _:
             assert_never(adhesion)
-    mu0 = _conditioned(adhesion.level * found, adhesion.conditioning)
+    mu0 = _conditioned(adhesion.factor * found, adhesion.conditioning)
     if mu0.max() > 1:
         raise ScenarioError(
-            f"{scenario.name}: [adhesion] level {adhesion.level:g} brings mu0 to {mu0.max():.3g}, above 1"
+            f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
         )
     mu0.flags.writeable = False
     return Profile(over_time=over_time, step=step, mu0_at=mu0)

@@ -38,7 +38,9 @@ class KalmanFilter(Table):
 
 Estimator = Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind")]
 
-Controllers = Literal["full_brake", "slip_two_state", "slip_three_state", "adhesion_based", "adhesion_literal", "ideal_bound"]
+Controllers = Literal[
+    "full_brake", "slip_two_state", "slip_three_state", "adhesion_based", "adhesion_literal", "ideal_bound"
+]
 
 
 class Controller(Table):

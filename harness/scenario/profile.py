@@ -31,9 +31,18 @@ class _Profile(Table):
 
     polach: Polach
     level: Annotated[float, Unit("1", above=0)] = Field(
-        default=1.0, description="factor on the first wheelset's friction; calibration moves it"
+        default=1.0, description="factor on the first wheelset's friction"
+    )
+    calibrated: dict[str, Annotated[float, Unit("1", above=0)]] = Field(
+        default={},
+        description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
     conditioning: Conditioning | None = None
+
+    @property
+    def factor(self) -> float:
+        """Factor on the first wheelset's friction: the level, times what the calibration found for this shape."""
+        return self.level * self.calibrated.get(self.polach.name, 1.0)
 
 
 class Constant(_Profile):

@@ -24,9 +24,7 @@ class SmallModel:
 Equation = Callable[[ca.SX, ca.SX, ca.SX, ca.SX], Sequence[ca.SX]]
 
 
-def small_model(
-    states: str, inputs: str, parameters: str, outputs: str, f: Equation, h: Equation
-) -> SmallModel:
+def small_model(states: str, inputs: str, parameters: str, outputs: str, f: Equation, h: Equation) -> SmallModel:
     """Names separated by blanks; `f` and `h` are functions of the symbols (t, x, u, p)."""
     x_names, u_names, p_names, y_names = (
         tuple(Name(word) for word in words.split()) for words in (states, inputs, parameters, outputs)

@@ -76,7 +76,7 @@ def test_inputs_are_held_over_the_step_that_they_are_given_to(foundry: Path):
 
 def test_time_is_counted_and_not_summed(foundry: Path):
     """The FMU fails unless it is given k · period to the last bit; a sum of periods is off after a few steps."""
-    with opened(tiny(foundry), allowed=10**6) as plant:
+    with opened(tiny(foundry), label="strict") as plant:
         plant.start(np.zeros(1))
         for _ in range(30_000):
             plant.step(np.zeros(1))
@@ -122,6 +122,11 @@ def test_an_fmu_that_cannot_save_its_state_says_so(foundry: Path):
         plant.start(np.zeros(1))
         with pytest.raises(FmuError, match="does not offer canGetAndSetFMUstate; replay the stop from its start"):
             plant.snapshot()
+
+
+def test_a_wrong_number_of_inputs_is_refused(foundry: Path):
+    with opened(tiny(foundry)) as plant, pytest.raises(ValueError, match=r"a vector of 1, got shape \(2,\)"):
+        plant.start(np.zeros(2))
 
 
 def test_two_plants_do_not_share_anything(foundry: Path):

@@ -1,6 +1,7 @@
 """A plant with other names and units runs through its mapping table, and stops as its own physics says."""
 
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -10,9 +11,12 @@ import pytest
 from fmus.native import package
 from fmus.native.dae import read
 from fmus.native.system import explicit
+from harness.assemble import run_stop
 from harness.fmu import Binding, CoSimulation, Description, FmuError, Signal, bind, describe
-from harness.fmu.edge import answered, sent
 from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
+from harness.record.outcome import Outcome
+from harness.record.signals import PLANT
+from harness.scenario.load import load
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = ROOT / "harness" / "scenario" / "library" / "foreign_train.toml"
@@ -20,6 +24,21 @@ PERIOD = 1e-3
 
 MASS, INERTIA, RADIUS, BRAKE = 84e3, 6 * 111.0, 0.38, 6 * 1.9e3 / 1e5  # kg, kg.m2, m, N.m/Pa
 SHAPE = 1.5
+
+SENT = (
+    Signal(name="pressure_command", unit="Pa", size=4, needed=True),
+    Signal(name="mu0", unit="1", size=6, needed=True),
+    Signal(name="track_force", unit="N", size=0, needed=True),
+)
+NEEDED = ("speed", "distance", "acceleration", "wheelset_speed", "cylinder_pressure")
+
+
+def answered(*more: str) -> tuple[Signal, ...]:
+    """The loop's outputs, of which those for every stop are needed, and `more`."""
+    return tuple(
+        Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in (*NEEDED, *more))
+        for s in PLANT
+    )
 
 
 @pytest.fixture(scope="module")
@@ -43,8 +62,8 @@ def binding(foreign: Description) -> Binding:
     table = tomllib.loads(SCENARIO.read_text())["vehicle"]["map"]
     return bind(
         foreign,
-        inputs=sent("ideal", graded=True),
-        outputs=answered(()),
+        inputs=SENT,
+        outputs=answered(),
         parameters=[Signal(name="speed_start", unit="m/s", size=0, needed=True)],
         table=table,
         where=f"{SCENARIO.name}: [vehicle.map]",
@@ -129,11 +148,32 @@ def test_overbraked_wheels_lock_and_slide_with_what_the_curve_leaves(foreign: De
 
 def test_without_its_table_the_plant_is_refused_with_what_it_has(foreign: Description):
     with pytest.raises(FmuError, match=r"no input 'pressure_command\[1\]'.*; it has demand\[1\], demand\[2\]"):
-        bind(foreign, inputs=sent("ideal", graded=True), outputs=answered(()), where="city.toml: [vehicle.map]")
+        bind(foreign, inputs=SENT, outputs=answered(), where="city.toml: [vehicle.map]")
 
 
 def test_a_stop_that_needs_what_it_lacks_is_refused(foreign: Description):
     table = tomllib.loads(SCENARIO.read_text())["vehicle"]["map"]
     table.pop("speed_start")
     with pytest.raises(FmuError, match=r"no output 'deflection\[1\]'"):
-        bind(foreign, inputs=sent("ideal", graded=True), outputs=answered(("deflection",)), table=table)
+        bind(foreign, inputs=SENT, outputs=answered("deflection"), table=table)
+
+
+def test_its_scenario_runs_from_file_to_stop_in_a_process_of_its_own(foreign: Description, tmp_path: Path):
+    """Slip control on a wet rail, and the same to the last bit when the FMU is trusted."""
+    path = tmp_path / "foreign_train.toml"
+    written = re.sub(r'plant = ".*"', f'plant = "{foreign.file}"', SCENARIO.read_text())
+    path.write_text(written)
+    told: list[str] = []
+    stops = [
+        run_stop(load(path, [f"vehicle.trust={trust}", "start.speed=20 km/h"]), tell=told.append)
+        for trust in ("false", "true")
+    ]
+    assert len(told) == 1
+    assert "ForeignTrain.fmu was not built by this project" in told[0]
+    alone, here = stops
+    assert alone.outcome is Outcome.STANDSTILL
+    assert alone.fmus["ForeignTrain.fmu"] == foreign.digest
+    np.testing.assert_array_equal(alone.trace["speed"], here.trace["speed"])
+    # Between sliding all the way on what the curve leaves (0.70 of its peak here) and using the peak throughout.
+    speed, peak = 20 / 3.6, 0.08 * 9.81
+    assert speed**2 / 2 / peak < alone.metrics.distance < speed**2 / 2 / (0.7 * peak) + 2.0

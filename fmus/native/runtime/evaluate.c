@@ -1,13 +1,19 @@
 /* Evaluation of the model: parameters, derivatives, nonlinear loops, outputs. */
 
 static void message(Instance *m, fmi2Status status, const char *category, const char *format, ...) {
-    char text[1024];
+    char text[1024], escaped[2 * sizeof text], *to = escaped;
     va_list arguments;
+    if (!m->callbacks.logger || (status < fmi2Warning && !m->logging)) return;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (m->callbacks.logger && (m->logging || status >= fmi2Warning))
-        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, category, "%s", text);
+    /* The text itself is the format, not an argument of "%s": loggers in Python never see the arguments. */
+    for (const char *from = text; *from; from++) {
+        if (*from == '%') *to++ = '%';
+        *to++ = *from;
+    }
+    *to = 0;
+    m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, category, escaped);
 }
 
 static int failure(Instance *m, const char *format, ...) {

@@ -1,0 +1,136 @@
+"""The C of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.design import Design
+from estimators.discretisation import ORDER
+from estimators.prediction import CasadiPrediction
+
+LANES = 4
+"""Rows of the covariance are padded to a multiple of this: the doubles of one AVX register."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Code:
+    """C sources of a filter and the memory they work on.
+
+    Their one function `int step(double *block)` advances the belief in `block` by one period: 0 when it
+    could, else what `step.h` says in its first enum.
+
+    Attributes:
+        sources: File name to text; every `.c` is to be compiled.
+        layout: Part of the block to where it lies: MEAN, COVARIANCE, HELD, SEEN, PARAMETERS, SPREAD,
+            READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED written.
+        width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
+    """
+
+    sources: dict[str, str]
+    layout: dict[str, slice]
+    width: int
+
+
+def generate(prediction: CasadiPrediction, design: Design) -> Code:
+    """Return the C of the filter `design` over `prediction`; numbers are in the block, only shapes in the text."""
+    n, m = len(design.states), len(design.outputs)
+    width = -(-n // LANES) * LANES
+    layout: dict[str, slice] = {}
+    end = 0
+    for part, size in (
+        ("MEAN", n),
+        ("COVARIANCE", n * width),
+        ("HELD", len(design.inputs)),
+        ("SEEN", m),
+        ("PARAMETERS", prediction.parameters.size),
+        ("SPREAD", n * width),
+        ("READING_NOISE", m * m),
+        ("PERIOD", 1),
+        ("THRESHOLD", 1),
+        ("LIMIT_SQUARED", 1),
+        ("SQUARED", 1),
+        ("USED", m),
+    ):
+        layout[part] = slice(end, end + size)
+        end += size
+    kernel = sorted(
+        (file for file in (files("estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
+        key=lambda file: file.name,
+    )
+    return Code(
+        sources={file.name: file.read_text(encoding="utf-8") for file in kernel}
+        | {"shape.h": _shape(prediction, design, layout, width)},
+        layout=layout,
+        width=width,
+    )
+
+
+def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice], width: int) -> str:
+    """Return the text of shape.h: sizes, layout, sparsity tables and the model."""
+    of = prediction.equations
+    given, names = [of.x, of.u, of.p], ["x", "u", "p"]
+    # Jacobians transposed, because CasADi stores columns and step.h reads rows.
+    slopes, sights = of.derivative_jacobian.T, of.output_jacobian.T
+    functions = [
+        ca.Function("slope", given, [of.derivative], names, ["f"]),
+        ca.Function("slope_and_jacobian", given, [of.derivative, slopes], names, ["f", "A"]),
+        ca.Function("expected", given, [of.output, sights], names, ["h", "H"]),
+    ]
+    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
+    for function in functions:
+        generator.add(function)
+    phi = _transition_pattern(slopes.sparsity())
+    numbers = {
+        "N": len(design.states),
+        "M": len(design.outputs),
+        "WIDTH": width,
+        "ORDER": ORDER,
+        "GATES": len(design.gated_states),
+        "ARGUMENTS": max(function.sz_arg() for function in functions),
+        "RESULTS": max(function.sz_res() for function in functions),
+        # One more than needed, since C knows no empty arrays.
+        "WHOLE": 1 + max(function.sz_iw() for function in functions),
+        "WORK": 1 + max(function.sz_w() for function in functions),
+        "A_COUNT": 1 + slopes.nnz(),
+        "H_COUNT": 1 + sights.nnz(),
+        "PHI_COUNT": int(phi.sum()),
+    } | {part: place.start for part, place in layout.items()}
+    tables = {
+        "A_ROW": slopes.sparsity().colind(),
+        "A_COLUMN": slopes.sparsity().row(),
+        "H_ROW": sights.sparsity().colind(),
+        "H_COLUMN": sights.sparsity().row(),
+        "PHI_ROW": np.concatenate([[0], np.cumsum(phi.sum(axis=1))]).tolist(),
+        "PHI_COLUMN": np.nonzero(phi)[1].tolist(),
+        "GATE_STATE": design.gated_states,
+        "GATE_INPUT": design.gating_inputs,
+    }
+    return "\n".join(
+        (
+            "#define CASADI_SYMBOL_EXPORT static",
+            *(f"#define {name} {number}" for name, number in numbers.items()),
+            *(_table(name, values) for name, values in tables.items()),
+            generator.dump(),
+        )
+    )
+
+
+def _table(name: str, values: Iterable[int]) -> str:
+    """Return a constant C array; one element at least, since C knows no empty ones."""
+    return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
+
+
+def _transition_pattern(columns: ca.Sparsity) -> NDArray[np.bool_]:
+    """Return where Φ may differ from zero, shape (n, n), from the pattern of A transposed."""
+    n = columns.size1()
+    pattern = np.zeros((n, n), dtype=bool)
+    row, column = columns.get_triplet()
+    pattern[column, row] = True
+    reach = np.eye(n, dtype=bool)
+    for _ in range(ORDER):
+        reach |= pattern @ reach
+    return reach

@@ -1,0 +1,163 @@
+"""The same steps by other ways: FMPy's own interfaces, and a loop in C; what ours is measured against."""
+
+import ctypes
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, cast
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
+
+from fmus.native.toolchain import shared_library
+from harness.fmu.cosimulation import CoSimulation
+from harness.fmu.description import Description
+from harness.fmu.failure import FmuError
+from harness.fmu.instance import Instance, unpacked
+from harness.fmu.mapping import Binding, Channel
+
+Vector = NDArray[np.float64]
+
+C_LOOP: Final = """
+#include <stddef.h>
+typedef int Exchange(void *, const unsigned *, size_t, double *);
+typedef int Step(void *, double, double, int);
+int steps(Exchange *set, Step *step, Exchange *get, void *fmu, const unsigned *to, size_t inputs, double *u,
+          const unsigned *from, size_t outputs, double *y, double period, int count) {
+    for (int k = 0; k < count; k++) {
+        int status = set(fmu, to, inputs, u);
+        if (status < 2) status = step(fmu, k * period, period, 1);
+        if (status < 2) status = get(fmu, from, outputs, y);
+        if (status > 1) return status;
+    }
+    return 0;
+}
+"""
+
+
+def seconds_of_ours(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
+) -> tuple[float, Vector]:
+    """Return the time of `count` steps through `CoSimulation`, and the last outputs."""
+    with CoSimulation(description, binding, period=period, parameters={}) as plant:
+        last = plant.start(inputs)
+        step = plant.step
+        begin = time.perf_counter()
+        for _ in range(count):
+            last = step(inputs)
+        return time.perf_counter() - begin, last
+
+
+def seconds_of_fmpy(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
+) -> tuple[float, Vector]:
+    """Return the time of `count` steps through FMPy's FMU2Slave, and the last outputs."""
+    sent, seen = _only_real(description, binding)
+    with unpacked(description) as folder:
+        slave: Any = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=cast(Any, description.co_simulation).identifier,
+            instanceName="fmpy",
+        )
+        slave.instantiate()
+        slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        to, start = sent.references.tolist(), inputs.tolist()
+        slave.setReal(to, start)
+        slave.exitInitializationMode()
+        references = seen.references.tolist()
+        last: list[float] = []
+        begin = time.perf_counter()
+        for k in range(count):
+            slave.setReal(to, start)
+            slave.doStep(k * period, period)
+            last = slave.getReal(references)
+        took = time.perf_counter() - begin
+        slave.terminate()
+        slave.freeInstance()
+    return took, np.array(last)
+
+
+def seconds_of_simulate_fmu(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
+) -> tuple[float, Vector]:
+    """Return the time of `count` steps through fmpy.simulate_fmu on unpacked files, and the last outputs.
+
+    Its instantiation is inside, as its interface demands; over a thousand steps that is little.
+    """
+    sent, seen = _only_real(description, binding)
+    model = fmpy.read_model_description(str(description.file))
+    held = np.array(
+        [(0.0, *inputs), (count * period, *inputs)], dtype=[("time", "f8"), *((v, "f8") for v in sent.variables)]
+    )
+    with unpacked(description) as folder:
+        begin = time.perf_counter()
+        result: Any = fmpy.simulate_fmu(
+            str(folder),
+            validate=False,
+            fmi_type="CoSimulation",
+            model_description=model,
+            stop_time=count * period,
+            step_size=period,
+            output_interval=period,
+            input=held,
+            output=list(seen.variables),
+        )
+        took = time.perf_counter() - begin
+    return took, np.array([result[name][-1] for name in seen.variables])
+
+
+def seconds_in_c(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int, cache: Path
+) -> tuple[float, Vector]:
+    """Return the time of `count` steps in a loop in C, and the last outputs.
+
+    Args:
+        description: Of the FMU.
+        binding: All Real.
+        inputs: Held throughout.
+        period: Communication step [s].
+        count: Number of steps.
+        cache: Folder where the loop is compiled and kept.
+    """
+    sent, seen = _only_real(description, binding)
+    library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, cache, "steps", flags=("-fvisibility=default",))))
+    u, y = inputs.astype(float), np.zeros(len(seen.references))
+    with unpacked(description) as folder:
+        fmu = Instance(description, "co-simulation", folder, name="c")
+        try:
+            fmu.enter_initialization(0.0, None)
+            fmu.exit_initialization(0.0)
+            arguments = [
+                *(fmu.address(name) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
+                ctypes.c_void_p(fmu.component),
+                *_pointer_and_size(sent.references),
+                ctypes.c_void_p(u.ctypes.data),
+                *_pointer_and_size(seen.references),
+                ctypes.c_void_p(y.ctypes.data),
+                ctypes.c_double(period),
+                ctypes.c_int(count),
+            ]
+            steps: Callable[..., int] = library.steps
+            begin = time.perf_counter()
+            status = steps(*arguments)
+            took = time.perf_counter() - begin
+            fmu.check(status, "fmi2DoStep", count * period)
+        finally:
+            fmu.close()
+    return took, y
+
+
+def _pointer_and_size(references: NDArray[np.uint32]) -> tuple[ctypes.c_void_p, ctypes.c_size_t]:
+    return ctypes.c_void_p(references.ctypes.data), ctypes.c_size_t(len(references))
+
+
+def _only_real(description: Description, binding: Binding) -> tuple[Channel, Channel]:
+    """Return the one channel of each side; the other ways are written for Real variables without conversion."""
+    channels = (*binding.inputs.channels, *binding.outputs.channels)
+    if [c.carrier for c in channels] != ["Real", "Real"] or any(np.any(c.gain != 1) for c in channels):
+        raise FmuError(f"{description.file}: compared are FMUs with Real inputs and outputs in SI.")
+    return channels[0], channels[1]

@@ -1,0 +1,128 @@
+"""The best stop physically possible: a pseudo-controller that knows everything and needs no time.
+
+At every instant each group uses min(peak adhesion, brake limit, α_max) of the ideal bound. No controller can do
+better on the same rail with the same brakes; none can do as well, because pressure takes time to build up and the
+peak must be found first. What is integrated is the train as a point mass; the physics comes from the plant:
+
+- peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
+- the brake limit and the running resistance as functions of speed from a stop of the same plant with full brake on
+  a rail with friction 0.6, where nothing slides.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness import assemble
+from harness.loop.cycle import Ended
+from harness.record import signals
+from harness.record.bound import with_bound
+from harness.record.outcome import Outcome
+from harness.record.recorder import Recorder
+from harness.record.signals import WHEELSETS
+from harness.record.stop import Stop
+from harness.scenario.adhesion import profile_of
+from harness.scenario.merge import merged
+from harness.scenario.schema import Scenario
+from harness.scenario.track import track_force_of
+from harness.train import GRAVITY, brake_of
+
+Array = NDArray[np.float64]
+
+_GRIPPY = 0.6
+_ROUNDS = 12
+_CLOSE = 1e-3  # m; a thousandth of what a change of controller moves
+
+
+def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
+    """Return the stop that the ideal bound gives.
+
+    Speed over time is found by iteration: the bound depends on speed (falling friction) and, over distance, on place.
+
+    Raises:
+        ScenarioError: The plant does not show its brakes.
+        RuntimeError: The iteration does not settle; it contracts because friction changes little with speed.
+    """
+    plant = assemble.plant_description(scenario)
+    parameters = assemble.parameters_of(plant) | assemble.plant_parameters(scenario, plant)
+    reference = assemble.run_stop(_full_brake(scenario), progress)
+    known = reference.trace.isel(time=slice(200, None))  # after the pressure has built up
+    order = np.argsort(known["speed"].values)
+    speeds = known["speed"].values[order]
+    friction = known["pad_friction"].values[order]
+    mass = sum(parameters[f"m_wheelset[{i + 1}]"] for i in range(WHEELSETS))
+    drawn = np.sum(known["adhesion"].values * known["wheelset_load"].values, axis=1)
+    resistance = (-mass * known["acceleration"].values - drawn)[order]
+
+    period = scenario.periods.communication
+    count = round(scenario.limits.horizon / period) + 1
+    time = np.arange(count, dtype=np.float64) * period
+    profile, force = profile_of(scenario), track_force_of(scenario.track)
+    load = np.array([parameters[f"m_wheelset[{i + 1}]"] * GRAVITY for i in range(WHEELSETS)])
+    contact, brake = assemble.contact_of(scenario), brake_of(parameters)
+    recorder = Recorder((*signals.PLANT, *signals.SENT), count)
+    speed, distance, acceleration = _first_guess(scenario, time)
+    for _ in range(_ROUNDS):
+        at = recorder.columns
+        rows = recorder.rows
+        pad = np.stack([np.interp(speed, speeds, friction[:, g]) for g in range(signals.GROUPS)], axis=1)
+        rows[:, at["distance"]] = distance[:, None]
+        rows[:, at["speed"]] = speed[:, None]
+        rows[:, at["acceleration"]] = acceleration[:, None]
+        rows[:, at["mu0"]] = profile.table(time, distance)
+        rows[:, at["wheelset_load"]] = load
+        rows[:, at["pad_friction"]] = pad
+        moving = int(np.argmax(speed <= scenario.limits.stop_speed)) or count
+        bound = with_bound(recorder.trace(moving, period), contact, brake, scenario.limits.alpha_max)
+        ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
+        slowing = (np.sum(share * load, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
+        slowing -= np.array([force.at(place) for place in distance[:moving]]) / mass
+        rows[:moving, at["adhesion"]] = share
+        rows[:moving, at["group_adhesion"]] = ideal
+        rows[:moving, at["slip"]] = bound["peak_slip"].values
+        before = distance[moving - 1]
+        speed, distance, acceleration = _integrated(scenario.start.speed, slowing, count, period)
+        stopped = int(np.argmax(speed <= scenario.limits.stop_speed))
+        if stopped and abs(distance[stopped] - before) < _CLOSE:
+            break
+    else:
+        raise RuntimeError("the ideal bound did not settle")
+    rows = recorder.rows
+    rows[:, recorder.columns["distance"]] = distance[:, None]
+    rows[:, recorder.columns["speed"]] = speed[:, None]
+    rows[:, recorder.columns["acceleration"]] = acceleration[:, None]
+    samples = min(stopped, moving - 1) + 1
+    ended = Ended(
+        outcome=Outcome.STANDSTILL,
+        reason=f"Could stop after {distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s at best.",
+        samples=samples,
+    )
+    return assemble.judged(scenario, recorder, ended, plant, reference.fmus)
+
+
+def _full_brake(scenario: Scenario) -> Scenario:
+    """Return the same train on a rail where nothing slides, fully braked."""
+    changes = {
+        "name": scenario.name,
+        "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
+        "sensors": {"kind": "ideal"},
+        "estimator": {"kind": "none"},
+        "controller": {"kind": "full_brake"},
+    }
+    table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
+    return Scenario.model_validate(table)
+
+
+def _first_guess(scenario: Scenario, time: Array) -> tuple[Array, Array, Array]:
+    speed = np.maximum(scenario.start.speed - 0.8 * time, 0.0)
+    return speed, np.concatenate([[0.0], np.cumsum(speed[:-1]) * (time[1] - time[0])]), np.full(len(time), -0.8)
+
+
+def _integrated(start: float, slowing: Array, count: int, period: float) -> tuple[Array, Array, Array]:
+    """Integrate a deceleration over time by the trapezoidal rule; beyond its end it stays as it was last."""
+    acceleration = -np.concatenate([slowing, np.full(count - len(slowing), slowing[-1])])
+    steps = 0.5 * (acceleration[1:] + acceleration[:-1]) * period
+    speed = np.maximum(start + np.concatenate([[0.0], np.cumsum(steps)]), 0.0)
+    distance = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
+    return speed, distance, acceleration

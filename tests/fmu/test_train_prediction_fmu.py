@@ -1,0 +1,87 @@
+"""The train's prediction FMUs are the functions of their Modelica classes, Jacobians included.
+
+The FMU's directional derivatives, central differences of the same FMU, and the derivative of the CasADi function that
+the compiler made of the class: three ways that share little, on states all over a stop.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from fmus.native import Model, lower, package
+from fmus.native.dae import read
+from fmus.native.system import explicit
+from harness.fmu import Description, FmuPrediction, describe
+
+LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
+
+
+@pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Description]:
+    name = f"RailBraking.FMUs.{request.param}"
+    file = tmp_path_factory.mktemp("prediction") / f"{request.param}.fmu"
+    source = package.sources(
+        explicit(read(name, LIBRARY)), interfaces=("me",), solver="rodas4", tolerance=1e-6, step=1e-3
+    )
+    package.pack(source, file)
+    return lower(name, LIBRARY), describe(file)
+
+
+def opened(made: tuple[Model, Description], differentiation: str) -> FmuPrediction:
+    model, description = made
+    return FmuPrediction(
+        description,
+        parameters={},
+        states=[v.name for v in model.states],
+        inputs=[v.name for v in model.inputs],
+        outputs=[v.name for v in model.outputs],
+        differentiation=differentiation,  # type: ignore[arg-type]
+    )
+
+
+def points(start: np.ndarray, states: tuple[str, ...]) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield states and inputs of braking at 1 to 60 m/s, with up to 20 % slip and moving bogies."""
+    rng = np.random.default_rng(20)
+    for speed in (60.0, 22.0, 5.0, 1.0):
+        x = start.copy()
+        for i, name in enumerate(states):
+            if name == "v":
+                x[i] = speed
+            elif name.startswith("w["):
+                x[i] *= speed / start[0] * rng.uniform(0.8, 1.0)
+            elif name.startswith(("dz", "ddz")):
+                x[i] = rng.normal(scale=2e-3)
+            else:
+                x[i] *= rng.uniform(0.7, 1.3)
+        yield x, np.array([*rng.uniform(0.5e5, 3.4e5, size=4), rng.normal(scale=5e3)])
+
+
+def test_the_fmu_is_the_function_of_its_class(made: tuple[Model, Description]):
+    model, _ = made
+    parameters = ca.DM([v.start for v in model.parameters])
+    x, u = ca.SX.sym("x", len(model.states)), ca.SX.sym("u", len(model.inputs))
+    f, h = model.derivative(0, x, u, parameters), model.output(0, x, u, parameters)
+    exact = ca.Function("exact", [x, u], [f, h, ca.jacobian(f, x), ca.jacobian(h, x)])
+    with opened(made, "directional") as fmu:
+        for at, held in points(fmu.start, fmu.states):
+            wanted = [np.array(w.full()) for w in exact(at, held)]
+            # The same expressions, in C or in CasADi's virtual machine: rounding, of terms that cancel.
+            size = [np.abs(w).max() for w in wanted]
+            np.testing.assert_allclose(fmu.derivative(at, held), wanted[0].ravel(), atol=1e-12 * size[0])
+            np.testing.assert_allclose(fmu.output(at, held), wanted[1].ravel(), atol=1e-12 * size[1])
+            np.testing.assert_allclose(fmu.derivative_jacobian(at, held), wanted[2], atol=1e-12 * size[2])
+            np.testing.assert_allclose(fmu.output_jacobian(at, held), wanted[3], atol=1e-12 * size[3])
+
+
+def test_directional_derivatives_agree_with_central_differences(made: tuple[Model, Description]):
+    with opened(made, "directional") as exact, opened(made, "central") as central:
+        for x, u in points(exact.start, exact.states):
+            for wanted, found in (
+                (exact.derivative_jacobian(x, u), central.derivative_jacobian(x, u)),
+                (exact.output_jacobian(x, u), central.output_jacobian(x, u)),
+            ):
+                # A central difference keeps two thirds of the digits of the larger entries.
+                np.testing.assert_allclose(found, wanted, rtol=1e-6, atol=1e-8 * np.abs(wanted).max())

@@ -1,0 +1,153 @@
+"""FMUs of small Modelica models, built once per run, and ways to run them."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+import rumoca
+from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as AllocateType
+from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as FreeType
+
+from fmus.native.dae import read
+from fmus.native.package import pack, sources
+from fmus.native.system import explicit
+
+FEATURES = Path(__file__).parent / "modelica" / "Features"
+
+
+@dataclass(frozen=True, slots=True)
+class Fmu:
+    """A built FMU: the zip, its unpacked folder and its description."""
+
+    path: Path
+    folder: Path
+    description: fmpy.model_description.ModelDescription
+
+    def reference(self, name: str) -> int:
+        return next(v.valueReference for v in self.description.modelVariables if v.name == name)
+
+    def names(self, causality: str, *types: str) -> list[str]:
+        return [
+            v.name for v in self.description.modelVariables
+            if v.causality == causality and (not types or v.type in types)
+        ]  # fmt: skip
+
+
+@dataclass(slots=True)
+class Running:
+    """An instance between initialisation and termination, addressed by names."""
+
+    fmu: Fmu
+    instance: FMU2Slave | FMU2Model
+    messages: list[str] = field(default_factory=list)
+
+    def get(self, *names: str) -> list[float]:
+        return self.instance.getReal([self.fmu.reference(n) for n in names])
+
+    def count(self, name: str) -> int:
+        return self.instance.getInteger([self.fmu.reference(name)])[0]
+
+    def set(self, **values: float) -> None:
+        self.instance.setReal([self.fmu.reference(n) for n in values], list(values.values()))
+
+    def steps(self, count: int, size: float, first: int = 0) -> None:
+        for k in range(first, first + count):
+            self.instance.doStep(k * size, size)
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path, str], Fmu]:
+    """Return a function of (library or file, class) that builds an FMU for both interfaces once."""
+    cache: dict[tuple[Path, str], Fmu] = {}
+
+    def build(library: Path, class_name: str) -> Fmu:
+        if (library, class_name) not in cache:
+            folder = tmp_path_factory.mktemp(class_name.replace(".", "_"))
+            source = sources(explicit(read(class_name, library)), interfaces=("me", "cs"))
+            path = pack(source, folder / f"{class_name.rpartition('.')[2]}.fmu", flags=("-O1",))
+            unpacked = Path(fmpy.extract(str(path), str(folder / "unpacked")))
+            cache[library, class_name] = Fmu(path, unpacked, fmpy.read_model_description(str(path)))
+        return cache[library, class_name]
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def feature(built: Callable[[Path, str], Fmu]) -> Callable[[str], Fmu]:
+    """Return a function of a class name in Features."""
+    return lambda name: built(FEATURES, f"Features.{name}")
+
+
+@pytest.fixture(scope="session")
+def modelica(built: Callable[[Path, str], Fmu], tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Fmu]:
+    """Return a function of the text of `model M ... end M;`."""
+    folder = tmp_path_factory.mktemp("texts")
+
+    def build(text: str) -> Fmu:
+        file = folder / f"M{abs(hash(text))}.mo"
+        file.write_text(text)
+        return built(file, "M")
+
+    return build
+
+
+@pytest.fixture
+def run() -> Iterator[Callable[..., Running]]:
+    """Return a function that starts an FMU: run(fmu, interface="cs", start={name: value}, time=0.0)."""
+    alive: list[Running] = []
+
+    def start(fmu: Fmu, interface: str = "cs", *, start: dict[str, float] | None = None, time: float = 0.0) -> Running:
+        kind, identifier = (
+            (FMU2Slave, fmu.description.coSimulation.modelIdentifier)
+            if interface == "cs"
+            else (FMU2Model, fmu.description.modelExchange.modelIdentifier)
+        )
+        instance = kind(
+            guid=fmu.description.guid,
+            unzipDirectory=str(fmu.folder),
+            modelIdentifier=identifier,
+            instanceName="under test",
+        )
+        running = Running(fmu, instance)
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(lambda *a: running.messages.append(a[4].decode()))
+        callbacks.allocateMemory = AllocateType()
+        callbacks.freeMemory = FreeType()
+        instance.instantiate(callbacks=callbacks)
+        instance.setupExperiment(startTime=time)
+        for name, value in (start or {}).items():
+            (setter,) = [v for v in fmu.description.modelVariables if v.name == name]
+            if setter.type == "Real":
+                instance.setReal([setter.valueReference], [value])
+            elif setter.type == "Boolean":
+                instance.setBoolean([setter.valueReference], [bool(value)])
+            else:
+                instance.setInteger([setter.valueReference], [int(value)])
+        instance.enterInitializationMode()
+        instance.exitInitializationMode()
+        alive.append(running)
+        return running
+
+    yield start
+    for running in alive:
+        running.instance.terminate()
+        running.instance.freeInstance()
+
+
+def reference_run(library: Path, class_name: str, stop: float, step: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return rumoca's own simulation at the grid points that no event is near, and its variables there.
+
+    Around an event one of two simulators is a rounding error early; 2 ms on either side are left out.
+    """
+    model = rumoca.Session(roots=[str(library.parent)]).load(str(library / "package.mo"), model=class_name)
+    result = model.simulate((0, stop), dt=step, config=rumoca.SimConfig(solver="bdf", rtol=1e-10, atol=1e-12))
+    time = np.asarray(result.time)
+    doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]
+    on_grid = np.abs(time - np.round(time / step) * step) < 1e-9
+    clear = np.array([np.all(np.abs(t - doubled) > 2e-3) for t in time])
+    keep = on_grid & clear
+    return time[keep], {name: np.asarray(result[name])[keep] for name in result.names if name != "time"}

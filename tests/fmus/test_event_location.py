@@ -1,0 +1,73 @@
+"""Events happen when and as they should, against closed forms."""
+
+import math
+
+import pytest
+
+
+def bounces(count, e=0.7, g=9.81, h=1.0):
+    """Return the instants of a ball's first bounces and its speed just after each."""
+    speed = math.sqrt(2 * g * h)
+    time, out = speed / g, []
+    for _ in range(count):
+        speed *= e
+        out.append((time, speed))
+        time += 2 * speed / g
+    return out
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.05])
+def test_a_ball_bounces_when_the_parabola_says(feature, run, step):
+    """Ballistic flight is integrated exactly; what is left is the location of each bounce, 1e-10 s."""
+    instance = run(feature("BouncingBall"))
+    end = 1.6
+    instance.steps(round(end / step), step)
+    last = [(t, v) for t, v in bounces(8) if t <= end]
+    t, v = last[-1]
+    assert instance.count("bounces") == len(last)
+    assert instance.get("v")[0] == pytest.approx(v - 9.81 * (end - t), abs=1e-8)
+    assert instance.get("h")[0] == pytest.approx(v * (end - t) - 0.5 * 9.81 * (end - t) ** 2, abs=1e-8)
+
+
+def test_friction_stops_holds_and_lets_go(feature, run):
+    """v²/2 = (F/m) s until it stops; it stays; the pull exceeds friction at 5 s and accelerates it."""
+    instance = run(feature("StickSlip"))
+    instance.steps(400, 0.01)
+    assert instance.get("s")[0] == pytest.approx(1.5**2 / (2 * 3 / 2), abs=1e-9)
+    assert instance.get("v")[0] == 0.0
+    instance.steps(200, 0.01, first=400)
+    # From 5 s on m dv/dt = t − 5, so that v(6 s) = 1/(2m).
+    assert instance.get("v")[0] == pytest.approx(0.25, abs=1e-8)
+
+
+def test_a_time_event_moves_with_its_parameter(feature, run):
+    """der(x) is 1 until 0.25 s, −2 until T, then 0.5."""
+    for T in (0.35, 0.6):
+        instance = run(feature("TimeEvents"), start={"T": T})
+        instance.steps(1, 1.0)
+        assert instance.get("x")[0] == pytest.approx(0.25 - 2 * (T - 0.25) + 0.5 * (1 - T), abs=1e-12)
+
+
+def test_an_input_that_jumps_triggers_its_event_at_once(feature, run):
+    fmu = feature("Driven")
+    instance = run(fmu, start={"k": 1.0})
+    instance.steps(10, 0.1)
+    assert instance.count("count") == 0
+    instance.set(u=10.0)
+    instance.steps(5, 0.1, first=10)
+    assert instance.count("count") == 1
+    instance.instance.setBoolean([fmu.reference("frozen")], [True])
+    before = instance.get("x")
+    instance.steps(5, 0.1, first=15)
+    assert instance.get("x") == before
+
+
+def test_a_model_that_chatters_is_reported(modelica, run):
+    fmu = modelica(
+        "model M Real x(start=0.1,fixed=true); Boolean b(start=false,fixed=true);"
+        " equation b = x > 0; der(x) = if b then -1 else 1; end M;"
+    )
+    instance = run(fmu)
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        instance.steps(1, 1.0)
+    assert any("chatters" in m for m in instance.messages)

@@ -1,0 +1,69 @@
+"""What goes wrong while an FMU runs is told through its logger, with variable and time."""
+
+import math
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+
+def test_an_assertion_ends_the_step_with_the_models_own_words(feature, run):
+    instance = run(feature("Driven"), start={"limit": 0.8, "k": 0.1})
+    with pytest.raises(FMICallException):
+        instance.steps(10, 0.1)
+    (said,) = [m for m in instance.messages if "assertion" in m]
+    assert "is 100 %% beyond its limit" in said
+    assert "Driven.mo:" in said
+    assert float(said.split("x = ")[1].split(" ")[0]) == pytest.approx(instance.get("x")[0], rel=1e-4)
+
+
+def test_a_warning_is_said_once_and_does_not_stop(feature, run):
+    instance = run(feature("Driven"), start={"k": 0.1})
+    instance.set(u=-9.0)
+    instance.steps(10, 0.1)
+    assert sum("x is negative" in m for m in instance.messages) == 1
+
+
+def test_an_assertion_that_fails_at_the_start_fails_initialisation(feature, run):
+    with pytest.raises(FMICallException):
+        run(feature("Driven"), start={"limit": 0.1})
+
+
+def test_a_derivative_that_is_not_a_number_names_its_state(modelica, run):
+    fmu = modelica("model M Real depth(start=1,fixed=true); equation der(depth) = -sqrt(depth) - 0.1; end M;")
+    instance = run(fmu)
+    with pytest.raises(FMICallException):
+        instance.steps(40, 0.1)
+    assert any("depth" in m and "time = " in m for m in instance.messages)
+    # It got as far as the closed form 2(√x + a ln(a/(√x + a))) with a = 0.1 allows.
+    empty = 2 * (1 - 0.1 * math.log(1.1 / 0.1))
+    reached = instance.get("time")[0]
+    assert reached == pytest.approx(empty, abs=1e-3)
+
+
+def test_a_nonlinear_loop_without_solution_names_its_unknowns(modelica, run):
+    fmu = modelica("model M Real x(start=1,fixed=true); Real root(start=1); equation root^2 = x; der(x) = -1; end M;")
+    instance = run(fmu)
+    with pytest.raises(FMICallException):
+        instance.steps(20, 0.1)
+    assert any("root" in m and "does not converge" in m for m in instance.messages)
+
+
+def test_a_singularity_names_state_and_time(modelica, run):
+    """der(x) = x² reaches infinity at 1 s."""
+    instance = run(modelica("model M Real x(start=1,fixed=true); equation der(x) = x^2; end M;"))
+    with pytest.raises(FMICallException):
+        instance.steps(20, 0.1)
+    said = instance.messages[-1]
+    assert "x" in said
+    assert "time = " in said
+
+
+def test_calls_out_of_order_are_refused_with_a_sentence(feature, run):
+    instance = run(feature("Oscillator"))
+    with pytest.raises(FMICallException):
+        instance.instance.doStep(0.5, 0.1)
+    assert any("asked for a step from 0.5 s, but this FMU is at 0 s" in m for m in instance.messages)
+    with pytest.raises(FMICallException):
+        instance.set(x=1.0)
+    with pytest.raises(FMICallException):
+        instance.set(_tolerance=-1.0)

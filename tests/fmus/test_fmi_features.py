@@ -1,0 +1,124 @@
+"""Directional derivatives, FMU state, tunable parameters, and what modelDescription.xml says."""
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+
+@pytest.mark.parametrize("name", ["NonlinearLoop", "Mechanics", "Redeclared", "Elementary", "Matrices"])
+def test_directional_derivatives_are_central_differences(feature, run, name):
+    """Along states and parameters; truncation and rounding of the differences allow 1e-5."""
+    fmu = feature(name)
+    instance = run(fmu, "me")
+    states = [u.variable.derivative.name for u in fmu.description.derivatives]
+    known = states + [n for n in fmu.names("parameter", "Real") if not n.startswith("_")]
+    unknown = [f"der({s})" for s in states] + [n for n in fmu.names("output", "Real") if n not in states]
+    compare(instance, unknown, known)
+
+
+def compare(instance, unknown, known, relative=1e-6):
+    u = [instance.fmu.reference(n) for n in unknown]
+    for name in known:
+        k = instance.fmu.reference(name)
+        (x,) = instance.get(name)
+        h = relative * max(1.0, abs(x))
+        sides = []
+        for shifted in (x + h, x - h):
+            instance.set(**{name: shifted})
+            sides.append(np.array(instance.get(*unknown)))
+        instance.set(**{name: x})
+        given = np.array(instance.instance.getDirectionalDerivative(u, [k], [1.0]))
+        assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5), name
+
+
+def test_an_input_has_directional_derivatives_too(feature, run):
+    instance = run(feature("Driven"), "me")
+    compare(instance, ["der(x)", "y"], ["u", "x", "k"])
+
+
+def test_a_state_that_was_kept_gives_the_same_future(feature, run):
+    """Also after events, also through bytes, also in another instance."""
+    fmu = feature("Sampled")
+    instance = run(fmu)
+    instance.steps(37, 0.01)
+    kept = instance.instance.getFMUState()
+    data = instance.instance.serializeFMUState(kept)
+    instance.steps(200, 0.01, first=37)
+    first = instance.get("x", "u")
+    instance.instance.setFMUState(kept)
+    instance.steps(200, 0.01, first=37)
+    assert instance.get("x", "u") == first
+    instance.instance.setFMUState(instance.instance.deSerializeFMUstate(data))
+    instance.steps(200, 0.01, first=37)
+    assert instance.get("x", "u") == first
+    instance.instance.freeFMUState(kept)
+    other = run(fmu)
+    other.instance.setFMUState(other.instance.deSerializeFMUstate(data))
+    other.steps(200, 0.01, first=37)
+    assert other.get("x", "u") == first
+
+
+def test_bytes_of_another_fmu_are_no_state(feature, run):
+    a, b = run(feature("Sampled")), run(feature("Oscillator"))
+    data = a.instance.serializeFMUState(a.instance.getFMUState())
+    with pytest.raises(FMICallException):
+        b.instance.deSerializeFMUstate(data)
+
+
+def test_reset_forgets_everything(feature, run):
+    fmu = feature("BouncingBall")
+    instance = run(fmu, start={"e": 0.5})
+    instance.steps(100, 0.01)
+    instance.instance.reset()
+    instance.instance.setupExperiment(startTime=0)
+    instance.instance.enterInitializationMode()
+    instance.instance.exitInitializationMode()
+    assert instance.get("h", "v", "e") == [1.0, 0.0, 0.7]
+    assert instance.count("bounces") == 0
+
+
+def test_a_parameter_tuned_between_steps_takes_effect(feature, run):
+    """der(x) = u − k x settles at u/k."""
+    instance = run(feature("Driven"))
+    instance.set(k=5.0, u=10.0)
+    instance.steps(100, 0.1)
+    assert instance.get("x")[0] == pytest.approx(2.0, rel=1e-4)
+
+
+def test_start_values_follow_parameters_until_they_are_set(feature, run):
+    fmu = feature("Dependent")
+    assert run(fmu, start={"m": 4.0}).get("weight", "y", "x[2]") == pytest.approx([39.24, 13.08, 3.924])
+    assert run(fmu, start={"m": 4.0, "y": 1.0}).get("y") == [1.0]
+
+
+def test_initial_equations_hold(feature, run):
+    """der(x) = 0 = load − x|x| − y with y = 1; z = 2y."""
+    for load in (3.0, 10.0, -8.0):
+        instance = run(feature("SteadyStart"), start={"load": load})
+        x, z, rate = instance.get("x", "z", "der(x)")
+        assert rate == pytest.approx(0, abs=1e-8)
+        assert x * abs(x) == pytest.approx(load - 1)
+        assert z == 2.0
+
+
+def test_the_description_says_what_the_model_says(feature):
+    description = feature("Driven").description
+    v = {v.name: v for v in description.modelVariables}
+    assert (v["u"].unit, v["u"].min, v["u"].max, v["u"].start, v["u"].causality) == (
+        "m/s",
+        "-10.0",
+        "10.0",
+        "1.0",
+        "input",
+    )
+    assert (v["frozen"].type, v["gear"].type) == ("Boolean", "Integer")
+    assert (v["y"].nominal, v["y"].description) == ("5.0", "Position")
+    assert (v["der(x)"].unit, v["der(x)"].derivative.name) == ("m/s", "x")
+    assert (v["k"].variability, v["k"].initial, v["k"].min) == ("tunable", "exact", "0.0")
+    assert [o.variable.name for o in description.outputs] == ["x", "y", "beyond", "count"]
+    (derivative,) = description.derivatives
+    assert {d.name for d in derivative.dependencies} == {"x", "u", "frozen", "gear"}
+    units = {u.name: u for u in description.unitDefinitions}
+    assert (units["m/s"].baseUnit.m, units["m/s"].baseUnit.s) == (1, -1)
+    assert description.coSimulation.canGetAndSetFMUstate
+    assert description.modelExchange.providesDirectionalDerivative
