@@ -75,11 +75,7 @@ def errors(output: str) -> list[str]:
     starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Error|Warning|Notification): ', re.MULTILINE)
     found = list(starts.finditer(output))
     ends = [m.start() for m in found[1:]] + [len(output)]
-    return [
-        output[m.start() : end].strip().strip('"').strip()
-        for m, end in zip(found, ends, strict=True)
-        if m[1] == "Error"
-    ]
+    return [output[m.start() : end].strip(' "\n') for m, end in zip(found, ends, strict=False) if m[1] == "Error"]
 
 
 @lru_cache(maxsize=1)
