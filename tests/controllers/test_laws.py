@@ -53,12 +53,13 @@ def seeker(**changes):
     return AdhesionBased([GROUP], replace(SEEKER["ideal"], **changes))
 
 
-@pytest.mark.parametrize("peak_slip", [0.01, 0.03, 0.1, 0.2])
-def test_the_seeker_finds_the_peak_wherever_it_lies(peak_slip):
+@pytest.mark.parametrize(("peak_slip", "patience"), [(0.01, 1.0), (0.03, 1.0), (0.1, 2.0), (0.2, 4.0)])
+def test_the_seeker_finds_the_peak_wherever_it_lies(peak_slip, patience):
     """At least 96 % of α* on average: the margin costs 0.1 %, hunting a few percent; slip levels that are fixed at
-    10-15 % use 20 % of a peak at 1 % slip (the curve above: 2·x/(1 + x²) at x = 12.5 is 0.16)."""
-    _, adhesion = simulate(seeker(), 4.0, peak_slip=peak_slip)
-    assert adhesion[1500:].mean() > 0.96 * 0.06
+    10-15 % use 16 % of a peak at 1 % slip (the curve above: 2·x/(1 + x²) at x = 12.5). A broad peak takes longer to
+    climb: at 20 % the slip answers a torque with J v/(r² dF/ds) = 0.25 s, and `rise` adds 15 % of torque."""
+    _, adhesion = simulate(seeker(), patience + 2.0, peak_slip=peak_slip)
+    assert adhesion[round(patience * 1000) :].mean() > 0.96 * 0.06
 
 
 def test_the_seeker_is_not_carried_away_by_a_rail_that_gets_better():
