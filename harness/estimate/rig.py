@@ -21,7 +21,7 @@ SCENARIOS = ("slide", "sand")
 DEEP_SLIDE = (3.0, 11.0)
 """Seconds of the sanding test in which adhesion passes its peak, falls, comes back and goes to zero: figure 6."""
 
-PERIODS = (2e-3, 5e-3, 10e-3, 20e-3)
+PERIODS = (5e-3, 10e-3, 20e-3)
 SPEED_NOISES = (0.5e-4, 1e-4, 3.2e-4)
 """Of the roller's encoder [m/s]; the last is what the R of equation (20) says, the square root of 1e-7."""
 

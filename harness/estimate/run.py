@@ -132,11 +132,7 @@ def estimate(
     known = dict(units or {})
     period = period_of(recording)
     inputs = _inputs(recording, prediction, known, settings.between)
-    seen = columns(
-        recording,
-        outputs,
-        [known.get(n, recording[n].attrs.get("units", "")) if n in recording else "" for n in outputs],
-    )
+    seen = columns(recording, outputs, _units(recording, outputs, known))
     process = by_name("process", settings.process, states)
     readings = by_name("readings", settings.readings, outputs)
     parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
@@ -166,7 +162,7 @@ def estimate(
             progress(k, count)
     progress(count, count)
     innovation = seen - _expected(prediction, mean, inputs, period, settings.gate)
-    variables = {
+    variables: dict[str, tuple[tuple[str, ...], Matrix]] = {
         "mean": (("time", "state"), mean),
         "sd": (("time", "state"), sd),
         "innovation": (("time", "output"), innovation),
@@ -185,9 +181,7 @@ def estimate(
 def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:
     """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
     names = prediction.inputs
-    found = columns(
-        recording, names, [units.get(n, recording[n].attrs.get("units", "")) if n in recording else "" for n in names]
-    )
+    found = columns(recording, names, _units(recording, names, units))
     for name, values in zip(names, found.T, strict=True):
         if np.isnan(values).any():
             at = recording["time"].values[int(np.argmax(np.isnan(values)))]
@@ -197,6 +191,11 @@ def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapp
             )
     earlier = np.vstack([found[:1], found[:-1]])
     return 0.5 * (earlier + found) if between == "mean" else earlier
+
+
+def _units(recording: xarray.Dataset, names: Sequence[str], known: Mapping[str, str]) -> list[str]:
+    """Return the unit wanted of each signal: the model's where known, else whatever the recording has."""
+    return [known.get(n, str(recording[n].attrs.get("units", "")) if n in recording else "") for n in names]
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:

@@ -36,5 +36,5 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     below.semilogy(time, positive, color="#999999", lw=2.5, alpha=0.6, label="smallest of all")
     below.axhline(1.0, color=BLACK, lw=0.7, ls=":")
     dress(below, x="time in s", y="(typical size / deviation)²")
-    below.legend(fontsize=8, frameon=False, ncols=4)
+    below.legend(fontsize=8, frameon=False, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return save(made, path)

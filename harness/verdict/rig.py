@@ -1,10 +1,12 @@
 """Figures of the roller rig: what it did, what was estimated, and adhesion over slip."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from harness.verdict.style import BLACK, BLUE, GREEN, GREY, KMH, ORANGE, SKY, VERMILION, dress, figure, save
 
@@ -20,17 +22,18 @@ def rig_run(
     above, below = made.subplots(2, 1, sharex=True)
     above.plot(time, KMH * recording["speed"], color=BLACK, lw=1.2, label="roller")
     above.plot(time, KMH * radius * recording["wheelset_speed"], color=BLUE, lw=0.8, label="wheelset, at the rim")
-    dress(above, y="speed in km/h", title=title)
+    made.suptitle(title, fontsize=10)
+    dress(above, y="speed in km/h")
     force = above.twinx()
     force.plot(time, recording["pad_force"] / 1e3, color=ORANGE, lw=0.7, alpha=0.8, label="pad force (right)")
     force.set_ylabel("pad force in kN")
     force.set_ylim(0, None)
     force.spines["top"].set_visible(False)
     lines = [*above.get_lines(), *force.get_lines()]
-    above.legend(lines, [str(line.get_label()) for line in lines], loc="upper right", fontsize=8, frameon=False)
+    _legend(above, lines)
     measured = recording["contact_force"] / recording["wheelset_load"]
     adhesion, pads = (estimates["mean"].sel(state=state) for state in ("alpha", "mu_b"))
-    below.plot(time, measured, color=SKY, lw=1.4, label="adhesion by load cells")
+    below.plot(time, measured, color=ORANGE, lw=2.0, label="adhesion by load cells")
     below.plot(time, adhesion, color=BLUE, lw=0.7, label="adhesion, estimated")
     top = 1.1 * float(np.nanmax(measured))
     below.set_ylim(-0.01, top)
@@ -42,7 +45,7 @@ def rig_run(
     friction.set_ylabel("pad friction")
     friction.spines["top"].set_visible(False)
     lines = [*below.get_lines(), *friction.get_lines()]
-    below.legend(lines, [str(line.get_label()) for line in lines], loc="upper left", fontsize=8, frameon=False, ncols=2)
+    _legend(below, lines)
     return save(made, path)
 
 
@@ -88,3 +91,9 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset], 
             dress(at, x="time in s" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
             at.legend(fontsize=8, frameon=False, loc="upper right")
     return save(made, path)
+
+
+def _legend(axes: Axes, lines: Sequence[Line2D]) -> None:
+    """Name the lines of both scales above the axes, where none of them runs."""
+    names = [str(line.get_label()) for line in lines]
+    axes.legend(lines, names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8, frameon=False)
