@@ -19,6 +19,29 @@ $(READY): pyproject.toml
 
 install: $(READY)  ## make .venv with everything declared in pyproject.toml
 
+fmus: $(READY)  ## build the FMUs that are not up to date
+	$(RUN) -m fmus build
+
+simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
+	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml --out build/table1 --no-panels
+	$(RUN) -m harness campaign harness/scenario/campaigns/shapes.toml --out build/shapes --no-panels
+
+report: simulate  ## the same with the panels of every stop
+	$(RUN) -m harness report build/table1
+	$(RUN) -m harness report build/shapes
+
+regress: fmus  ## compare braking distances with tests/baselines
+	$(RUN) -m harness regress
+
+accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
+	$(RUN) -m harness accept --reason '$(REASON)'
+
+calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
+	$(RUN) -m harness calibrate
+
+bench: fmus  ## speed, as medians and ratios in one run
+	$(RUN) -m harness bench
+
 test: check  ## lint, types and tests
 	$(RUN) -m pytest
 
