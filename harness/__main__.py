@@ -1,4 +1,4 @@
-"""The command line: run, campaign, report, regress, accept.
+"""The command line: run, campaign, report, regress, accept; observability, estimate, rig.
 
 Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
 """
@@ -23,6 +23,7 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from harness.estimate.command import add_to as add_estimate
 from harness.scenario.error import ScenarioError
 
 if TYPE_CHECKING:
@@ -173,6 +174,9 @@ def accept(
         moved = tuple(comparison for comparison in compare(baseline, results) if comparison.state != "kept")
         write_baseline(accepted(baseline, results, reason), path)
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
+
+
+add_estimate(app)
 
 
 def main(arguments: list[str] | None = None) -> None:
