@@ -18,6 +18,7 @@ CONTROLLERS = {
     "slip_two_state": "SBC, two-state",
     "slip_three_state": "SBC, three-state",
     "adhesion_based": "ABC",
+    "adhesion_literal": "ABC, the law as printed",
     "ideal_bound": "ideal bound",
 }
 
