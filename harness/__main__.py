@@ -23,6 +23,8 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from harness.bench.command import add_to as add_bench
+from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
 from harness.scenario.error import ScenarioError
 
@@ -177,6 +179,8 @@ def accept(
 
 
 add_estimate(app)
+add_calibrate(app)
+add_bench(app)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -74,7 +74,9 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
     Raises:
         ArithmeticError: The distance is not reached within 0.3 … 3.
     """
-    from harness.assemble import run_stop  # brings CasADi and the FMU loader, which the command line should not wait for
+    from harness.assemble import (
+        run_stop,
+    )  # brings CasADi and the FMU loader, which the command line should not wait for
 
     target = TARGETS[scenario]
 
