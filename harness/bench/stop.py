@@ -1,4 +1,4 @@
-"""What a stop costs: the build of the FMUs, a filter step, a cycle of the loop, a plant step in the middle of a slide."""
+"""What a stop costs: the build of the FMUs, a filter step, a cycle of the loop, a plant step."""
 
 import os
 import resource
