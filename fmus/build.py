@@ -34,7 +34,7 @@ class Stamp:
 
     Attributes:
         inputs: Digest of everything that was read: Modelica files, recipe, compiler.
-        source: Digest of what came out of the compiler's front half; the C compiler runs again only when it moved.
+        source: Digest of the C code and XML; the C compiler runs again only when it moved.
         compiler: native or openmodelica.
         face: The FMU as lock.toml records it; empty when OpenModelica built it.
     """
@@ -175,32 +175,22 @@ def _read_stamp(file: Path) -> Stamp | None:
 
 
 def _inputs_digest(recipe: Recipe, compiler: str, library: Path) -> str:
-    if compiler == "openmodelica":
-        tool = openmodelica.version_line()
-    else:
-        tool = _native_digest() + toolchain_digest()
+    native = compiler == "native"
+    tool = _native_digest() + toolchain_digest() if native else openmodelica.version_line()
     return _digest([recipe.model_dump_json(), compiler, tool, _library_digest(library)])
 
 
 def _library_digest(library: Path) -> str:
     """Return a digest over the names and contents of a library's Modelica files."""
-    files = (
-        sorted(library.rglob("*.mo")) + sorted(library.rglob("package.order"))
-        if library.is_dir()
-        else [library]
-    )
-    return _digest(
-        part for file in files for part in (str(file.relative_to(library.parent)), file.read_text())
-    )
+    files = sorted(library.rglob("*.mo")) + sorted(library.rglob("package.order")) if library.is_dir() else [library]
+    return _digest(part for file in files for part in (str(file.relative_to(library.parent)), file.read_text()))
 
 
 @lru_cache(maxsize=1)
 def _native_digest() -> str:
     """Return a digest over the built-in compiler itself and the packages it rests on."""
     native = ROOM / "native"
-    files = sorted(
-        file for file in native.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja")
-    )
+    files = sorted(file for file in native.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
     return _digest([version("rumoca"), version("casadi"), *(file.read_text() for file in files)])
 
 

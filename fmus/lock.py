@@ -29,8 +29,8 @@ class Difference:
 def face(recipe: Recipe, system: System, digest: str) -> Entry:
     """Return what lock.toml records of an FMU.
 
-    Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of their
-    unknowns; parameters, event_indicators, time_events, clocks, discretes, assertions as counts.
+    Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of
+    their unknowns; parameters, event_indicators, time_events, clocks, discretes, assertions as counts.
     """
     lay = layout(system)
     return {
@@ -54,7 +54,7 @@ def _units(scalars: list[Scalar]) -> dict[str, str]:
 
 
 def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
-    """Return the entries of a lock file by FMU, none when there is no file; `tools` is an entry of its own."""
+    """Return the entries of a lock file by FMU, and `tools`; nothing when there is no file."""
     return tomllib.loads(file.read_text()) if file.exists() else {}
 
 

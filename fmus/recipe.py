@@ -83,7 +83,5 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
-            raise WrongQuestion(
-                f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}."
-            ) from error
+            raise WrongQuestion(f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}.") from error
     return Cookbook(file=file, recipes=recipes)

@@ -10,6 +10,7 @@ import casadi as ca
 
 from fmus.native.arrays import SX
 from fmus.native.elimination import eliminate
+from fmus.native.structure import Loops
 from fmus.native.system import Assertion, System, column
 from fmus.native.variables import Scalar, vector
 
@@ -101,15 +102,11 @@ def functions(system: System) -> list[ca.Function]:
     at_start = [system.time, system.u, system.p, system.d, system.relation, system.start_guesses]
     outputs, locals_ = split_algebraics(system)
     free, dependent = vector(v.free), column(v.dependent_values)
-    along_x, along_u, along_p = (
-        SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free))
-    )
+    along_x, along_u, along_p = (SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free)))
     moved = ca.jtimes(dependent, free, along_p) if v.dependent and v.free else SX.zeros(dependent.shape)
     both = column([system.derivative, outputs])
     knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, moved)
-    direction = (
-        ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
-    )
+    direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
     nx = len(system.states)
     loops, start = system.loops, system.start_loops
     texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
@@ -120,28 +117,28 @@ def functions(system: System) -> list[ca.Function]:
         ("f_outputs", here, [outputs]),
         ("f_locals", here, [locals_]),
         ("f_indicators", here, [system.indicators]),
-        ("f_loop", here, [column([loops.updates[k] for k in loops.guesses]), column([loops.residuals[k] for k in loops.guesses])]),
+        ("f_loop", here, _newton(loops)),
         ("f_assertions", here, [column([a.holds for a in system.assertions]), column(texts)]),
         ("f_directional", [*here, along_x, along_u, along_p], [direction[:nx], direction[nx:]]),
         (
             "f_event",
-            [system.time, system.x, system.u, system.p, system.previous, system.relation, system.last_conditions,
-             system.ticks, system.guesses],
+            [system.time, system.x, system.u, system.p, system.previous, system.relation,
+             system.last_conditions, system.ticks, system.guesses],
             [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
         ),
         ("f_parameters", [free], [dependent, _with(system.instants, v.dependent, dependent)]),
         ("f_start", at_start, [system.start]),
-        ("f_start_loop", at_start, [column([start.updates[k] for k in start.guesses]), column([start.residuals[k] for k in start.guesses])]),
+        ("f_start_loop", at_start, _newton(start)),
     ]  # fmt: skip
     return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
 
 
+def _newton(loops: Loops) -> list[SX]:
+    return [column([table[name] for name in loops.guesses]) for table in (loops.updates, loops.residuals)]
+
+
 def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
-    return (
-        ca.substitute(expressions, vector(dependent), values)
-        if dependent and expressions.numel()
-        else expressions
-    )
+    return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 
 def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> dict[str, str]:
@@ -226,7 +223,7 @@ def _model_functions(system: System) -> str:
     for function in functions(system):
         generator.add(function)
     text = generator.dump()
-    # CasADi allows any argument or result to be NULL; ours never are, and testing each costs more than using it.
+    # CasADi allows any argument or result to be NULL; ours never are, and testing costs more than using.
     text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
     text = re.sub(r"if \(res\[(\d+)\]!=0\) res", "res", text)
     return f"#include <math.h>\n#define CASADI_SYMBOL_EXPORT static\n{text}"

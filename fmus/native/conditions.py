@@ -36,9 +36,7 @@ class Relations:
     instants: list[SX] = field(default_factory=list)
 
 
-def find_relations(
-    dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX
-) -> Relations:
+def find_relations(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> Relations:
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
@@ -83,7 +81,7 @@ def find_relations(
 
 
 def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
-    """Return when lhs − rhs of a relation is zero, if it is linear in time and holds nothing but parameters."""
+    """Return when lhs − rhs is zero, if it is linear in time and holds nothing else but parameters."""
     if not ca.depends_on(difference, time):
         return None
     slope = ca.jacobian(difference, time)
@@ -99,13 +97,11 @@ def _add(instants: list[SX], instant: SX) -> None:
         instants.append(instant)
 
 
-def _instants(
-    dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX
-) -> list[SX]:
+def _instants(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> list[SX]:
     """Return when relations between time and parameters change.
 
-    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again from
-    the relation itself, so that they move when a parameter is set.
+    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again
+    from the relation itself, so that they move when a parameter is set.
     """
     out: list[SX] = []
     for event in dae.systems["events"]["time_events"]:
@@ -114,11 +110,7 @@ def _instants(
         found = False
         for node in nodes:
             operation = node["operation"]
-            if (
-                operation["kind"] != "binary"
-                or operation["operator"] not in SIGN
-                or node["binder_domain"] is not None
-            ):
+            if operation["kind"] != "binary" or operation["operator"] not in SIGN or node["binder_domain"] is not None:
                 continue
             lhs, rhs = (evaluate(operation[k]).item() for k in ("lhs", "rhs"))
             instant = _instant(settled([lhs - rhs])[0], evaluate.time, parameters)

@@ -108,7 +108,7 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
 
     Args:
         class_name: Full name, such as `RailBraking.FMUs.TwoPartTrain`.
-        modelica_path: A `.mo` file, or the folder of a library with its `package.mo`; RailBraking when absent.
+        modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent.
 
     Raises:
         WrongQuestion: The file or class is missing, or Modelica has an error; carries rumoca's words.
@@ -140,12 +140,11 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         )
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     sources = {
-        number: (_short(path if name == alias else Path(name), base), text.encode())
-        for number, name, text in files
+        number: (_short(path if name == alias else Path(name), base), text.encode()) for number, name, text in files
     }
     return Dae(class_name=class_name, content=content, sources=sources)
 
 
 def _short(file: Path, base: Path) -> str:
-    """Return a file's path from the folder that holds the library's folder, wherever that is on this machine."""
+    """Return a file's path from `base`, so that it is the same on every machine."""
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

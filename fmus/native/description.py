@@ -55,9 +55,7 @@ class _Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-        self.rows.append(
-            f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>"
-        )
+        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
 
 
 def _attributes(values: dict[str, str]) -> str:
@@ -123,25 +121,21 @@ def write(
         "variableNamingConvention": "structured",
         "numberOfEventIndicators": str(system.indicators.numel()),
     }
+    experiment = {"startTime": "0", "stopTime": "1", "tolerance": repr(tolerance), "stepSize": repr(step)}
+    step_flag = {"canHandleVariableCommunicationStepSize": "true"}
     # No generationDateAndTime: the same sources give the same bytes.
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f"<fmiModelDescription{_attributes(head)}>",
             *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
-            *(
-                [
-                    f"  <CoSimulation{_attributes(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"
-                ]
-                if "cs" in interfaces
-                else []
-            ),
+            *([f"  <CoSimulation{_attributes(flags | step_flag)}/>"] if "cs" in interfaces else []),
             *_units(lay),
             "  <LogCategories>",
             '    <Category name="logStatusError" description="Why a call failed"/>',
             '    <Category name="logStatusWarning" description="Assertions of level warning"/>',
             "  </LogCategories>",
-            f'  <DefaultExperiment startTime="0" stopTime="1" tolerance="{tolerance!r}" stepSize="{step!r}"/>',
+            f"  <DefaultExperiment{_attributes(experiment)}/>",
             "  <ModelVariables>",
             *w.rows,
             "  </ModelVariables>",
@@ -160,9 +154,7 @@ def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: 
         return s.attributes.get("description") or ""
 
     first = lay.reference
-    w.add(
-        "time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"}
-    )
+    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
     for i, s in enumerate(lay.states):
         calculated = system.calculated[i]
         declared = _declared(s)
@@ -184,7 +176,8 @@ def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: 
     for i, s in enumerate(lay.inputs):
         w.add(
             s.name, first("inputs") + i, causality="input", initial=None, type_=_type(s), start=s.start,
-            variability="continuous" if _type(s) == "Real" else "discrete", description=text(s), attributes=_declared(s),
+            variability="continuous" if _type(s) == "Real" else "discrete", description=text(s),
+            attributes=_declared(s),
         )  # fmt: skip
     for i, s in enumerate(lay.parameters):
         free = i < lay.free
@@ -209,18 +202,19 @@ def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: 
         reference = first("settings") + i
         if name == "_tolerance":
             w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact", start=tolerance,
-                description=SETTINGS[name], attributes={"unit": "1"},
+                name, reference, causality="parameter", variability="tunable", initial="exact",
+                start=tolerance, description=SETTINGS[name], attributes={"unit": "1"},
             )  # fmt: skip
         elif name == "_solver":
             w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact", type_="Integer",
-                start=SOLVERS[solver], description=SETTINGS[name], attributes={"min": "3", "max": "4"},
+                name, reference, causality="parameter", variability="tunable", initial="exact",
+                type_="Integer", start=SOLVERS[solver], description=SETTINGS[name],
+                attributes={"min": "3", "max": "4"},
             )  # fmt: skip
         else:
             w.add(
-                name, reference, causality="local", variability="discrete", initial="calculated", type_="Integer",
-                description=SETTINGS[name],
+                name, reference, causality="local", variability="discrete", initial="calculated",
+                type_="Integer", description=SETTINGS[name],
             )  # fmt: skip
 
 
@@ -232,13 +226,7 @@ def _per_second(unit: str) -> str:
     if not slash:
         return f"{numerator}/s"
     inner = denominator[1:-1] if denominator.startswith("(") else denominator
-    return (
-        f"{numerator}/s2"
-        if inner == "s"
-        else f"{numerator}/s3"
-        if inner == "s2"
-        else f"{numerator}/({inner}.s)"
-    )
+    return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
 def _units(lay: Layout) -> list[str]:
@@ -267,13 +255,9 @@ def _structure(w: _Writer, system: System, lay: Layout) -> list[str]:
     outputs, _ = split_algebraics(system)
     unknowns = column([system.derivative, outputs])
     knowns = ca.vertcat(system.x, system.u)
-    references = [first("states") + i for i in range(nx)] + [
-        first("inputs") + i for i in range(len(lay.inputs))
-    ]
+    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(lay.inputs))]
     jacobian = (
-        ca.jacobian(unknowns, knowns)
-        if unknowns.numel() and knowns.numel()
-        else SX(unknowns.numel(), knowns.numel())
+        ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
     )
     depends: list[list[tuple[int, str]]] = [[] for _ in range(unknowns.numel())]
     rows, columns = jacobian.sparsity().get_triplet()

@@ -1,8 +1,8 @@
 """Structural index reduction: Pantelides' algorithm, then static selection of dummy derivatives.
 
 Sources: Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; Mattsson and Söderlind, SIAM J. Sci. Comput. 14
-(1993) 677. The states to keep are found as a full matching of least cost, where demoting a state costs what its
-`stateSelect` and `fixed` attributes say.
+(1993) 677. The states to keep are found as a full matching of least cost, where demoting a state costs what
+its `stateSelect` and `fixed` attributes say.
 """
 
 from collections.abc import Sequence
@@ -70,13 +70,11 @@ def reduce_index(
 
     columns = ca.vertcat(*symbols)
     contains = [set[int]() for _ in work]
-    for i, j in zip(
-        *ca.jacobian_sparsity(ca.vertcat(*[e.residual for e in work]), columns).get_triplet(), strict=True
-    ):
+    for i, j in zip(*ca.jacobian_sparsity(ca.vertcat(*[e.residual for e in work]), columns).get_triplet(), strict=True):
         contains[i].add(j)
 
     def augment(root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
-        """Find an augmenting path by depth-first search without recursion, which large models would exhaust."""
+        """Find an augmenting path, depth first, without the recursion that large models would exhaust."""
         stack = [(root, iter(sorted(v for v in contains[root] if v not in derivative_of)))]
         path: list[tuple[int, int]] = []
         seen_equations.add(root)
@@ -94,9 +92,7 @@ def reduce_index(
                     path.append((e, v))
                     following = match[v]
                     seen_equations.add(following)
-                    stack.append(
-                        (following, iter(sorted(w for w in contains[following] if w not in derivative_of)))
-                    )
+                    stack.append((following, iter(sorted(w for w in contains[following] if w not in derivative_of))))
                     break
             else:
                 stack.pop()
@@ -108,7 +104,8 @@ def reduce_index(
         e = work[q]
         if inputs.numel() and ca.depends_on(e.residual, inputs):
             raise Refused(
-                f"{e.where}: {owner}: this equation must be differentiated to find the states, but it contains an input."
+                f"{e.where}: {owner}: this equation must be differentiated to find the states, "
+                "but it contains an input."
             )
         terms = sorted(contains[q])
         along = ca.jtimes(
@@ -138,9 +135,7 @@ def reduce_index(
                 match[derivative_of[v]] = differentiated[match[v]]
             e = differentiated[e]
         else:
-            raise Refused(
-                f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
-            )
+            raise Refused(f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere.")
 
     # Highest derivatives and algebraics must be solved for; among the lower ones the cheapest are demoted.
     price = [1.0 + (cost[i] if i < n else 0.001) if i in derivative_of else 0.5 for i in range(len(symbols))]

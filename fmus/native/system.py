@@ -14,7 +14,6 @@ from fmus.native.index import RELUCTANCE, reduce_index
 from fmus.native.structure import Equation, Loops, solve
 from fmus.native.variables import Scalar, Variables, declare, settle, vector
 
-# Longest first: `sample(` of a parameter's name inside another must not count.
 Message = tuple[str | SX, ...]
 """Text of an assertion, with the expressions whose values stand in it."""
 
@@ -146,8 +145,8 @@ def explicit(dae: Dae) -> System:
     live = column(relations.live)
     derivative, algebraic, indicators = solve(
         reduced.equations, reduced.unknowns,
-        [column(derivative_symbols), vector(algebraics), column([relations.indicator[k] for k in relations.searched])],
-        loops, dae.class_name,
+        [column(derivative_symbols), vector(algebraics),
+         column([relations.indicator[k] for k in relations.searched])], loops, dae.class_name,
     )  # fmt: skip
     start, calculated = _start(dae, evaluate, v, states, reduced.equations, reduced.unknowns, start_loops)
 
@@ -162,8 +161,8 @@ def explicit(dae: Dae) -> System:
     ]
     targets = v.settled(targets)
     solved = solve(
-        [*reduced.equations, *_settled(v, event_equations)], [*reduced.unknowns, *(s.symbol for s in v.discretes)],
-        targets[:4], loops, dae.class_name,
+        [*reduced.equations, *_settled(v, event_equations)],
+        [*reduced.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
     )  # fmt: skip
     # Assertions are judged between events, by discrete variables as they stand.
     judged = iter(solve(reduced.equations, reduced.unknowns, targets[4:], loops, dae.class_name))
@@ -232,9 +231,7 @@ def _equations(dae: Dae, evaluate: Evaluator, system: str) -> list[Equation]:
         elif owner["scalar_view"] == "RowMajorProjection":
             values = [evaluate(body) for body in owner["bodies"]]
         else:
-            values = [
-                evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]
-            ]
+            values = [evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]]
         where = dae.where(owner.get("provenance"))
         out += [Equation(SX(r), where) for value in values for r in value.flat]
     return out
@@ -247,9 +244,7 @@ def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
         operation = clock["operation"]
         text = dae.text(clock["provenance"])
         if operation["kind"] != "periodic":
-            raise dae.refuse(
-                f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"]
-            )
+            raise dae.refuse(f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"])
         words = "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
         moved = sorted(settable.intersection(words))
         if moved:  # rumoca has already computed the period with the parameter's default
@@ -296,7 +291,7 @@ def _start(
     loops: Loops,
 ) -> tuple[SX, list[bool]]:
     """Return initial values of the states; `initial equation`s are solved together with the model's."""
-    given = v.settled([SX(s.start) if s.expression is None else s.expression for s in states])
+    given = v.settled([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in given]
     initial = _settled(v, _equations(dae, evaluate, "initialization"))
     if not initial:
@@ -304,7 +299,7 @@ def _start(
     free = [s for s in states if not s.fixed]
     if len(free) != len(initial):
         raise Refused(
-            f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start value"
+            f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start"
             f" ({', '.join(s.name for s in free) or 'none'})."
         )
     (found,) = solve(
@@ -398,9 +393,7 @@ def _message(dae: Dae, evaluate: Evaluator, expression: int) -> Message:
         return _message(dae, evaluate, operation["lhs"]) + _message(dae, evaluate, operation["rhs"])
     if operation["kind"] == "string_conversion":
         return (SX(evaluate(operation["value"]).item()),)
-    raise dae.refuse(
-        f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"]
-    )
+    raise dae.refuse(f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"])
 
 
 __all__ = ["Assertion", "Relations", "System", "column", "explicit"]

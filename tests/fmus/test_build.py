@@ -52,7 +52,7 @@ def test_the_same_sources_give_the_same_bytes(kitchen):
 
 
 def test_only_what_changed_is_built_again(kitchen):
-    """A comment makes Modelica be read again but compiles nothing; an equation compiles; nothing does nothing."""
+    """After a comment Modelica is read again but nothing compiled; after an equation it is compiled."""
     make, library, folder = kitchen
     file = library / "BouncingBall.mo"
     assert make().action == "built"
@@ -142,7 +142,11 @@ def test_list_shows_every_recipe():
 
 def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
     done = subprocess.run(
-        [sys.executable, "-m", "fmus", "build", "Nothing"], cwd=ROOT, capture_output=True, text=True, check=False
+        [sys.executable, "-m", "fmus", "build", "Nothing"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 2
     assert "has no FMU named 'Nothing'" in done.stderr
@@ -154,10 +158,16 @@ def test_the_command_line_without_a_c_compiler_ends_with_3(tmp_path):
     hide = (
         "import sys, importlib.util as u; real = u.find_spec;"
         "u.find_spec = lambda n, *a: None if n == 'ziglang' else real(n, *a);"
-        "from fmus.__main__ import main; sys.argv = ['fmus', 'build', 'ContactPoint', '--compiler', 'native']; main()"
+        "from fmus.__main__ import main;"
+        "sys.argv = ['fmus', 'build', 'ContactPoint', '--compiler', 'native']; main()"
     )
     done = subprocess.run(
-        [sys.executable, "-c", hide], cwd=ROOT, capture_output=True, text=True, check=False, env={"PATH": str(tmp_path)}
+        [sys.executable, "-c", hide],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={"PATH": str(tmp_path)},
     )
     assert done.returncode == 3, done.stderr
     assert "no C compiler" in done.stderr

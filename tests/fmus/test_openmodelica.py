@@ -1,4 +1,4 @@
-"""The OpenModelica side: script, reading of its answers with a stand-in, and the real one where it is installed."""
+"""The OpenModelica side: script and answers with a stand-in, and the real one where it is installed."""
 
 import shutil
 import stat
@@ -79,7 +79,7 @@ def test_the_fmu_it_made_is_put_in_place(omc, tmp_path):
 
 
 def test_its_error_is_passed_on(omc, tmp_path):
-    omc('echo \'"[/lib/A.mo:3:5-3:20:writable] Error: Variable k not found in scope Lib.A.\'', "echo '\"'")
+    omc("echo '\"[/lib/A.mo:3:5-3:20:writable] Error: Variable k not found in scope Lib.A.'", "echo '\"'")
     with pytest.raises(BuildFailed, match=r"could not build Lib\.FMUs\.Plant:\n.*Variable k not found"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
@@ -103,7 +103,7 @@ needs_omc = pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica
 @needs_omc
 @pytest.mark.parametrize("name", [n for n in read_recipes().recipes if n != "ContactPoint"])
 def test_both_compilers_give_the_same_trajectory(name, tmp_path):
-    """Three seconds of braking, every output within 1e-4 of its largest value: two solvers at 1e-6 or tighter."""
+    """Three seconds of braking, every output within 1e-4 of its largest value: two solvers, 1e-6 or less."""
     from test_train_fmus import held
 
     recipe = read_recipes()[name]
@@ -115,7 +115,8 @@ def test_both_compilers_give_the_same_trajectory(name, tmp_path):
         inputs = [v.name for v in description.modelVariables if v.causality == "input"]
         outputs = sorted(v.name for v in description.modelVariables if v.causality == "output")
         signals = np.array(
-            [(t, *map(held, inputs)) for t in (0.0, 3.0)], dtype=[("time", float), *((n, float) for n in inputs)]
+            [(t, *map(held, inputs)) for t in (0.0, 3.0)],
+            dtype=[("time", float), *((n, float) for n in inputs)],
         )
         settings = {"start_values": {"_tolerance": 1e-7}} if (compiler, kind) == ("native", "CoSimulation") else {}
         result = fmpy.simulate_fmu(

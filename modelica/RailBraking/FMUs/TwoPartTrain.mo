@@ -7,7 +7,7 @@ block TwoPartTrain "Two-part train whose cylinders follow pressure commands"
     "Pressure that the cylinders of each group shall have";
 protected
   Pneumatics.IdealCylinder cylinder[4](
-    each T=T_pressure, p_max=p_max, p_start=p_start, V=V_group) "Cylinders of each group";
+    each T=T_pressure, p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free) "Cylinders of each group";
 equation
   for i in 1:4 loop
     cylinder[i].command = pressure_command[i];

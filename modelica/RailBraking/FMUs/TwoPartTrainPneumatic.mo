@@ -12,15 +12,19 @@ block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and
   parameter Types.PressureRate leak(min=0) = 1e3 "Loss of pressure through leaks" annotation(Dialog(group="Brake"));
   parameter Types.Ratio hysteresis(min=0, max=0.5) = 0
     "Half width of the hysteresis of the calipers over the mean pad force" annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_reverse(min=1) = 1e4
+    "Change of pressure in which the friction of the calipers turns around"
+    annotation(Dialog(group="Brake"));
   Interfaces.RealInput valve_command[4](each final unit="1", each start=0)
     "Valves of each group: -1 vent, 0 hold, 1 fill";
 protected
   Pneumatics.ValveCylinder cylinder[4](
-    p_max=p_max, p_start=p_start, V=V_group, each T_fill=T_fill, each T_vent=T_vent, each dead_fill=dead_fill,
-    each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak) "Cylinders of each group";
+    p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free, each T_fill=T_fill, each T_vent=T_vent,
+    each dead_fill=dead_fill, each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak)
+    "Cylinders of each group";
   Pneumatics.HystereticRigging rigging[4](
     each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring,
-    each hysteresis=hysteresis) "Rigging of each group";
+    each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group";
 equation
   for i in 1:4 loop
     cylinder[i].command = valve_command[i];

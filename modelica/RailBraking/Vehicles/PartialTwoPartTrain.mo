@@ -36,6 +36,8 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
   parameter Types.Ratio eta_rigging(min=0, max=1) = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
   parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster" annotation(Dialog(group="Brake"));
   parameter Types.Volume V_cylinder = 3e-3 "Volume of cylinder and hose of one unit" annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_free(min=1) = 1.01325e5 "Absolute pressure at which free air is counted"
+    annotation(Dialog(group="Brake"));
   parameter Types.Ratio mu_b_nominal[4] = {0.35, 0.35, 0.35, 0.35}
     "Pad friction at nominal speed, pressure and temperature"
     annotation(Dialog(group="Pads"));
@@ -106,6 +108,8 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
   parameter Types.Torque tau_small(min=1e-3) = 10
     "Torque by which the track must exceed the brake to turn a locked group"
     annotation(Dialog(tab="Numerics"));
+  parameter Types.Force F_small(min=1e-3) = 10 "Force by which the track must exceed what holds the train to move it"
+    annotation(Dialog(tab="Numerics"));
   parameter Types.Velocity v_rest(min=1e-6) = 1e-3 "Speed at which the train comes to rest if it can be held"
     annotation(Dialog(tab="Numerics"));
 
@@ -142,7 +146,8 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
 protected
   final parameter Types.Volume V_group[4] = V_cylinder*n_units "Volume of all cylinders and hoses of each group";
   Components.TrainBody body(
-    m=sum(m_wheelset), c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_rest=v_rest, v_start=speed_start)
+    m=sum(m_wheelset), c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_rest=v_rest, F_small=F_small,
+    v_start=speed_start)
     "All masses along the track";
   Components.Wheelsets leading(
     final n=2, J=J[1], r=r_wheel[1], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling,

@@ -3,8 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-from conftest import Train
-from test_stops import DRY, FULL, WET, brake
+from braking import DRY, FULL, WET, Train, brake
 
 from fmus.native import Model, lower
 

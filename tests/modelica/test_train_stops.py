@@ -2,37 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import Record, Signal, Train
-
-G = 9.81
-FULL = np.array([3.4e5, 2.0e5, 2.0e5, 3.4e5])
-"""Largest cylinder pressures of the groups, Pa."""
-
-DRY = {"k_A": 1.0, "k_S": 0.4, "A_falling": 0.4, "B_falling": 0.6}
-WET = {"k_A": 0.3, "k_S": 0.1, "A_falling": 0.4, "B_falling": 0.2}
-MASS = 84000.0
-
-
-def emergency(time: float) -> np.ndarray:
-    """Pressure of an emergency brake: 0.4 s dead time, then a time constant of 0.5 s."""
-    return FULL * (0.0 if time < 0.4 else 1 - np.exp(-(time - 0.4) / 0.5))
-
-
-def friction(value: float) -> Signal:
-    return lambda _: [value] * 6
-
-
-def brake(train: Train, km_h: float, mu0: float | Signal, surface: dict[str, float], **more: object) -> Record:
-    settings = {
-        "parameters": surface | {"speed_start": km_h / 3.6},
-        "until": 60.0,
-        "pressure": emergency,
-        "track_force": lambda _: 0.0,
-    } | more
-    pressure, track_force = settings.pop("pressure"), settings.pop("track_force")
-    mu = mu0 if callable(mu0) else friction(mu0)
-    inputs = {"pressure_command": pressure, "mu0": mu, "track_force": track_force}
-    return train.run(inputs=inputs, **settings)
+from braking import DRY, FULL, MASS, WET, G, Record, Train, brake, friction
 
 
 def balance(stop: Record) -> np.ndarray:
