@@ -25,7 +25,8 @@ class ConditionDetector:
         levels: Friction of each condition.
         confidence: Probability wanted, between one half and one.
         hold: Seconds for which it must last.
-        model_deviation: Standard deviation added to that of the belief, for errors of the model that no filter knows of.
+        model_deviation: Standard deviation added to that of the belief, for errors of the model that no filter
+            knows of.
 
     Raises:
         EstimatorError: Fewer than two levels, equal ones, or a confidence or time that is none.

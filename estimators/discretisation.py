@@ -33,9 +33,7 @@ ORDER: Order = 4
 """What a filter takes unless told otherwise."""
 
 
-def advanced(
-    derivative: Callable[[Vector], Vector], mean: Vector, period: float, order: Order = ORDER
-) -> Vector:
+def advanced(derivative: Callable[[Vector], Vector], mean: Vector, period: float, order: Order = ORDER) -> Vector:
     """Return the mean one period [s] later; `derivative` maps (n,) to (n,) at held inputs."""
     slope_1 = derivative(mean)
     if order == 1:

@@ -37,8 +37,8 @@ LITERAL_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
 }
 
 MOTION_NOISE: Final = (0.0, 1e-6**2, 0.0, 1e-7**2)
-"""Density for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. Much more of it, and friction above 0.2 is no
-longer told apart: a slope of the contact that is wrong by a part in a thousand looks like another friction."""
+"""Density for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. Much more of it, and friction above 0.2 is
+no longer told apart: a slope of the contact that is wrong by a part in a thousand looks like another friction."""
 
 FRICTION_NOISE: Final = 0.05**2
 """Density of the friction's random walk [1/s]: 0.05 in a second; a step of 0.1 is followed when the creep shows it."""
@@ -94,9 +94,7 @@ def literal_density(condition: Condition, period: float) -> Vector:
     return np.array(LITERAL_NOISE[condition.name]) / period
 
 
-def party(
-    name: Name, first: Condition, irregularity: Irregularity, directory: Path, period: float = PERIOD
-) -> Party:
+def party(name: Name, first: Condition, irregularity: Irregularity, directory: Path, period: float = PERIOD) -> Party:
     """Return a filter at its start.
 
     Args:

@@ -39,7 +39,7 @@ WINDOW: Final = 0.5
 """Seconds of readings from which the friction is to be told."""
 
 SERVICE_NOISE: Final = (0.05**2, 1e-3**2)
-"""Variances of a reading each 50 µs from sensors that vehicles carry: 0.05 m/s2 and 1 mrad/s; an engineering estimate."""
+"""Variances of a reading each 50 µs from sensors that vehicles carry: 0.05 m/s2 and 1 mrad/s; an estimate."""
 
 DETECTOR: Final = ConditionDetector(
     levels={condition.name: condition.mu0 for condition in CONDITIONS}, confidence=0.9, hold=0.05, model_deviation=0.01
@@ -63,13 +63,14 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
     belief = trace.beliefs[name]
     deviation = np.sqrt(np.diagonal(belief.covariance, axis1=1, axis2=2))
     if name == "literal":
+        # Its equations stay true when creep and force both change sign, and where the creep passes zero the filter
+        # does go over to that branch. Total creep and force are magnitudes, so they are judged as such.
+        place = {"lateral_velocity": 0, "yaw_rate": 1, "creep": 2, "friction": 3, "creep_force": 4}
+        mean = {quantity: belief.mean[:, i] for quantity, i in place.items()}
+        mean |= {quantity: np.abs(mean[quantity]) for quantity in ("creep", "creep_force")}
         return {
-            quantity: Belief(mean=belief.mean[:, i], deviation=deviation[:, i]) for i, quantity in enumerate(QUANTITIES)
-            if i < 2
-        } | {
-            quantity: Belief(mean=belief.mean[:, i], deviation=deviation[:, i])
-            for quantity, i in (("creep", 2), ("friction", 3), ("creep_force", 4))
-        }  # fmt: skip
+            quantity: Belief(mean=mean[quantity], deviation=deviation[:, place[quantity]]) for quantity in QUANTITIES
+        }
     states = list(prediction(name).states)
     at = {state: states.index(state) for state in ("y", "dy", "psi", "dpsi", "mu0")}
     # From states to the inputs of LateralContact: displacement, dy, psi, dpsi, mu0; the speed is known.
@@ -112,15 +113,21 @@ def _contact_functions() -> tuple[ca.Function, ca.Function]:
     given = ca.SX.sym("given", 6)
     u = ca.vertcat(*(given[wanted.index(name)] for name in names))
     result = model.output(0, ca.SX.zeros(0), u, [parameter.start for parameter in model.parameters])
-    return ca.Function("value", [given], [result]), ca.Function("slope", [given], [ca.densify(ca.jacobian(result, given))])
+    return ca.Function("value", [given], [result]), ca.Function(
+        "slope", [given], [ca.densify(ca.jacobian(result, given))]
+    )
 
 
-def measure(trace: Trace) -> dict[str, Any]:
+def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
     """Return everything a report says about one run, as JSON holds it; infinity and NaN become null.
 
-    errors[filter][quantity]: rmse, bias, peak, nees (mean of e²/σ², one for a consistent filter), settling [s] (worst over
-    the changes of condition, null if ever not). detection[filter]: confusion, delays [s] after each change but the first.
-    observability: standard deviation of mu0 from each window, by sensors. diverged[filter]: instant [s] or null.
+    errors[filter][quantity]: rmse, bias, peak, nees (mean of e²/σ², one for a consistent filter), settling [s] (worst
+    over the changes of condition, null if ever not). detection[filter]: confusion, delays [s] after the start and each
+    change. observability: standard deviation of mu0 from each window. diverged[filter]: instant [s] or null.
+
+    Args:
+        trace: The run.
+        observe: Ask for observability too, which takes longer than all the rest.
     """
     said = {name: beliefs_about(trace, name) for name in trace.beliefs}
     return {
@@ -129,7 +136,7 @@ def measure(trace: Trace) -> dict[str, Any]:
             for name, about in said.items()
         },
         "detection": {name: _detection(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
-        "observability": _observability(trace),
+        "observability": _observability(trace) if observe else None,
         "diverged": {
             name: belief.diverged_at * trace.period / EVERY if belief.diverged else None
             for name, belief in trace.beliefs.items()

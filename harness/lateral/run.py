@@ -14,6 +14,7 @@ from harness.loop.compiled import Beliefs, Record, run
 from harness.twins.lateral import (
     CONDITIONS,
     PERIOD,
+    PLANTS,
     READINGS,
     Course,
     Irregularity,
@@ -36,15 +37,14 @@ class Case:
     Attributes:
         test: Which conditions, when.
         speed: Along the track [m/s].
-        rolling_creep: Of the plant: 0 for the creepages of Mal et al., eq. (3) and (4), 1 for (1) and (2), in which the
-            twisting axle takes part.
+        plant: Name in `PLANTS`: what the filters' model leaves out.
         seed: Of track and sensors.
         irregularity: Of the track.
     """
 
     test: Test
     speed: float
-    rolling_creep: float
+    plant: str
     seed: int
     irregularity: Irregularity = field(default_factory=Irregularity)
 
@@ -93,7 +93,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES, directory: Path = Path("
     table = np.column_stack([drawn.inputs, drawn.track_rate, np.full(len(drawn.inputs), case.speed)])
     parties = [party(name, drawn.conditions[0], case.irregularity, directory / "estimators") for name in names]
     records: list[Record] = []
-    with wheelset(case.speed, {"rolling_creep": case.rolling_creep}) as plant:
+    with wheelset(case.speed, PLANTS[case.plant]) as plant:
         plant.start(drawn.inputs[0])
         begin = time.perf_counter()
         for (first, last), condition in zip(drawn.segments, drawn.conditions, strict=True):
@@ -123,7 +123,7 @@ def _trace(case: Case, drawn: Course, records: Sequence[Record], names: Sequence
     outputs = np.concatenate([record.outputs for record in records])
     sample = np.concatenate([record.sample for record in records])
     places = output_columns(
-        ("lateral_acceleration", "yaw_rate", "lateral_position", "lateral_velocity", "yaw_angle", "creep", "creep_force",
+        ("yaw_rate", "lateral_position", "lateral_velocity", "yaw_angle", "creep", "creep_force",
          "friction")
     )  # fmt: skip
     held = drawn.inputs[sample - 1]

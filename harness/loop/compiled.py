@@ -1,7 +1,7 @@
 """A plant and compiled filters stepped together in C, over tables of inputs and noise.
 
-For runs of many short steps without a controller: 10 s at 50 µs are 200 000 steps, and a loop in Python would spend most
-of its time between them. The plant is any co-simulation FMU whose signals are reals in our units; a filter is a
+For runs of many short steps without a controller: 10 s at 50 µs are 200 000 steps, and a loop in Python would spend
+most of its time between them. The plant is any co-simulation FMU whose signals are reals in our units; a filter is a
 `CompiledFilter` whose inputs come from the table, from the readings, or from integrals of its own states.
 """
 
@@ -221,12 +221,15 @@ def run(
     last, reading = np.empty(len(calls.outputs)), np.full(len(readings), np.nan)
     if first_reading is not None:
         reading[:] = first_reading
-    beside = [_Beside(observer, calls, columns, tuple(readings), rows, first_reading is not None) for observer in observers]
+    beside = [
+        _Beside(observer, calls, columns, tuple(readings), rows, first_reading is not None) for observer in observers
+    ]
     filters = (_Filter * max(len(beside), 1))(*(one.struct for one in beside))
     plan = _Run(
         set=calls.set_real, get=calls.get_real, step=calls.do_step, fmu=calls.component,
         to=_at(calls.input_references), of=_at(calls.output_references),
-        n_inputs=len(calls.inputs), n_columns=len(columns), n_outputs=len(calls.outputs), n_readings=len(readings), n_filters=len(beside),
+        n_inputs=len(calls.inputs), n_columns=len(columns), n_outputs=len(calls.outputs),
+        n_readings=len(readings), n_filters=len(beside),
         start=calls.start, period=calls.period, count=steps, every=every, looks_back=int(calls.looks_back),
         inputs=_at(table), noise=_at(added), shown=_at(shown), outputs=_at(last), reading=_at(reading),
         record=_at(kept), filter=ctypes.addressof(filters), first=calls.sample,

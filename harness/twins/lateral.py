@@ -1,4 +1,4 @@
-"""The wheelset of Mal et al. (2020) on a laterally irregular track: conditions, irregularity, tests, and the twin itself."""
+"""The wheelset of Mal et al. (2020) on a laterally irregular track: conditions, irregularity, tests, and the twin."""
 
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
@@ -93,6 +93,15 @@ class Test:
         )
 
 
+PLANTS: Final[Mapping[str, Mapping[str, float]]] = {
+    "paper": {"rolling_creep": 0.0},
+    "twisting": {"rolling_creep": 1.0},
+    "softer": {"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95},
+}
+"""Parameters of the plant beside Table 1. Paper: the creepages of Mal et al., eq. (3) and (4), which the filters share;
+twisting: eq. (1) and (2), in which the axle's rotation takes part; softer: a contact with 5 % less creep stiffness than
+every filter believes, well within what is known of a contact."""
+
 TESTS: Final = (
     *(Test(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
     Test(
@@ -126,16 +135,20 @@ class Irregularity:
         w = 2 * pi * self.corner
         low_pass = [1.0, 2 * self.damping * w, w * w]
         noise = generator(seed, "track").standard_normal(count)
-        position, velocity = (
-            lfilter(np.ravel(top), bottom, noise)
-            for top, bottom, _ in (cont2discrete((over, low_pass), period, method="zoh") for over in ([w * w], [w * w, 0.0]))
-        )
+        position = _filtered(noise, [w * w], low_pass, period)
+        velocity = _filtered(noise, [w * w, 0.0], low_pass, period)
         scale = self.peak / np.max(np.abs(position))
         return scale * position, scale * velocity
 
     def acceleration_density(self, deviation: float) -> float:
-        """Return the density [m2/s3] of white acceleration noise that makes a stationary track of this deviation [m]."""
+        """Return the density [m2/s3] of the white acceleration that makes a stationary track of this deviation [m]."""
         return 4 * self.damping * (2 * pi * self.corner) ** 3 * deviation**2
+
+
+def _filtered(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
+    """Return noise, held over each period, through a transfer function in s."""
+    discrete: Any = cont2discrete((numerator, denominator), period, method="zoh")
+    return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], noise), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
