@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check clean
+.PHONY: help install test test-omc check lateral clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -30,6 +30,9 @@ check: $(READY)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright
+
+lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
+	$(RUN) -m harness.lateral
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -8,6 +8,7 @@ unknown_track  as before, and of the track only its spectrum
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from math import log
 from pathlib import Path
 from typing import Final, Literal, get_args
 
@@ -40,14 +41,14 @@ MOTION_NOISE: Final = (0.0, 1e-6**2, 0.0, 1e-7**2)
 """Density for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. Much more of it, and friction above 0.2 is
 no longer told apart: a slope of the contact that is wrong by a part in a thousand looks like another friction."""
 
-FRICTION_NOISE: Final = 0.05**2
-"""Density of the friction's random walk [1/s]: 0.05 in a second; a step of 0.1 is followed when the creep shows it."""
+FRICTION_NOISE: Final = 0.2**2
+"""Density of the random walk of the friction's logarithm [1/s]: 20 % in a second; creep must show a step."""
 
 TRACK_DEVIATION: Final = 2.5e-3
 """Standard deviation of the track [m] that the filter of unknown track believes in: a third of the peak."""
 
-FIRST_FRICTION: Final = (0.25, 0.15)
-"""Mean and standard deviation of mu0 before anything is known: between worst and dry."""
+FIRST_FRICTION: Final = (0.25, 0.6)
+"""Median of mu0 and deviation of its logarithm before anything is known: from 0.08 to 0.83 with 95 %."""
 
 FIRST_MOTION: Final = (1e-5**2, 1e-4**2, 1e-6**2, 1e-5**2)
 """Variances of y, dy, psi, dpsi at the start: the wheelset starts centred and at rest, but for these."""
@@ -121,7 +122,7 @@ def party(name: Name, first: Condition, irregularity: Irregularity, directory: P
     else:
         unknown = name == "unknown_track"
         density = [*MOTION_NOISE, FRICTION_NOISE]
-        mean, variance = [0.0, 0.0, 0.0, 0.0, FIRST_FRICTION[0]], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
+        mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
         if unknown:
             density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
             mean += [0.0, 0.0]

@@ -72,10 +72,10 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
             quantity: Belief(mean=mean[quantity], deviation=deviation[:, place[quantity]]) for quantity in QUANTITIES
         }
     states = list(prediction(name).states)
-    at = {state: states.index(state) for state in ("y", "dy", "psi", "dpsi", "mu0")}
-    # From states to the inputs of LateralContact: displacement, dy, psi, dpsi, mu0; the speed is known.
+    at = {state: states.index(state) for state in ("y", "dy", "psi", "dpsi", "log_mu0")}
+    # From states to the inputs of LateralContact: displacement, dy, psi, dpsi, log_mu0; the speed is known.
     select = np.zeros((6, len(states)))
-    for row, state in enumerate(("y", "dy", "psi", "dpsi", "mu0")):
+    for row, state in enumerate(("y", "dy", "psi", "dpsi", "log_mu0")):
         select[row, at[state]] = 1.0
     given = belief.mean @ select.T
     given[:, 5] = trace.case.speed
@@ -85,11 +85,12 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
     else:
         given[:, 0] -= trace.track
     values, slopes = _contact(given)
+    mu0 = np.exp(belief.mean[:, at["log_mu0"]])
     spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
     said = {
         "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
         "yaw_rate": Belief(mean=belief.mean[:, at["dpsi"]], deviation=deviation[:, at["dpsi"]]),
-        "mu0": Belief(mean=belief.mean[:, at["mu0"]], deviation=deviation[:, at["mu0"]]),
+        "mu0": Belief(mean=mu0, deviation=mu0 * deviation[:, at["log_mu0"]]),
     }
     for column, quantity in enumerate(("creep", "creep_force", "friction")):
         said[quantity] = Belief(mean=values[:, column], deviation=np.sqrt(spread[:, column]))
@@ -97,7 +98,10 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
 
 
 def _contact(given: Array) -> tuple[Array, Array]:
-    """Return creep, force and friction at each sample, shape (k, 3), and their derivatives, (k, 3, 6)."""
+    """Return creep, force and friction at each sample, shape (k, 3), and their derivatives, (k, 3, 6).
+
+    `given` holds displacement, lateral velocity, yaw angle, yaw rate, log mu0 and speed, shape (k, 6).
+    """
     value, slope = _contact_functions()
     k = len(given)
     values = np.asarray(value.map(k)(given.T), dtype=np.float64).T
@@ -111,7 +115,8 @@ def _contact_functions() -> tuple[ca.Function, ca.Function]:
     names = [variable.name for variable in model.inputs]
     wanted = ["displacement", "lateral_velocity", "yaw_angle", "yaw_rate", "mu0", "speed"]
     given = ca.SX.sym("given", 6)
-    u = ca.vertcat(*(given[wanted.index(name)] for name in names))
+    values = [*ca.vertsplit(given[:4]), ca.exp(given[4]), given[5]]
+    u = ca.vertcat(*(values[wanted.index(name)] for name in names))
     result = model.output(0, ca.SX.zeros(0), u, [parameter.start for parameter in model.parameters])
     return ca.Function("value", [given], [result]), ca.Function(
         "slope", [given], [ca.densify(ca.jacobian(result, given))]
@@ -192,17 +197,17 @@ def _observability(trace: Trace) -> dict[str, Any]:
     model = prediction("known_track")
     truth = trace.truth
     x = np.column_stack(
-        [truth["lateral_position"], truth["lateral_velocity"], truth["yaw_angle"], truth["yaw_rate"], trace.mu0]
+        [truth["lateral_position"], truth["lateral_velocity"], truth["yaw_angle"], truth["yaw_rate"], np.log(trace.mu0)]
     )
     columns = {"speed": np.full(len(x), trace.case.speed), "track": trace.track}
     u = np.column_stack([columns[name] for name in model.inputs])
     window = round(WINDOW / trace.period)
     known: dict[str, Any] = {}
-    # y, dy, psi, dpsi, mu0: sizes of a normal run.
-    scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.1)
+    # y, dy, psi, dpsi, log mu0: sizes of a normal run.
+    scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
     for sensors, noise in (("paper", READING_NOISE), ("service", SERVICE_NOISE)):
         found = along(model, x, u, trace.period, np.array(noise) / EVERY, scale, window, window)
-        deviations = found.deviation[:, 4]
+        deviations = found.deviation[:, 4] * trace.mu0[found.start]
         known[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
     starts = np.arange(0, len(x) - window + 1, window)
     known["condition"] = trace.condition[starts].tolist()

@@ -24,7 +24,7 @@ def write_report(
     for case in cases:
         name = f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png"
         tell(name)
-        save(test_figure(simulate(case, directory=directory)), directory / name)
+        save(test_figure(simulate(case)), directory / name)
         pictures += [f"![{case.test.name}]({name})", ""]
     confidence = spread([0.0] * plan.seeds).confidence
     page = directory / "lateral.md"

@@ -18,7 +18,7 @@ from harness.twins.lateral import (
     READINGS,
     Course,
     Irregularity,
-    Test,
+    Trial,
     course,
     output_columns,
     wheelset,
@@ -42,7 +42,7 @@ class Case:
         irregularity: Of the track.
     """
 
-    test: Test
+    test: Trial
     speed: float
     plant: str
     seed: int
@@ -130,7 +130,7 @@ def _trace(case: Case, drawn: Course, records: Sequence[Record], names: Sequence
     numbers = [CONDITIONS.index(condition) for condition in drawn.conditions]
     return Trace(
         case=case,
-        time=sample * PERIOD,
+        time=PERIOD * sample.astype(np.float64),
         period=EVERY * PERIOD,
         truth={name: outputs[:, place].mean(axis=1) for name, place in places.items()},
         mu0=held[:, 1],

@@ -17,7 +17,7 @@ from fmus.native import lower
 from harness.lateral.filters import CLASSES
 from harness.lateral.judge import measure
 from harness.lateral.run import Case, simulate
-from harness.twins.lateral import PLANTS, TESTS, Test
+from harness.twins.lateral import PLANTS, TESTS, Trial
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
@@ -37,7 +37,7 @@ class Plan:
         seeds: 1 to this number.
     """
 
-    tests: tuple[Test, ...]
+    tests: tuple[Trial, ...]
     speeds: tuple[float, ...]
     seeds: int
 
@@ -78,7 +78,7 @@ def conduct(
 
     Args:
         plan: What to run.
-        directory: Where results and compiled code are kept.
+        directory: Where results are kept.
         workers: Processes.
         tell: Told of every finished run, and whether it had been found.
     """
@@ -95,9 +95,9 @@ def conduct(
             missing.append(case)
     if missing:
         # Compiled here once, so that the workers find everything made; spawned, because CasADi holds threads.
-        simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0), directory=directory)
+        simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            running = {pool.submit(one, case, directory): case for case in missing}
+            running = {pool.submit(one, case): case for case in missing}
             try:
                 for done in as_completed(running):
                     case = running[done]
@@ -110,10 +110,10 @@ def conduct(
     return tuple(Result(case=case, measures=results[case]) for case in plan.cases)
 
 
-def one(case: Case, directory: Path) -> dict[str, Any]:
+def one(case: Case) -> dict[str, Any]:
     """Run and measure one case."""
     observe = case.seed <= OBSERVED_SEEDS and case.plant == "paper"
-    return measure(simulate(case, directory=directory), observe=observe)
+    return measure(simulate(case), observe=observe)
 
 
 def key(case: Case) -> str:

@@ -72,7 +72,7 @@ CONDITIONS: Final = (DRY, WET, POOR, WORST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Test:
+class Trial:
     """One of the five tests of §4: which condition lies under the wheel from when on.
 
     Attributes:
@@ -85,10 +85,10 @@ class Test:
     changes: tuple[tuple[float, Condition], ...]
     duration: float
 
-    def shortened(self, duration: float) -> "Test":
+    def shortened(self, duration: float) -> "Trial":
         """Return the same test squeezed in time."""
         scale = duration / self.duration
-        return Test(
+        return Trial(
             name=self.name, changes=tuple((scale * at, condition) for at, condition in self.changes), duration=duration
         )
 
@@ -103,8 +103,8 @@ twisting: eq. (1) and (2), in which the axle's rotation takes part; softer: a co
 every filter believes, well within what is known of a contact."""
 
 TESTS: Final = (
-    *(Test(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
-    Test(
+    *(Trial(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
+    Trial(
         name="transition",
         changes=((0.0, DRY), (2.0, WET), (4.0, POOR), (6.0, WORST), (8.0, WET)),
         duration=10.0,
@@ -170,7 +170,7 @@ class Course:
     conditions: tuple[Condition, ...]
 
 
-def course(test: Test, seed: int, irregularity: Irregularity, period: float = PERIOD) -> Course:
+def course(test: Trial, seed: int, irregularity: Irregularity, period: float = PERIOD) -> Course:
     """Return track, rail and sensor noise of one run; the same seed gives the same run."""
     count = round(test.duration / period)
     starts = [round(at / period) for at, _ in test.changes]

@@ -5,7 +5,7 @@ block LateralPrediction "Lateral dynamics with unknown friction, on a track whos
 equation
   displacement = y - track;
   annotation (Documentation(info="<html>
-<p>Five states: y, dy, psi, dpsi, mu0, in this order.</p>
+<p>Five states: y, dy, psi, dpsi, log_mu0, in this order.</p>
 <h4>Limitations</h4>
 <p>
 A vehicle seldom knows its track to fractions of a millimetre; see

@@ -13,7 +13,7 @@ equation
   der(track_rate) = -w_track^2*track - 2*track_damping*w_track*track_rate;
   annotation (Documentation(info="<html>
 <p>
-Seven states: y, dy, psi, dpsi, mu0, track, track_rate, in this order. The irregularity is white noise through a low-pass of second order;
+Seven states: y, dy, psi, dpsi, log_mu0, track, track_rate, in this order. The irregularity is white noise through a low-pass of second order;
 the noise enters as process noise of <code>track_rate</code>.
 </p>
 <h4>Limitations</h4>

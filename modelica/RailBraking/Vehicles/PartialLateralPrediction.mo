@@ -11,14 +11,17 @@ partial block PartialLateralPrediction "Lateral and yaw dynamics with friction a
   Types.Velocity dy(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral velocity";
   Types.Angle psi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw angle";
   Types.AngularVelocity dpsi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw rate";
-  Types.Ratio mu0(start=mu0_start, fixed=true, stateSelect=StateSelect.always) "Maximum friction coefficient";
+  Real log_mu0(final unit="1", start=log(mu0_start), fixed=true, stateSelect=StateSelect.always)
+    "Natural logarithm of the maximum friction coefficient";
 protected
+  Types.Ratio mu0 "Maximum friction coefficient";
   Types.Length displacement "Of the wheelset from the middle of the track";
   Types.Ratio creep_x "Longitudinal creep of the right wheel";
   Types.Ratio creep_y "Lateral creep of both wheels";
   Types.Ratio creep "Total creep of each wheel";
   Types.Force F_over_creep "Total creep force of a wheel over its creep";
 equation
+  mu0 = exp(log_mu0);
   creep_x = half_gauge*dpsi/speed + conicity*displacement/r_wheel;
   creep_y = dy/speed - psi;
   creep = sqrt(creep_x^2 + creep_y^2 + creep_small^2);
@@ -27,10 +30,11 @@ equation
   m_unsprung*der(dy) = -2*F_over_creep*creep_y;
   der(psi) = dpsi;
   I_yaw*der(dpsi) = -2*half_gauge*F_over_creep*creep_x - k_yaw*psi;
-  der(mu0) = 0;
+  der(log_mu0) = 0;
   annotation (Documentation(info="<html>
 <p>
-Creep and creep force are algebraic; friction moves only when a reading moves it. Free of events. An edition says what it knows of
+Creep and creep force are algebraic; friction moves only when a reading moves it. Its logarithm is the state, because the force is the
+same for a friction of either sign: a filter that overshoots zero would stay on the wrong side, sure of itself. Free of events. An edition says what it knows of
 <code>displacement</code>.
 </p>
 <h4>Limitations</h4>
