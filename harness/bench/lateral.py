@@ -16,7 +16,7 @@ class RunCost:
     Attributes:
         filter: Which, or "none" for the plant alone.
         wall: Best time of the loop [s].
-        processor: Best processor time of the loop and what is around it [s]: what the wall would show on a free machine.
+        processor: Best processor time of the loop and what is around it [s]: the wall on a free machine.
     """
 
     filter: str
