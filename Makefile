@@ -32,7 +32,7 @@ check: $(READY)
 	$(RUN) -m pyright
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
-	$(RUN) -m harness.lateral
+	$(RUN) -m harness lateral
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

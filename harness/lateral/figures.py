@@ -1,20 +1,17 @@
 """Figures of the lateral study: the five tests, compactly, after figures 4 to 23 of Mal et al. (2020)."""
 
-from pathlib import Path
 from typing import Final
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.lateral.filters import NAMES
 from harness.lateral.judge import QUANTITIES, beliefs_about
 from harness.lateral.run import Trace
 from harness.lateral.tables import PLANT_TITLES, TITLES
+from harness.verdict import style
 
-# Okabe and Ito's palette, which people with any common colour blindness can tell apart.
-COLOURS: Final = {"literal": "#D55E00", "known_track": "#0072B2", "unknown_track": "#009E73"}
-BLACK: Final = "#000000"
+COLOURS: Final = {"literal": style.VERMILION, "known_track": style.BLUE, "unknown_track": style.GREEN}
 LABELS: Final = {
     "lateral_velocity": "lateral velocity [m/s]",
     "yaw_rate": "yaw rate [rad/s]",
@@ -26,14 +23,13 @@ LABELS: Final = {
 
 def test_figure(trace: Trace) -> Figure:
     """Return truth and estimates on the left, errors on the right, a row for each quantity."""
-    made = Figure(figsize=(11, 2.0 * len(QUANTITIES)), layout="constrained")
-    FigureCanvasAgg(made)
+    made = style.figure(11, 2.0 * len(QUANTITIES))
     panels = made.subplots(len(QUANTITIES), 2, sharex=True)
     said = {name: beliefs_about(trace, name) for name in NAMES}
     for (left, right), quantity in zip(panels, QUANTITIES, strict=True):
         truth = trace.truth[quantity]
         size = float(np.max(np.abs(truth)))
-        left.plot(trace.time, truth, color=BLACK, linewidth=1.2, label="true")
+        left.plot(trace.time, truth, color=style.BLACK, linewidth=1.2, label="true")
         for name in NAMES:
             mean = said[name][quantity].mean
             left.plot(trace.time, mean, color=COLOURS[name], linewidth=0.8, linestyle="--", label=TITLES[name])
@@ -41,15 +37,13 @@ def test_figure(trace: Trace) -> Figure:
         # Room for twice the truth: a filter that leaves the panel is wrong by more than all there is to estimate.
         bottom = -1.5 * size if np.min(truth) < 0 else -0.1 * size
         left.set_ylim(bottom, 1.5 * size)
-        left.set_ylabel(LABELS[quantity])
+        style.dress(left, y=LABELS[quantity])
         right.set_yscale("log")
         right.set_ylim(1e-7 * size, 1e1 * size)
-        right.set_ylabel("|error|")
+        style.dress(right, y="|error|")
         for axes in (left, right):
-            axes.grid(visible=True, color="#DDDDDD", linewidth=0.6)
-            axes.spines[["top", "right"]].set_visible(False)
             for change in trace.changes[1:]:
-                axes.axvline(change, color="#767676", linewidth=0.8, linestyle=":")
+                axes.axvline(change, color=style.GREY, linewidth=0.8, linestyle=":")
     panels[0, 0].legend(ncols=2, fontsize=7, loc="upper right", framealpha=0.9)
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")
@@ -62,9 +56,3 @@ def test_figure(trace: Trace) -> Figure:
         ha="left",
     )
     return made
-
-
-def save(made: Figure, path: Path) -> Path:
-    """Write a figure as PNG; the same figure gives the same bytes."""
-    made.savefig(path, format="png", dpi=110, metadata={"Software": None})
-    return path

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from harness.lateral.figures import save, test_figure
+from harness.lateral.figures import test_figure
 from harness.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SERVICE_NOISE, SHARE_TOLERANCE, WINDOW
 from harness.lateral.run import Case, simulate
 from harness.lateral.study import Plan, Result
 from harness.lateral.tables import detection_lines, error_rows, error_tables, observability_lines, spread, write_csv
 from harness.twins.lateral import PLANTS
+from harness.verdict.style import save
 
 
 def write_report(

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from fmus.native import lower
+from fmus.native.dae import LIBRARY
+from harness.estimate.recording import columns, period_of, truth_of
+from harness.lateral.filters import prediction
+from harness.lateral.recording import recorded
+from harness.lateral.run import Case
 from harness.twins.lateral import (
     ACCELEROMETER,
     CONDITIONS,
@@ -67,18 +71,21 @@ def test_the_transition_changes_every_two_seconds_and_ends_from_worst_to_wet():
     assert transition.inputs[-1, 1:4] == pytest.approx([0.3, 0.4, 0.2])
 
 
-def test_the_conditions_are_the_surfaces_of_the_modelica_library(tmp_path):
-    """Table 3 stands in both languages; a model that binds the records tells whether it is the same table."""
+def test_the_conditions_are_the_surfaces_of_the_modelica_library():
+    """Table 3 stands in both languages."""
     for condition in CONDITIONS:
-        name = f"Probe{condition.name.title()}"
-        source = tmp_path / f"{name}.mo"
-        source.write_text(
-            f"model {name}\n  parameter Real mu0 = {condition.mu0!r};\n  output Real y = mu0;\nend {name};\n"
-        )
-        assert lower(name, source).parameters[0].start == condition.mu0
-    from pathlib import Path
+        text = (LIBRARY / "Contact" / "Surfaces" / f"Mal{condition.name.title()}.mo").read_text()
+        assert f"k_A=1.0, k_S=1.0, mu0={condition.mu0:g}, A={condition.A:g}, B={condition.B:g})" in text
 
-    surfaces = Path("modelica/RailBraking/Contact/Surfaces")
-    for condition in CONDITIONS:
-        text = (surfaces / f"Mal{condition.name.title()}.mo").read_text()
-        assert f"mu0={condition.mu0:g}, A={condition.A:g}, B={condition.B:g})" in text
+
+def test_a_recording_has_what_the_prediction_wants():
+    """Inputs and readings by the prediction's names, truth by its states, on an even grid."""
+    recording = recorded(Case(test=TESTS[0].shortened(0.02), speed=25.0, plant="paper", seed=1))
+    model = prediction("known_track")
+    assert columns(recording, model.inputs, ("m/s", "m")).shape == (400, 2)
+    readings = columns(recording, model.outputs, ("m/s2", "rad/s"))
+    assert period_of(recording) == PERIOD
+    rate = truth_of(recording, "dpsi")
+    # Five standard deviations: one draw in two million is further off, and there are 400.
+    assert np.max(np.abs(readings[:, 1] - rate)) < 5 * GYROSCOPE
+    assert {name for name in model.states if f"true_{name}" in recording} == set(model.states)
