@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check estimate clean
+.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate lateral clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -59,6 +59,9 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	$(RUN) -m harness observability harness/estimate/library/rig_own.toml
 	$(RUN) -m harness observability harness/estimate/library/wagon.toml
 	$(RUN) -m harness estimate harness/estimate/library/wagon.toml
+
+lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
+	$(RUN) -m harness lateral
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -26,6 +26,7 @@ from rich.table import Table
 from harness.bench.command import add_to as add_bench
 from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
+from harness.lateral import command as lateral
 from harness.scenario.error import ScenarioError
 
 if TYPE_CHECKING:
@@ -181,6 +182,7 @@ def accept(
 add_estimate(app)
 add_calibrate(app)
 add_bench(app)
+lateral.add_to(app)
 
 
 def main(arguments: list[str] | None = None) -> None:
