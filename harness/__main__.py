@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
 
 WRONG_QUESTION = 2
@@ -157,6 +158,9 @@ def accept(
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
+add_monitor(app)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; a user's mistake ends in a sentence, never in a traceback."""
     from harness.failure import sentence_of
@@ -244,7 +248,13 @@ def _print_table(title: str, rows) -> None:
 
 @contextmanager
 def _progress() -> Generator[Progress]:
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=_err, transient=True) as bar:
         yield bar
 

@@ -102,6 +102,26 @@ class Verdict:
 
         return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
 
+    def rows(self) -> list[dict[str, str]]:
+        """Return the figures as rows of a table."""
+        told = {
+            "lives, stops": f"{self.lives}, {self.stops}",
+            "20 % of friction lost: stops until the alarm": _delays(self.worn_delays),
+            "brake that sticks: stops until the alarm": _delays(self.stuck_delays),
+            "alarms of the right kind": f"{self.kinds_right:.1%}",
+            "healthy group-stops": str(self.healthy),
+            "false alarms": str(self.false_alarms),
+            "false alarms a stop and group": f"{self.rate:.1e}, below {self.rate_bound:.1e} at 95 % confidence",
+        }
+        return [{"figure": name, "value": value} for name, value in told.items()]
+
+
+def _delays(delays: Sequence[int | None]) -> str:
+    found = [delay for delay in delays if delay is not None]
+    if not found:
+        return f"none of {len(delays)} found"
+    return f"median {np.median(found):.0f}, at most {max(found)}; {len(found)} of {len(delays)} found"
+
 
 def study(
     asked: Sequence[Life], design: Design, *, workers: int = 2, tell: Callable[[int], None] = lambda done: None
