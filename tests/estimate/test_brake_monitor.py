@@ -50,7 +50,7 @@ def test_a_stop_tells_which_group_has_lost_friction(stops):
 
 def test_a_brake_that_does_not_release_shows_as_drag_and_as_lost_friction(stops):
     healthy, _, stuck = (evidence_of(stop.recording, stop.temperature) for stop in stops)
-    # 0.8 bar on three units: 5.7·(0.8e5·0.0324 − 1200) N · 3 · 0.35 · 0.235 m / 0.38 m over 84 t, friction known to 15 %.
+    # 0.8 bar leave 7.9 kN on each of three units; friction and load are known to 15 %.
     expected = 5.7 * (0.8e5 * 0.0324 - 1200.0) * 3 * 0.35 * 0.235 / 0.38 / 84e3
     assert stuck.drag - healthy.drag == pytest.approx(expected, rel=0.25)
     assert (stuck.health / healthy.health).argmin() == 3
@@ -100,12 +100,12 @@ def test_drag_makes_it_a_brake_that_does_not_release():
 
 
 def test_healthy_rows_do_not_alarm():
-    """100 rows of 200 stops: 72 000 group-stops, of which the design allows 1e-4 at the tolerated loss, far less at none."""
+    """100 rows of 200 stops, 72 000 group-stops; the design allows 1e-4 at the tolerated loss, far less at none."""
     assert sum(len(watch(row(200, seed), DESIGN).alarms) for seed in range(100)) == 0
 
 
 def test_the_false_alarm_rate_at_the_tolerated_loss_is_no_more_than_designed():
-    """A plain cumulated sum of Gaussian steps, without the cap on a step: the rate Siegmund's formula was solved for."""
+    """A plain cumulated sum of Gaussian steps, without the cap on a step: what the formula was solved for."""
     scatter = 0.06  # so large that the least threshold does not set in
     design = Design(false_alarms=2e-3, largest_step=1.0)
     threshold = threshold_for(scatter, design)
