@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate lateral clean
+.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate lateral monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -48,6 +48,9 @@ test: check  ## lint, types and tests
 test-omc: $(READY)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
 	$(RUN) -m pytest -m omc tests/fmus
+
+monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
+	$(RUN) -m harness monitor-study
 
 check: $(READY)
 	$(RUN) -m ruff check .

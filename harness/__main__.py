@@ -26,7 +26,8 @@ from rich.table import Table
 from harness.bench.command import add_to as add_bench
 from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
-from harness.lateral import command as lateral
+from harness.lateral.command import add_to as add_lateral
+from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
 
 if TYPE_CHECKING:
@@ -182,7 +183,8 @@ def accept(
 add_estimate(app)
 add_calibrate(app)
 add_bench(app)
-lateral.add_to(app)
+add_lateral(app)
+add_monitor(app)
 
 
 def main(arguments: list[str] | None = None) -> None:

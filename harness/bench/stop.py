@@ -126,7 +126,7 @@ def build_cost() -> BuildCost:
     from fmus.build import build
     from fmus.recipe import read_recipes
 
-    names = list(read_recipes())
+    names = list(read_recipes().recipes)
     with tempfile.TemporaryDirectory() as folder:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         begun = perf_counter()
