@@ -86,7 +86,8 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
         given[:, 0] -= trace.track
     values, slopes = _contact(given)
     mu0 = np.exp(belief.mean[:, at["log_mu0"]])
-    spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
+    with np.errstate(over="ignore", invalid="ignore"):  # a filter that has gone astray may believe anything
+        spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
     said = {
         "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
         "yaw_rate": Belief(mean=belief.mean[:, at["dpsi"]], deviation=deviation[:, at["dpsi"]]),
