@@ -75,11 +75,11 @@ class GateTable(Table):
 
 
 class SourceTable(Table):
-    """[source]: a twin and the scenario that it runs."""
+    """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws."""
 
     kind: str
     scenario: str
-    seed: Annotated[StrictInt, Field(ge=0)] = 0
+    seed: Annotated[StrictInt, Field(ge=0)] | None = None
 
 
 class Specification(Table):
@@ -94,6 +94,9 @@ class Specification(Table):
     outlier_limit: Positive | None = None
     between: Literal["held", "mean"] = "held"
     source: SourceTable
+
+
+LIBRARY = Path(__file__).parent / "library"
 
 
 def load_specification(path: Path) -> Specification:
