@@ -1,7 +1,7 @@
 """What a filter is made of, checked once."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -80,20 +80,12 @@ class Design:
                 "Filter: outlier_limit is a positive number of standard deviations, "
                 f"got {outlier_limit}; None uses every reading."
             )
-        density = noise_matrix("process_noise", process_noise, states)
-        if np.min(np.linalg.eigvalsh(density)) < -1e-12 * np.max(np.abs(density), initial=0.0):
-            raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
-        reading = noise_matrix("reading_noise", reading_noise, outputs)
-        if not positive_definite(reading):
-            raise EstimatorError(
-                "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
-                "a small floor for a perfect sensor."
-            )
+        spread, reading = _noises(process_noise, reading_noise, states, outputs, period)
         return cls(
             states=states,
             inputs=inputs,
             outputs=outputs,
-            spread=density * period,
+            spread=spread,
             reading_noise=reading,
             period=period,
             gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
@@ -101,6 +93,15 @@ class Design:
             gate_threshold=-math.inf if gate is None else gate.threshold,
             outlier_limit=math.inf if outlier_limit is None else outlier_limit,
         )
+
+    def retuned(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> Self:
+        """Return the same filter with other noises; see `of`.
+
+        Raises:
+            EstimatorError: They do not fit.
+        """
+        spread, reading = _noises(process_noise, reading_noise, self.states, self.outputs, self.period)
+        return replace(self, spread=spread, reading_noise=reading)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return the belief before the first step.
@@ -136,6 +137,26 @@ class Design:
                 f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
                 f"got shape {seen.shape}; write NaN for a reading that is not there."
             )
+
+
+def _noises(
+    process_noise: ArrayLike,
+    reading_noise: ArrayLike,
+    states: tuple[str, ...],
+    outputs: tuple[str, ...],
+    period: float,
+) -> tuple[Matrix, Matrix]:
+    """Return what the process adds in one period, shape (n, n), and the covariance of the readings, shape (m, m)."""
+    density = noise_matrix("process_noise", process_noise, states)
+    if np.min(np.linalg.eigvalsh(density)) < -1e-12 * np.max(np.abs(density), initial=0.0):
+        raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
+    reading = noise_matrix("reading_noise", reading_noise, outputs)
+    if not positive_definite(reading):
+        raise EstimatorError(
+            "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
+            "a small floor for a perfect sensor."
+        )
+    return density * period, reading
 
 
 def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix:

@@ -63,14 +63,14 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
     )
     return Code(
         sources={file.name: file.read_text(encoding="utf-8") for file in kernel}
-        | {"shape.h": _shape(prediction, design, layout, width)},
+        | _shape(prediction, design, layout, width),
         layout=layout,
         width=width,
     )
 
 
-def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice], width: int) -> str:
-    """Return the text of shape.h: sizes, layout, sparsity tables and the model."""
+def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice], width: int) -> dict[str, str]:
+    """Return the texts of sizes.h, with sizes and layout, and of shape.h, which adds sparsity tables and the model."""
     of = prediction.equations
     given, names = [of.x, of.u, of.p], ["x", "u", "p"]
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
@@ -87,6 +87,7 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
     numbers = {
         "N": len(design.states),
         "M": len(design.outputs),
+        "INPUTS": len(design.inputs),
         "WIDTH": width,
         "ORDER": ORDER,
         "GATES": len(design.gated_states),
@@ -109,14 +110,17 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
         "GATE_STATE": design.gated_states,
         "GATE_INPUT": design.gating_inputs,
     }
-    return "\n".join(
-        (
-            "#define CASADI_SYMBOL_EXPORT static",
-            *(f"#define {name} {number}" for name, number in numbers.items()),
-            *(_table(name, values) for name, values in tables.items()),
-            generator.dump(),
-        )
-    )
+    return {
+        "sizes.h": "".join(f"#define {name} {number}\n" for name, number in numbers.items()),
+        "shape.h": "\n".join(
+            (
+                "#define CASADI_SYMBOL_EXPORT static",
+                '#include "sizes.h"',
+                *(_table(name, values) for name, values in tables.items()),
+                generator.dump(),
+            )
+        ),
+    }
 
 
 def _table(name: str, values: Iterable[int]) -> str:
