@@ -13,8 +13,8 @@ SLIP_LEVELS = SlipLevels(low=0.10, high=0.15, speed_min=0.5, hold=False)
 SEEKER = {
     "ideal": SeekerTuning(
         period=1e-3,
-        filter_time=5e-3,
-        margin=0.04,
+        filter_time=10e-3,
+        margin=0.02,
         rise=0.15,
         fall=0.25,
         slip_rate_max=8.0,
@@ -29,13 +29,13 @@ SEEKER = {
     ),
     "pneumatic": SeekerTuning(
         period=10e-3,
-        filter_time=30e-3,
-        margin=0.04,
+        filter_time=0.1,
+        margin=0.02,
         rise=0.10,
         fall=0.25,
         slip_rate_max=3.0,
         slip_rate_min=0.3,
-        dwell=0.10,
+        dwell=0.2,
         slip_small=0.003,
         slip_vent=0.35,
         adhesion_small=0.015,
