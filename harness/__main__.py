@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from harness.field.command import add_to as add_field_commands
 from harness.scenario.error import ScenarioError
 
 WRONG_QUESTION = 2
@@ -155,6 +156,9 @@ def accept(
         moved = tuple(comparison for comparison in compare(baseline, results) if comparison.state != "kept")
         write_baseline(accepted(baseline, results, reason), path)
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
+
+
+add_field_commands(app)
 
 
 def main(arguments: list[str] | None = None) -> None:
