@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check clean
+.PHONY: help install test test-omc check estimate clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -30,6 +30,12 @@ check: $(READY)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright
+
+estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
+	$(RUN) -m harness.estimate rig
+	$(RUN) -m harness.estimate observability harness/estimate/library/rig_own.toml
+	$(RUN) -m harness.estimate observability harness/estimate/library/wagon.toml
+	$(RUN) -m harness.estimate estimate harness/estimate/library/wagon.toml
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

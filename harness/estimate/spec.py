@@ -37,7 +37,7 @@ from harness.estimate.magnitudes import in_units
 from harness.estimate.run import Settings, model_of, per_step, prediction_of
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Magnitude
-from harness.scenario.table import Table
+from harness.scenario.table import Duration, Table
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -74,6 +74,14 @@ class GateTable(Table):
     threshold: Magnitude
 
 
+class ObservabilityTable(Table):
+    """[observability]: typical sizes of the states, and the windows in which readings must tell them."""
+
+    scale: dict[str, Positive]
+    window: Duration
+    stride: Duration
+
+
 class SourceTable(Table):
     """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws."""
 
@@ -93,6 +101,7 @@ class Specification(Table):
     gate: GateTable | None = None
     outlier_limit: Positive | None = None
     between: Literal["held", "mean"] = "held"
+    observability: ObservabilityTable | None = None
     source: SourceTable
 
 
