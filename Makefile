@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check estimate clean
+.PHONY: help install test test-omc check estimate tune clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -36,6 +36,11 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	$(RUN) -m harness.estimate observability harness/estimate/library/rig_own.toml
 	$(RUN) -m harness.estimate observability harness/estimate/library/wagon.toml
 	$(RUN) -m harness.estimate estimate harness/estimate/library/wagon.toml
+	$(RUN) -m harness field
+
+tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library
+	$(RUN) -m harness tune paper --out harness/field/library/paper.toml
+	$(RUN) -m harness tune consistent --out harness/field/library/consistent.toml
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

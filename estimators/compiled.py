@@ -31,12 +31,14 @@ class Followed:
     Attributes:
         mean: After every step, shape (k, n).
         variance: Of each state, shape (k, n).
+        expected: Readings, before they were seen, shape (k, m).
         squared: Normalised innovation squared, shape (k,).
         used: How many readings were used, its degrees, shape (k,).
     """
 
     mean: Matrix
     variance: Matrix
+    expected: Matrix
     squared: Vector
     used: Vector
 
@@ -111,7 +113,7 @@ class CompiledFilter:
         loaded = ctypes.CDLL(str(library.resolve()))
         self._step, self._run = loaded.step, loaded.run
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
-        self._run.argtypes = [ctypes.c_void_p, ctypes.c_int] + [ctypes.c_void_p] * 7
+        self._run.argtypes = [ctypes.c_void_p, ctypes.c_int] + [ctypes.c_void_p] * 8
         self._run.restype = ctypes.c_int
         self._address = ctypes.c_void_p(block.ctypes.data)
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
@@ -183,10 +185,14 @@ class CompiledFilter:
             )
         self.hold(prior)
         followed = Followed(
-            mean=np.empty((count, n)), variance=np.empty((count, n)), squared=np.empty(count), used=np.empty(count)
+            mean=np.empty((count, n)),
+            variance=np.empty((count, n)),
+            expected=np.empty((count, self.seen.size)),
+            squared=np.empty(count),
+            used=np.empty(count),
         )
         outcome = ctypes.c_int(0)
-        results = (followed.mean, followed.variance, followed.squared, followed.used)
+        results = (followed.mean, followed.variance, followed.expected, followed.squared, followed.used)
         done = self._run(
             self._address,
             count,

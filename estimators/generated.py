@@ -26,7 +26,7 @@ class Code:
     Attributes:
         sources: File name to text; every `.c` is to be compiled.
         layout: Part of the block to where it lies: MEAN, COVARIANCE, HELD, SEEN, PARAMETERS, SPREAD,
-            READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED written.
+            READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED, EXPECTED written.
         width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
     """
 
@@ -54,6 +54,7 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
         ("LIMIT_SQUARED", 1),
         ("SQUARED", 1),
         ("USED", m),
+        ("EXPECTED", m),
     ):
         layout[part] = slice(end, end + size)
         end += size

@@ -12,7 +12,7 @@ int dispatch(double *block);
 /* Advance `block` by `count` periods with row k of `held` and `seen`; rows k of the results say what is believed then.
    Returns the number of steps that succeeded; what stopped it, if anything did, is in `outcome`. */
 EXPORT int run(double *block, int count, const double *held, const double *seen, double *mean, double *variance,
-               double *squared, double *used, int *outcome)
+               double *expected, double *squared, double *used, int *outcome)
 {
     *outcome = 0;
     for (int k = 0; k < count; k++) {
@@ -29,8 +29,10 @@ EXPORT int run(double *block, int count, const double *held, const double *seen,
         }
         squared[k] = block[SQUARED];
         used[k] = 0.0;
-        for (int i = 0; i < M; i++)
+        for (int i = 0; i < M; i++) {
             used[k] += block[USED + i];
+            expected[k * M + i] = block[EXPECTED + i];
+        }
     }
     return count;
 }

@@ -81,7 +81,7 @@ def braking_of(
         period=period,
         speed=columns(run, ("speed",), ("m/s",))[:, 0],
         accelerations=columns(run, sensors, ["m/s2"] * len(sensors)),
-        horizontal=local(*position.T, origin)[:, :2],
+        horizontal=local(position[:, 0], position[:, 1], position[:, 2], origin)[:, :2],
         height=position[:, 2],
         trust=trust,
         low_pass=low_pass,

@@ -1,6 +1,6 @@
 """Where equation (14) is blind: two ways of changing noises that it does not see, or rewards."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,8 +47,13 @@ def readings_trusted(tasks: Sequence[Task], filter_: CompiledFilter, noise: Nois
     return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scaled(f, 1.0), 1.0))
 
 
-def _sweep(tasks, filter_, factors, chosen) -> Sweep:
-    rows = []
+def _sweep(
+    tasks: Sequence[Task],
+    filter_: CompiledFilter,
+    factors: Array,
+    chosen: Callable[[float], tuple[Noise, float]],
+) -> Sweep:
+    rows: list[tuple[float, ...]] = []
     for factor in factors:
         noise, start = chosen(float(factor))
         followed = [follow(task, filter_, noise, start) for task in tasks]

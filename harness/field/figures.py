@@ -41,14 +41,13 @@ def track_figure(run: xarray.Dataset, braking: Braking, plan: Plan) -> Figure:
     chart.legend(fontsize=8, loc="lower right", frameon=False)
     turned = np.interp(course.distance, distance, truth_of(run, "curvature"))
     slope = np.interp(course.distance, distance, truth_of(run, "slope"))
-    for row, (left, right, true, found, unit, label, title) in enumerate(
+    for row, (left, true, found, unit, label, title) in enumerate(
         (
-            (np.degrees(course.heading), None, 1e3 * turned, 1e3 * course.curvature, "curvature [1/km]",
+            (np.degrees(course.heading), 1e3 * turned, 1e3 * course.curvature, "curvature [1/km]",
              "heading [°]", "heading and curvature"),
-            (course.height, None, 1e3 * slope, 1e3 * course.slope, "slope [‰]", "height [m]", "height and slope"),
+            (course.height, 1e3 * slope, 1e3 * course.slope, "slope [‰]", "height [m]", "height and slope"),
         )
     ):  # fmt: skip
-        del right
         panel = made.add_subplot(grid[row, 1])
         panel.plot(course.distance, left, color=style.BLACK, linewidth=1.2)
         style.dress(panel, y=label, title=title, x="distance [m]" if row else "")

@@ -25,7 +25,7 @@ RELEASED = 0.45e5
 tell nothing of themselves, and the paper's filter would let their variance grow."""
 
 START_MU_B, START_DEVIATION = 0.35, (0.03, *[0.1] * GROUPS, *[0.04] * GROUPS, *[0.02] * GROUPS)
-"""Pads as new, and standard deviations of v [m/s], w [rad/s], μ_B and α at the first sample: sensors, the spread of pads
+"""Pads as new; standard deviations of v [m/s], w [rad/s], μ_B and α at the first sample: sensors, the spread of pads
 between lots (10 %), and a train that coasts."""
 
 

@@ -89,9 +89,7 @@ def load_noise(path: Path) -> Noise:
 def save_noise(noise: Noise, path: Path, *, title: str, command: str, results: dict[str, float]) -> Path:
     """Write noises with the command that found them and what they reach."""
     lines = [f"# {title}", f'command = "{command}"', "", "[noise]"]
-    lines += [
-        f"{name} = {value:.6e}  # {unit}" for name, value, unit in zip(NAMES, noise.values, UNITS, strict=True)
-    ]
+    lines += [f"{name} = {value:.6e}  # {unit}" for name, value, unit in zip(NAMES, noise.values, UNITS, strict=True)]
     lines += ["", "[found]", *(f"{name} = {value:.6g}" for name, value in results.items()), ""]
     with replacing(path) as partial:
         partial.write_text("\n".join(lines), encoding="utf-8")

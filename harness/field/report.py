@@ -8,13 +8,13 @@ from harness.estimate.recording import truth_of
 from harness.field.braking import Braking
 from harness.field.degeneracy import Sweep, common_factor, readings_trusted
 from harness.field.figures import degeneracy_figure, friction_figure, readings_figure, speed_figure, track_figure
-from harness.field.filtering import Task, filter_of, follow, prediction, task_of
+from harness.field.filtering import filter_of, follow, prediction, task_of
 from harness.field.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
 from harness.field.objective import terms_of
 from harness.field.runs import TEST, TUNING, brakings
 from harness.field.score import Score, TrackScore, score, track_score
 from harness.record.atomic import write_text
-from harness.scenario.track import curve_coefficient
+from harness.scenario.track import CurveLaw, curve_coefficient
 from harness.twins.field_scenario import FieldScenario
 from harness.verdict import style
 
@@ -47,8 +47,8 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
     followed = {title: follow(test, filter_, noise) for title, noise in noises.items()}
     tell("sweeps")
     others = [tasks[case] for case in TUNING]
-    common = common_factor(others, filter_, noises["with consistency"])
-    trusted = readings_trusted(others, filter_, noises["with consistency"])
+    common = common_factor(others, filter_, PHYSICAL)
+    trusted = readings_trusted(others, filter_, PHYSICAL)
     tell("figures")
     style.save(track_figure(run, braking, scenario.track.laid().plan()), out / "track.png")
     style.save(speed_figure(run), out / "speed.png")
@@ -82,10 +82,10 @@ def _track(scores: dict[str, TrackScore], braking: Braking) -> list[str]:
         for case, s in scores.items()
     ]
     weight = 84e3 * 9.81
-    bends = ", ".join(
-        f"{name} {float(curve_coefficient(1 / 600, law)) * weight:.0f} N"
-        for name, law in (("equation (7)", "bogie"), ("Röckl", "roeckl"), ("Protopapadakis", "protopapadakis"))
-    )
+    laws: tuple[tuple[str, CurveLaw], ...] = (
+        ("equation (7)", "bogie"), ("Röckl", "roeckl"), ("Protopapadakis", "protopapadakis"),
+    )  # fmt: skip
+    bends = ", ".join(f"{name} {float(curve_coefficient(1 / 600, law)) * weight:.0f} N" for name, law in laws)
     force = truth_of(braking.recording, "track_force")
     return [
         "## Track from GNSS, speed and accelerometers",
@@ -158,10 +158,13 @@ def _degeneracy(common: Sweep, trusted: Sweep) -> list[str]:
         f"{common.nees.min():.2g}. One of the twelve numbers is free.",
         "",
         "A factor on R alone, down to zero, makes the filter repeat its readings: (14) falls from "
-        f"{trusted.deviation.max():.1e} to {trusted.deviation.min():.1e} m/s, while adhesion is worse by "
-        f"{trusted.adhesion[0] / trusted.adhesion.min():.1f} times and pad friction by "
-        f"{trusted.pad_friction[0] / trusted.pad_friction.min():.1f} times than at their best. The bounds of the "
-        "search, not the data, decide the optimum.",
+        f"{trusted.deviation[-1]:.1e} to {trusted.deviation[0]:.1e} m/s, while the RMSE of adhesion goes from "
+        f"{trusted.adhesion[-1]:.4f} to {trusted.adhesion[0]:.4f} and that of pad friction from "
+        f"{trusted.pad_friction[-1]:.4f} to {trusted.pad_friction[0]:.4f}, with their best, "
+        f"{trusted.adhesion.min():.4f} and {trusted.pad_friction.min():.4f}, wherever they are. The bounds of "
+        "the search, not the data, decide the "
+        "optimum of (14), as the table of noises shows. The objective with consistency takes the readings before "
+        "they were seen, and asks NIS and NEES to be 1.",
         "",
         "![degeneracy](degeneracy.png)",
         "",

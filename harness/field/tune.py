@@ -119,14 +119,14 @@ def tune(
             found = differential_evolution(
                 objective,
                 limits,
-                init=population,
+                init=population,  # pyright: ignore[reportArgumentType] - the stubs know names only
                 maxiter=min(search.stage, search.generations - before),
                 rng=np.random.default_rng([search.seed, before]),
                 strategy="best1bin",
                 mutation=(0.4, 0.9),
                 recombination=0.8,
                 updating="deferred",
-                workers=pool.map,
+                workers=pool.map,  # pyright: ignore[reportArgumentType] - wants no keyword of map's
                 polish=False,
                 # All generations are run: a population that has drawn together early says so in its history.
                 tol=0.0,

@@ -84,13 +84,14 @@ def track_force_of(track: Track) -> TrackForce:
     """Return the force of a track: the constant one, −m g sin(β) and the curve resistance."""
     places = sorted({section.begin for section in (*track.gradient, *track.curve)})
     begins = (float("-inf"), *places)
-    weight = (track.train_mass or 0.0) * GRAVITY
 
     def force(place: float) -> float:
         slopes = [section.slope for section in track.gradient if section.begin <= place]
         curves = [section.radius for section in track.curve if section.begin <= place]
         bend = 1.0 / curves[-1] if curves and curves[-1] else 0.0
-        return track.force + float(force_along(slopes[-1] if slopes else 0.0, bend, track.train_mass or 0.0, track.curve_law))
+        return track.force + float(
+            force_along(slopes[-1] if slopes else 0.0, bend, track.train_mass or 0.0, track.curve_law)
+        )
 
     return TrackForce(begins=begins, forces=tuple(force(place) for place in begins))
 

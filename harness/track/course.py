@@ -60,16 +60,16 @@ class Course:
 
     def curvature_at(self, distance: ArrayLike) -> Array:
         """Return κ [1/m] at distances [m]."""
-        return np.interp(distance, self.distance, self.curvature)
+        return np.interp(np.asarray(distance), self.distance, self.curvature)
 
     def slope_at(self, distance: ArrayLike) -> Array:
         """Return tan β at distances [m]."""
-        return np.interp(distance, self.distance, self.slope)
+        return np.interp(np.asarray(distance), self.distance, self.slope)
 
     def length_to(self, distance: ArrayLike) -> Array:
         """Return how long the recovered path is up to given distances of whatever measured them [m]."""
         steps = np.linalg.norm(np.diff(self.horizontal, axis=0), axis=1)
-        return np.interp(distance, self.distance, np.concatenate([[0.0], np.cumsum(steps)]))
+        return np.interp(np.asarray(distance), self.distance, np.concatenate([[0.0], np.cumsum(steps)]))
 
     def ahead(self, distance: Array, horizontal: Array) -> Array:
         """Return how far ahead of their distance positions lie, along the path [m], shape (k,)."""

@@ -34,7 +34,7 @@ class Linear:
 
     def __call__(self, distance: ArrayLike) -> Array:
         """Return the value at distances [m]."""
-        return np.interp(distance, self.at, self.values)
+        return np.interp(np.asarray(distance), self.at, self.values)
 
     def integral(self, distance: ArrayLike) -> Array:
         """Return the integral from zero distance, exact."""
@@ -113,7 +113,9 @@ class Plan:
 
     def horizontal_at(self, distance: ArrayLike) -> Array:
         """Return north and east [m], shape (…, 2)."""
-        return np.stack([np.interp(distance, self.distance, column) for column in self.horizontal.T], axis=-1)
+        return np.stack(
+            [np.interp(np.asarray(distance), self.distance, column) for column in self.horizontal.T], axis=-1
+        )
 
     def positions(self, distance: ArrayLike) -> Array:
         """Return latitude, longitude [°] and height above the ellipsoid [m], shape (…, 3)."""

@@ -121,7 +121,9 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
     F[0, 1] = F[1, 2] = T
     F[0, 2] = 0.5 * T**2
     # White jerk, integrated exactly over a period.
-    jerk = trust.jerk**2 * np.array([[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]])
+    jerk = trust.jerk**2 * np.array(
+        [[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]]
+    )
     Q = np.zeros((5, 5))
     Q[:3, :3] = jerk
     Q[3, 3] = trust.drift**2 * T

@@ -40,19 +40,19 @@ def smooth(
     count, n = len(seen), start.size
     mean, covariance = np.empty((count, n)), np.empty((count, n, n))
     expected_mean, expected = np.empty((count, n)), np.empty((count, n, n))
-    m, P = start, spread
+    m, spread_now = start, spread
     for j in range(count):
         if j > 0:
-            m, P = transition @ m, transition @ P @ transition.T + noise
-        expected_mean[j], expected[j] = m, P
+            m, spread_now = transition @ m, transition @ spread_now @ transition.T + noise
+        expected_mean[j], expected[j] = m, spread_now
         there = np.isfinite(seen[j])
         if there.any():
             H, R = sight[j][there], np.diag(reading_noise[there])
-            gain = np.linalg.solve(H @ P @ H.T + R, H @ P).T
+            gain = np.linalg.solve(H @ spread_now @ H.T + R, H @ spread_now).T
             kept = np.eye(n) - gain @ H
             m = m + gain @ (seen[j][there] - H @ m)
-            P = kept @ P @ kept.T + gain @ R @ gain.T
-        mean[j], covariance[j] = m, P
+            spread_now = kept @ spread_now @ kept.T + gain @ R @ gain.T
+        mean[j], covariance[j] = m, spread_now
     for j in range(count - 2, -1, -1):
         G = np.linalg.solve(expected[j + 1], transition @ covariance[j]).T
         mean[j] = mean[j] + G @ (mean[j + 1] - expected_mean[j + 1])

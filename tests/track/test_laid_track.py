@@ -12,15 +12,15 @@ FLAT = Linear(np.array([0.0]), np.array([0.0]))
 
 
 def track(curvature: Linear, slope: Linear = FLAT, heading: float = 0.0) -> LaidTrack:
-    return LaidTrack(
-        origin=MIDDLE, middle=0.0, length=400.0, heading=heading, curvature=curvature, slope=slope
-    )
+    return LaidTrack(origin=MIDDLE, middle=0.0, length=400.0, heading=heading, curvature=curvature, slope=slope)
 
 
 def test_a_transition_curve_is_a_clothoid():
     """North and east of a clothoid κ = s/A² are Fresnel's integrals."""
     length, radius = 200.0, 250.0
-    plan = track(course_of((Element(length=length, curvature=1 / radius), Element(length=200, curvature=1 / radius)))).plan()
+    plan = track(
+        course_of((Element(length=length, curvature=1 / radius), Element(length=200, curvature=1 / radius)))
+    ).plan()
     scale = np.sqrt(np.pi * length * radius)  # Fresnel's integrals take π t²/2 for s²/(2A²)
     sine, cosine = fresnel(length / scale)
     # Simpson over half a metre: (h⁵/2880) of a fourth derivative below 1e-6, four hundred times.
