@@ -32,10 +32,10 @@ check: $(READY)
 	$(RUN) -m pyright
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(RUN) -m harness.estimate rig
-	$(RUN) -m harness.estimate observability harness/estimate/library/rig_own.toml
-	$(RUN) -m harness.estimate observability harness/estimate/library/wagon.toml
-	$(RUN) -m harness.estimate estimate harness/estimate/library/wagon.toml
+	$(RUN) -m harness rig
+	$(RUN) -m harness observability harness/estimate/library/rig_own.toml
+	$(RUN) -m harness observability harness/estimate/library/wagon.toml
+	$(RUN) -m harness estimate harness/estimate/library/wagon.toml
 	$(RUN) -m harness field
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library

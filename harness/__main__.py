@@ -1,4 +1,4 @@
-"""The command line: run, campaign, report, regress, accept.
+"""The command line: run, campaign, report, regress, accept; observability, estimate, rig.
 
 Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
 """
@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from harness.estimate.command import add_to as add_estimate
 from harness.field.command import add_to as add_field_commands
 from harness.scenario.error import ScenarioError
 
@@ -158,6 +159,7 @@ def accept(
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
+add_estimate(app)
 add_field_commands(app)
 
 

@@ -150,6 +150,8 @@ def explicit(dae: Dae) -> System:
     )  # fmt: skip
     start, calculated = _start(dae, evaluate, v, states, reduced.equations, reduced.unknowns, start_loops)
 
+    # The same loops are met again in the event system and the assertions; here they are counted once.
+    blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
     assertions = _assertions(dae, evaluate, v, conditions)
     targets = [
@@ -175,6 +177,13 @@ def explicit(dae: Dae) -> System:
         )
         for a in assertions
     ]
+    through_events = [name for name in loops.guesses if name not in running]
+    if through_events:
+        raise Refused(
+            f"{dae.class_name}: a nonlinear loop through discrete variables is not supported: "
+            f"{', '.join(through_events)}; break it with pre()."
+        )
+    loops.blocks = blocks
     return System(
         class_name=dae.class_name,
         time=time,

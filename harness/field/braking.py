@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
 """For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
-long; shorter waves are the receiver's. Found on cases 1 to 5."""
+long; shorter waves are the receiver's. An estimate, not fitted to any case."""
 
 TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
 """Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is the gradient that

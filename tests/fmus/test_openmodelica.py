@@ -11,7 +11,6 @@ import pytest
 from fmus import openmodelica
 from fmus.build import build_one
 from fmus.errors import BuildFailed, CompilerMissing
-from fmus.native.dae import LIBRARY
 from fmus.recipe import Recipe, read_recipes
 
 RECIPE = Recipe.model_validate(
@@ -110,7 +109,7 @@ def test_both_compilers_give_the_same_trajectory(name, tmp_path):
     kind = "CoSimulation" if "cs" in recipe.interfaces else "ModelExchange"
     found = []
     for compiler in ("native", "openmodelica"):
-        path = build_one(name, compiler, tmp_path / compiler, library=LIBRARY).path
+        path = build_one(name, compiler, tmp_path / compiler).path
         description = fmpy.read_model_description(str(path), validate=False)
         inputs = [v.name for v in description.modelVariables if v.causality == "input"]
         outputs = sorted(v.name for v in description.modelVariables if v.causality == "output")

@@ -16,30 +16,28 @@ from fmus.recipe import read_recipes
 
 BOOK = read_recipes()
 STOP, STEP = 3.0, 0.015  # every other point lies between the 2 ms samples of the valves
-# What each input is held at: service braking on wet rail, another adhesion under each wheelset.
+# What each input is held at: service braking on wet rail, with a little more under each wheelset further back.
 HELD = {
-    "pressure_command": [3.0e5, 2.5e5, 2.5e5, 3.0e5],
-    "cylinder_pressure": [3.0e5, 2.5e5, 2.5e5, 3.0e5],
-    "valve_command": [1.0, 1.0, 0.0, 1.0],
-    "mu0": [0.20, 0.21, 0.22, 0.23, 0.24, 0.25],
+    "pressure_command": 3.0e5,
+    "cylinder_pressure": 3.0e5,
+    "demand": 3.0,
+    "valve_command": 1.0,
+    "pad_force": 8.0e3,
+    "wheel_torque": -50.0,
+    "mu0": 0.20,
+    "rail_grip": 0.20,
     "track_force": -500.0,
+    "drag": 0.5,
     "slip": 0.02,
     "speed": 20.0,
     "load": 1.0e5,
-    # Of the train that thinks in bar and kN.
-    "demand": [3.0, 2.5, 2.5, 3.0],
-    "rail_grip": [0.20, 0.21, 0.22, 0.23, 0.24, 0.25],
-    "drag": 0.5,
 }
 
 
 def held(name: str) -> float:
     """Return the value of a scalar input such as `mu0[2]`."""
     base, _, index = name.partition("[")
-    value = HELD[base]
-    if isinstance(value, list):
-        return value[int(index.rstrip("]")) - 1]
-    return value[0] if name == "mu0" else value
+    return HELD[base] * (1 + 0.05 * (int(index.rstrip("]")) - 1 if index else 0))
 
 
 @pytest.fixture(scope="module")
