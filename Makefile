@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check estimate tune clean
+.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate tune lateral clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -18,6 +18,29 @@ $(READY): pyproject.toml
 	@touch $@
 
 install: $(READY)  ## make .venv with everything declared in pyproject.toml
+
+fmus: $(READY)  ## build the FMUs that are not up to date
+	$(RUN) -m fmus build
+
+simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
+	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml --out build/table1 --no-panels
+	$(RUN) -m harness campaign harness/scenario/campaigns/shapes.toml --out build/shapes --no-panels
+
+report: simulate  ## the same with the panels of every stop
+	$(RUN) -m harness report build/table1
+	$(RUN) -m harness report build/shapes
+
+regress: fmus  ## compare braking distances with tests/baselines
+	$(RUN) -m harness regress
+
+accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
+	$(RUN) -m harness accept --reason '$(REASON)'
+
+calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
+	$(RUN) -m harness calibrate
+
+bench: fmus  ## speed, as medians and ratios in one run
+	$(RUN) -m harness bench
 
 test: check  ## lint, types and tests
 	$(RUN) -m pytest
@@ -41,6 +64,9 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library
 	$(RUN) -m harness tune paper --out harness/field/library/paper.toml
 	$(RUN) -m harness tune consistent --out harness/field/library/consistent.toml
+
+lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
+	$(RUN) -m harness lateral
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -16,6 +16,7 @@ _CONTROLLER_COLOURS = {
     "slip_two_state": style.BLUE,
     "slip_three_state": style.SKY,
     "adhesion_based": style.ORANGE,
+    "adhesion_literal": style.PURPLE,
     "ideal_bound": style.BLACK,
 }
 
@@ -147,16 +148,14 @@ def stop_figure(stop: Result) -> Figure:
         speed, slip, adhesion, friction, pressure = column
         train = style.KMH * trace["speed"].values
         speed.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
-        speed.plot(
-            time, train * (1 - trace["slip"].values[:, group]), color=style.BLUE, linewidth=0.9, label="wheelset"
-        )
-        slip.plot(time, 100 * trace["slip"].values[:, group], color=style.BLUE, linewidth=0.9, label="slip")
-        slip.plot(
-            time, 100 * trace["peak_slip"].values[:, group], color=style.BLACK, linewidth=1.2, label="greatest adhesion"
-        )
-        adhesion.plot(
-            time, trace["peak_adhesion"].values[:, group], color=style.BLACK, linewidth=1.2, label="greatest possible"
-        )
+        true_slip = trace["slip"].values[:, group]
+        speed.plot(time, train * (1 - true_slip), color=style.BLUE, linewidth=0.9, label="wheelset")
+        slip.plot(time, 100 * true_slip, color=style.BLUE, linewidth=0.9, label="slip")
+        # A plant that does not show its brakes has no bound.
+        if "peak_adhesion" in trace:
+            best_slip, best = trace["peak_slip"].values[:, group], trace["peak_adhesion"].values[:, group]
+            slip.plot(time, 100 * best_slip, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
+            adhesion.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
         adhesion.plot(time, trace["group_adhesion"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
         friction.plot(time, trace["pad_friction"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
         for panel, name in ((adhesion, "estimate_adhesion"), (friction, "estimate_pad_friction")):
