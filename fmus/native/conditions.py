@@ -36,9 +36,7 @@ class Relations:
     instants: list[SX] = field(default_factory=list)
 
 
-def find_relations(
-    dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX
-) -> Relations:
+def find_relations(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> Relations:
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
@@ -99,9 +97,7 @@ def _add(instants: list[SX], instant: SX) -> None:
         instants.append(instant)
 
 
-def _instants(
-    dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX
-) -> list[SX]:
+def _instants(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> list[SX]:
     """Return when relations between time and parameters change.
 
     rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again from
@@ -114,11 +110,7 @@ def _instants(
         found = False
         for node in nodes:
             operation = node["operation"]
-            if (
-                operation["kind"] != "binary"
-                or operation["operator"] not in SIGN
-                or node["binder_domain"] is not None
-            ):
+            if operation["kind"] != "binary" or operation["operator"] not in SIGN or node["binder_domain"] is not None:
                 continue
             lhs, rhs = (evaluate(operation[k]).item() for k in ("lhs", "rhs"))
             instant = _instant(settled([lhs - rhs])[0], evaluate.time, parameters)

@@ -140,8 +140,7 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         )
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     sources = {
-        number: (_short(path if name == alias else Path(name), base), text.encode())
-        for number, name, text in files
+        number: (_short(path if name == alias else Path(name), base), text.encode()) for number, name, text in files
     }
     return Dae(class_name=class_name, content=content, sources=sources)
 

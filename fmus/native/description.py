@@ -1,5 +1,6 @@
 """modelDescription.xml: variables, units and structure of an FMU."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from xml.sax.saxutils import quoteattr
@@ -26,7 +27,7 @@ SETTINGS = {
 
 
 @dataclass(slots=True)
-class _Writer:
+class Writer:
     """Collects ScalarVariables and remembers their place, which ModelStructure refers to."""
 
     rows: list[str] = field(default_factory=list)
@@ -56,11 +57,11 @@ class _Writer:
         if initial:
             head["initial"] = initial
         self.rows.append(
-            f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>"
+            f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
         )
 
 
-def _attributes(values: dict[str, str]) -> str:
+def attributes_text(values: dict[str, str]) -> str:
     return "".join(f" {key}={quoteattr(value)}" for key, value in values.items())
 
 
@@ -106,7 +107,7 @@ def write(
         step: Communication step to suggest, s.
     """
     lay = layout(system)
-    w = _Writer()
+    w = Writer()
     _variables(w, system, lay, solver, tolerance)
     flags = {
         "modelIdentifier": identifier,
@@ -127,12 +128,10 @@ def write(
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            f"<fmiModelDescription{_attributes(head)}>",
-            *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
+            f"<fmiModelDescription{attributes_text(head)}>",
+            *([f"  <ModelExchange{attributes_text(flags)}/>"] if "me" in interfaces else []),
             *(
-                [
-                    f"  <CoSimulation{_attributes(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"
-                ]
+                [f"  <CoSimulation{attributes_text(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"]
                 if "cs" in interfaces
                 else []
             ),
@@ -152,7 +151,7 @@ def write(
     )
 
 
-def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
+def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
     def out(s: Scalar) -> str:
         return "output" if s.causality == "output" else "local"
 
@@ -160,9 +159,7 @@ def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: 
         return s.attributes.get("description") or ""
 
     first = lay.reference
-    w.add(
-        "time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"}
-    )
+    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
     for i, s in enumerate(lay.states):
         calculated = system.calculated[i]
         declared = _declared(s)
@@ -232,13 +229,7 @@ def _per_second(unit: str) -> str:
     if not slash:
         return f"{numerator}/s"
     inner = denominator[1:-1] if denominator.startswith("(") else denominator
-    return (
-        f"{numerator}/s2"
-        if inner == "s"
-        else f"{numerator}/s3"
-        if inner == "s2"
-        else f"{numerator}/({inner}.s)"
-    )
+    return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
 def _units(lay: Layout) -> list[str]:
@@ -246,6 +237,11 @@ def _units(lay: Layout) -> list[str]:
     for group in (lay.states, lay.inputs, lay.parameters, lay.outputs, lay.locals, lay.discretes):
         names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
     names |= {_per_second(s.attributes["unit"]) for s in lay.states if s.attributes.get("unit")}
+    return unit_definitions(names)
+
+
+def unit_definitions(names: Iterable[str]) -> list[str]:
+    """Return the lines of UnitDefinitions for Modelica unit strings; what is not understood gets its name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
         unit = parse(name)
@@ -257,23 +253,19 @@ def _units(lay: Layout) -> list[str]:
             base["factor"] = repr(unit.factor)
         if unit.offset:
             base["offset"] = repr(unit.offset)
-        out.append(f"    <Unit name={quoteattr(name)}><BaseUnit{_attributes(base)}/></Unit>")
+        out.append(f"    <Unit name={quoteattr(name)}><BaseUnit{attributes_text(base)}/></Unit>")
     return [*out, "  </UnitDefinitions>"]
 
 
-def _structure(w: _Writer, system: System, lay: Layout) -> list[str]:
+def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
     first = lay.reference
     nx = len(lay.states)
     outputs, _ = split_algebraics(system)
     unknowns = column([system.derivative, outputs])
     knowns = ca.vertcat(system.x, system.u)
-    references = [first("states") + i for i in range(nx)] + [
-        first("inputs") + i for i in range(len(lay.inputs))
-    ]
+    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(lay.inputs))]
     jacobian = (
-        ca.jacobian(unknowns, knowns)
-        if unknowns.numel() and knowns.numel()
-        else SX(unknowns.numel(), knowns.numel())
+        ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
     )
     depends: list[list[tuple[int, str]]] = [[] for _ in range(unknowns.numel())]
     rows, columns = jacobian.sparsity().get_triplet()

@@ -93,9 +93,7 @@ class Evaluator:
     def _value(self, expression: int, frame: Frame) -> Array:
         if expression not in frame.memo:
             memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
-            frame.memo[expression] = (
-                array([memory]) if memory is not None else self._compute(expression, frame)
-            )
+            frame.memo[expression] = array([memory]) if memory is not None else self._compute(expression, frame)
         return frame.memo[expression]
 
     def _compute(self, expression: int, frame: Frame) -> Array:
@@ -162,9 +160,7 @@ class Evaluator:
     def _comprehension(self, operation: Node, node: Node, frame: Frame) -> Array:
         points = list(self.dae.iterate(operation["domain"]))
         values = [self._value(operation["body"], frame.at(point)) for point in points]
-        return (
-            np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
-        )
+        return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
     def _subscripts(self, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
         """Return a numpy index; or, for one subscript known only at run time, its expression."""
@@ -200,9 +196,7 @@ class Evaluator:
         if not isinstance(places, tuple):
             if base.ndim != 1:
                 raise self._unsupported("a matrix subscript that is only known at run time", node)
-            return array(
-                [choose(places == j + 1, value.item(), base[j]) for j in range(len(base))], base.shape
-            )
+            return array([choose(places == j + 1, value.item(), base[j]) for j in range(len(base))], base.shape)
         base[places] = value.item() if value.ndim == 0 else value
         return base
 

@@ -70,9 +70,7 @@ def reduce_index(
 
     columns = ca.vertcat(*symbols)
     contains = [set[int]() for _ in work]
-    for i, j in zip(
-        *ca.jacobian_sparsity(ca.vertcat(*[e.residual for e in work]), columns).get_triplet(), strict=True
-    ):
+    for i, j in zip(*ca.jacobian_sparsity(ca.vertcat(*[e.residual for e in work]), columns).get_triplet(), strict=True):
         contains[i].add(j)
 
     def augment(root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
@@ -94,9 +92,7 @@ def reduce_index(
                     path.append((e, v))
                     following = match[v]
                     seen_equations.add(following)
-                    stack.append(
-                        (following, iter(sorted(w for w in contains[following] if w not in derivative_of)))
-                    )
+                    stack.append((following, iter(sorted(w for w in contains[following] if w not in derivative_of))))
                     break
             else:
                 stack.pop()
@@ -138,9 +134,7 @@ def reduce_index(
                 match[derivative_of[v]] = differentiated[match[v]]
             e = differentiated[e]
         else:
-            raise Refused(
-                f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
-            )
+            raise Refused(f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere.")
 
     # Highest derivatives and algebraics must be solved for; among the lower ones the cheapest are demoted.
     price = [1.0 + (cost[i] if i < n else 0.001) if i in derivative_of else 0.5 for i in range(len(symbols))]

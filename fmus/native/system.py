@@ -232,9 +232,7 @@ def _equations(dae: Dae, evaluate: Evaluator, system: str) -> list[Equation]:
         elif owner["scalar_view"] == "RowMajorProjection":
             values = [evaluate(body) for body in owner["bodies"]]
         else:
-            values = [
-                evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]
-            ]
+            values = [evaluate(body, point) for point in dae.iterate(owner["domain"]) for body in owner["bodies"]]
         where = dae.where(owner.get("provenance"))
         out += [Equation(SX(r), where) for value in values for r in value.flat]
     return out
@@ -247,9 +245,7 @@ def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
         operation = clock["operation"]
         text = dae.text(clock["provenance"])
         if operation["kind"] != "periodic":
-            raise dae.refuse(
-                f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"]
-            )
+            raise dae.refuse(f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"])
         words = "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
         moved = sorted(settable.intersection(words))
         if moved:  # rumoca has already computed the period with the parameter's default
@@ -398,9 +394,7 @@ def _message(dae: Dae, evaluate: Evaluator, expression: int) -> Message:
         return _message(dae, evaluate, operation["lhs"]) + _message(dae, evaluate, operation["rhs"])
     if operation["kind"] == "string_conversion":
         return (SX(evaluate(operation["value"]).item()),)
-    raise dae.refuse(
-        f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"]
-    )
+    raise dae.refuse(f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"])
 
 
 __all__ = ["Assertion", "Relations", "System", "column", "explicit"]

@@ -108,9 +108,7 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
         if kind == "discrete":
             symbols["pre", v["id"]] = array([SX.sym(f"pre({name})") for name in names], shape)
         attributes = v["attributes"]
-        fixed = np.broadcast_to(
-            np.ravel(attributes["fixed"] if attributes["fixed"] is not None else False), len(names)
-        )
+        fixed = np.broadcast_to(np.ravel(attributes["fixed"] if attributes["fixed"] is not None else False), len(names))
         of_id[v["id"]] = [
             Scalar(
                 name=name,
@@ -177,9 +175,7 @@ def _is_structural(p: Scalar) -> bool:
     Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the
     front end, which does not say so; a final number cannot be set by anyone.
     """
-    return p.type != "real" or (
-        not p.attributes["tunable"] and p.expression is not None and is_number(p.expression)
-    )
+    return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
 
 
 def _start(v: Node, own: list[Scalar], evaluate: Evaluator) -> None:
