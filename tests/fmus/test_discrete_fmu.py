@@ -151,5 +151,5 @@ def test_numpy_and_the_fmu_agree_on_a_nonlinear_step(tmp_path):
     )
     state = np.zeros(2)
     for _ in range(3):
-        state = np.tanh(state + [1.0, 2.0])
+        state = np.tanh(state + np.array([1.0, 2.0]))
     assert result["x[2]"][-1] == pytest.approx(state[1], rel=1e-15)
