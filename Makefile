@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test check clean
+.PHONY: help install test test-omc check clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -21,6 +21,10 @@ install: $(READY)  ## make .venv with everything declared in pyproject.toml
 
 test: check  ## lint, types and tests
 	$(RUN) -m pytest
+
+test-omc: $(READY)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
+	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
+	$(RUN) -m pytest -m omc tests/fmus
 
 check: $(READY)
 	$(RUN) -m ruff check .

@@ -43,3 +43,22 @@ class Estimate:
     def deviation(self) -> Vector:
         """Standard deviation of each state, shape (n,), in the units of `mean`."""
         return np.sqrt(np.diagonal(self.covariance))
+
+
+# Descriptors of the slots write past the frozen __setattr__ and past __post_init__: 0.3 µs instead of 0.8 µs, which a
+# filter step of 2 µs notices.
+_write_mean = Estimate.__dict__["mean"].__set__
+_write_covariance = Estimate.__dict__["covariance"].__set__
+
+
+def sealed(mean: Vector, covariance: Matrix) -> Estimate:
+    """Return an estimate of arrays that fit each other by construction and can no longer be written.
+
+    For filters: a belief is a value, and whoever keeps one may trust that it stays what it was.
+    """
+    mean.setflags(write=False)
+    covariance.setflags(write=False)
+    estimate = object.__new__(Estimate)
+    _write_mean(estimate, mean)
+    _write_covariance(estimate, covariance)
+    return estimate

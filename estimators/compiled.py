@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators.belief import Estimate, Matrix, Vector
-from estimators.design import Design, frozen_estimate
+from estimators.belief import Estimate, Matrix, Vector, sealed
+from estimators.design import Design
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
 from estimators.generated import generate
@@ -27,7 +27,8 @@ class CompiledFilter:
     """The filter of `ExtendedKalmanFilter`, with its arguments, in C: equal but for rounding, much faster.
 
     `step` works on values as the other filter does. A loop that minds microseconds writes into `held` and
-    `seen`, calls `advance` and reads `mean` and `covariance`: nothing is allocated or copied.
+    `seen`, calls `advance` and reads `mean` and `covariance`: nothing is allocated or copied. What is written into
+    `mean` and `covariance` from outside counts for `advance`, not for `step`; use `hold`.
 
     Args:
         prediction: The model; its parameters may be changed in `parameters` without compiling again.
@@ -91,6 +92,7 @@ class CompiledFilter:
         self._step = ctypes.CDLL(str(library.resolve())).step
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
         self._address = ctypes.c_void_p(block.ctypes.data)
+        # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
         self._last: Estimate | None = None
 
     @property
@@ -102,13 +104,14 @@ class CompiledFilter:
         """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""
         first = self.design.start(mean, covariance)
         self.hold(first)
+        self._last = first
         return first
 
     def hold(self, belief: Estimate) -> None:
         """Make `belief` the one that `advance` goes on from."""
         self.mean[:] = belief.mean
         self.covariance[:] = belief.covariance
-        self._last = belief
+        self._last = None
 
     def advance(self) -> None:
         """Move the belief in `mean` and `covariance` on by one period, from the arrays `held` and `seen`.
@@ -126,10 +129,10 @@ class CompiledFilter:
         held_now, seen_now = self.held, self.seen
         if held.shape != held_now.shape or seen.shape != seen_now.shape:
             self.design.check(held, seen)
-        if prior is not self._last:
+        if prior is not self._last:  # the sealed estimate that is still in `mean` and `covariance`
             self.hold(prior)
         held_now[:] = held
         seen_now[:] = seen
         self.advance()
-        self._last = posterior = frozen_estimate(self.mean.copy(), self.covariance.copy())
+        self._last = posterior = sealed(self.mean.copy(), self.covariance.copy())
         return posterior

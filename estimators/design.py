@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators.belief import Estimate, Matrix, Vector
+from estimators.belief import Estimate, Matrix, Vector, sealed
 from estimators.errors import EstimatorError
 from estimators.gate import Gate
 from estimators.prediction import Prediction
@@ -123,7 +123,7 @@ class Design:
         spread = noise_matrix("covariance", covariance, self.states)
         if not positive_definite(spread):
             raise EstimatorError("start: covariance is not positive definite; give every state a variance above zero.")
-        return frozen_estimate(first, spread)
+        return sealed(first, spread)
 
     def check(self, held: Vector, seen: Vector) -> None:
         """Refuse inputs or readings of the wrong length."""
@@ -136,13 +136,6 @@ class Design:
                 f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
                 f"got shape {seen.shape}; write NaN for a reading that is not there."
             )
-
-
-def frozen_estimate(mean: Vector, covariance: Matrix) -> Estimate:
-    """Return an estimate whose arrays can no longer be written: a belief is a value."""
-    mean.setflags(write=False)
-    covariance.setflags(write=False)
-    return Estimate(mean=mean, covariance=covariance)
 
 
 def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix:

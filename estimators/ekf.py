@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
-from estimators.belief import Estimate, Matrix, Vector
-from estimators.design import Design, frozen_estimate
+from estimators.belief import Estimate, Matrix, Vector, sealed
+from estimators.design import Design
 from estimators.discretisation import advanced, transition
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
@@ -109,7 +109,7 @@ class ExtendedKalmanFilter:
         jacobian = self.prediction.derivative_jacobian(prior.mean, held) * free[:, np.newaxis]
         phi = transition(jacobian, self.design.period)
         covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
-        return frozen_estimate(mean, 0.5 * (covariance + covariance.T))
+        return sealed(mean, 0.5 * (covariance + covariance.T))
 
     def innovation(self, predicted: Estimate, held: Vector, seen: Vector) -> Innovation:
         """Return what the readings, but for missing ones and outliers, say beyond `predicted`."""
@@ -146,7 +146,7 @@ class ExtendedKalmanFilter:
         mean = predicted.mean + gain @ innovation.residual
         if not np.all(np.isfinite(mean)):
             raise FilterDiverged("Filter: the readings threw the mean to a value that is not finite.")
-        return frozen_estimate(mean, 0.5 * (covariance + covariance.T))
+        return sealed(mean, 0.5 * (covariance + covariance.T))
 
     def _free(self, held: Vector) -> Vector:
         """Return 1 for every state that may move and 0 for one that its gate freezes, shape (n,)."""

@@ -12,10 +12,11 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal
 
-from fmus import openmodelica
+from fmus import lock, openmodelica
 from fmus.errors import CompilerMissing, FmuError, WrongQuestion
+from fmus.lock import Entry
 from fmus.native import package, toolchain
-from fmus.native.dae import LIBRARY, read
+from fmus.native.dae import read
 from fmus.native.system import explicit
 from fmus.recipe import Cookbook, Recipe, read_recipes
 
@@ -33,13 +34,15 @@ class Stamp:
 
     Attributes:
         inputs: Digest of everything that was read: Modelica files, recipe, compiler.
-        source: Digest of what came out of the compiler's front half; the C compiler runs again only when it moved.
+        source: Digest of the C code and XML; the C compiler runs again only when it moved.
         compiler: native or openmodelica.
+        face: The FMU as lock.toml records it; empty when OpenModelica built it.
     """
 
     inputs: str
     source: str
     compiler: str
+    face: Entry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,12 +51,14 @@ class Built:
 
     Attributes:
         action: built; unchanged, when Modelica files moved but the model did not; current, when nothing did.
+        face: As in `Stamp`.
     """
 
     name: str
     path: Path
     compiler: str
     action: Action
+    face: Entry
 
 
 def fmu(name: str, compiler: Compiler = "auto", directory: Path = OUTPUT) -> Path:
@@ -68,40 +73,45 @@ def fmu(name: str, compiler: Compiler = "auto", directory: Path = OUTPUT) -> Pat
 
 def build_one(
     name: str, compiler: Compiler = "auto", directory: Path = OUTPUT, *, book: Cookbook | None = None,
-    library: Path = LIBRARY,
+    library: Path | None = None,
 ) -> Built:  # fmt: skip
-    """Bring the FMU of one recipe up to date."""
+    """Bring the FMU of one recipe up to date, from the library of its class unless another is given."""
     recipe = (read_recipes() if book is None else book)[name]
+    library = library or recipe.library
     chosen = choose(compiler)
     path, stamp_file = directory / f"{name}.fmu", directory / f"{name}.json"
     stamp = _read_stamp(stamp_file) if path.exists() else None
     inputs = _inputs_digest(recipe, chosen, library)
+
+    def done(action: Action, stamp: Stamp) -> Built:
+        if action != "current":
+            stamp_file.write_text(json.dumps(asdict(stamp)))
+        return Built(name=name, path=path, compiler=chosen, action=action, face=stamp.face)
+
     if stamp is not None and stamp.inputs == inputs:
-        return Built(name=name, path=path, compiler=chosen, action="current")
+        return done("current", stamp)
     if chosen == "openmodelica":
         openmodelica.export(recipe, library, path)
-        stamp_file.write_text(json.dumps(asdict(Stamp(inputs=inputs, source=inputs, compiler=chosen))))
-        return Built(name=name, path=path, compiler=chosen, action="built")
-    source = native_source(recipe, library)
-    if stamp is not None and stamp.compiler == chosen and stamp.source == source.digest + toolchain_digest():
-        stamp_file.write_text(json.dumps(asdict(replace(stamp, inputs=inputs))))
-        return Built(name=name, path=path, compiler=chosen, action="unchanged")
-    # The C compiler is asked for first, so that its absence is told before anything is removed.
+        return done("built", Stamp(inputs=inputs, source=inputs, compiler=chosen, face={}))
+    source, face = translate(recipe, library)
+    key = source.digest + toolchain_digest()
+    if stamp is not None and stamp.compiler == chosen and stamp.source == key:
+        return done("unchanged", replace(stamp, inputs=inputs))
     package.pack(source, path)
-    fresh = Stamp(inputs=inputs, source=source.digest + toolchain_digest(), compiler=chosen)
-    stamp_file.write_text(json.dumps(asdict(fresh)))
-    return Built(name=name, path=path, compiler=chosen, action="built")
+    return done("built", Stamp(inputs=inputs, source=key, compiler=chosen, face=face))
 
 
-def native_source(recipe: Recipe, library: Path = LIBRARY) -> package.Source:
-    """Return C code and XML of a recipe's FMU from the built-in compiler."""
-    return package.sources(
-        explicit(read(recipe.class_name, library)),
+def translate(recipe: Recipe, library: Path | None = None) -> tuple[package.Source, Entry]:
+    """Return C code and XML of a recipe's FMU from the built-in compiler, and its face for lock.toml."""
+    system = explicit(read(recipe.class_name, library or recipe.library))
+    source = package.sources(
+        system,
         interfaces=recipe.interfaces,
         solver=recipe.solver,
         tolerance=recipe.tolerance,
         step=recipe.step,
     )
+    return source, lock.face(recipe, system, source.digest)
 
 
 def build(
@@ -117,11 +127,7 @@ def build(
     for name in wanted:
         book[name]
     stale = [name for name in wanted if not _is_current(name, book, compiler, directory)]
-    for name in wanted:
-        if name not in stale:
-            yield Built(
-                name=name, path=directory / f"{name}.fmu", compiler=choose(compiler), action="current"
-            )
+    yield from (build_one(name, compiler, directory) for name in wanted if name not in stale)
     if len(stale) <= 1:
         yield from (build_one(name, compiler, directory) for name in stale)
         return
@@ -157,7 +163,7 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
 
 def _is_current(name: str, book: Cookbook, compiler: Compiler, directory: Path) -> bool:
     stamp = _read_stamp(directory / f"{name}.json") if (directory / f"{name}.fmu").exists() else None
-    return stamp is not None and stamp.inputs == _inputs_digest(book[name], choose(compiler), LIBRARY)
+    return stamp is not None and stamp.inputs == _inputs_digest(book[name], choose(compiler), book[name].library)
 
 
 def _read_stamp(file: Path) -> Stamp | None:
@@ -169,32 +175,22 @@ def _read_stamp(file: Path) -> Stamp | None:
 
 
 def _inputs_digest(recipe: Recipe, compiler: str, library: Path) -> str:
-    if compiler == "openmodelica":
-        tool = openmodelica.version_line()
-    else:
-        tool = _native_digest() + toolchain_digest()
+    native = compiler == "native"
+    tool = _native_digest() + toolchain_digest() if native else openmodelica.version_line()
     return _digest([recipe.model_dump_json(), compiler, tool, _library_digest(library)])
 
 
 def _library_digest(library: Path) -> str:
     """Return a digest over the names and contents of a library's Modelica files."""
-    files = (
-        sorted(library.rglob("*.mo")) + sorted(library.rglob("package.order"))
-        if library.is_dir()
-        else [library]
-    )
-    return _digest(
-        part for file in files for part in (str(file.relative_to(library.parent)), file.read_text())
-    )
+    files = sorted(library.rglob("*.mo")) + sorted(library.rglob("package.order")) if library.is_dir() else [library]
+    return _digest(part for file in files for part in (str(file.relative_to(library.parent)), file.read_text()))
 
 
 @lru_cache(maxsize=1)
 def _native_digest() -> str:
     """Return a digest over the built-in compiler itself and the packages it rests on."""
     native = ROOM / "native"
-    files = sorted(
-        file for file in native.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja")
-    )
+    files = sorted(file for file in native.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
     return _digest([version("rumoca"), version("casadi"), *(file.read_text() for file in files)])
 
 

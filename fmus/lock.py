@@ -7,11 +7,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fmus.build import native_source
 from fmus.native.code import layout
-from fmus.native.dae import LIBRARY, read
 from fmus.native.model import output_scalars
-from fmus.native.system import explicit
+from fmus.native.system import System
 from fmus.native.variables import Scalar
 from fmus.recipe import Cookbook, Recipe
 
@@ -28,17 +26,16 @@ class Difference:
     what: str
 
 
-def entry(recipe: Recipe, library: Path = LIBRARY) -> Entry:
-    """Return what lock.toml records of a recipe's FMU from the built-in compiler.
+def face(recipe: Recipe, system: System, digest: str) -> Entry:
+    """Return what lock.toml records of an FMU.
 
-    Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; parameters, nonlinear_loops (their
-    unknowns), event_indicators, time_events, clocks, discretes, assertions as counts.
+    Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of
+    their unknowns; parameters, event_indicators, time_events, clocks, discretes, assertions as counts.
     """
-    system = explicit(read(recipe.class_name, library))
     lay = layout(system)
     return {
         "class": recipe.class_name,
-        "digest": native_source(recipe, library).digest,
+        "digest": digest,
         "parameters": lay.free,
         "discretes": len(lay.discretes),
         "event_indicators": system.indicators.numel(),
@@ -57,7 +54,7 @@ def _units(scalars: list[Scalar]) -> dict[str, str]:
 
 
 def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
-    """Return the entries of a lock file by FMU, none when there is no file; `tools` is an entry of its own."""
+    """Return the entries of a lock file by FMU, and `tools`; nothing when there is no file."""
     return tomllib.loads(file.read_text()) if file.exists() else {}
 
 

@@ -16,17 +16,15 @@ TYPE = {frozenset({"me"}): "me", frozenset({"cs"}): "cs", frozenset({"me", "cs"}
 def script(recipe: Recipe, library: Path) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
 
-    Every command prints its value; the last line of the output is the FMU's path as a string. Errors come out of
-    `getErrorString()`, because a failing command only answers false or "".
+    Every command prints its value. Errors come out of `getErrorString()`, because a failing command itself
+    only answers false or "".
     """
     package = library / "package.mo" if library.is_dir() else library
-    # Co-simulation with CVODE; directional derivatives are on unless switched off, said here so that it stays so.
+    # Without the flag co-simulation is explicit Euler; the minus switches off the switching off, which is default.
     options = ["--fmiFlags=s:cvode"] if "cs" in recipe.interfaces else []
     kind = TYPE[frozenset(recipe.interfaces)]
     prefix = recipe.class_name.replace(".", "_")
-    lines = [
-        f'setCommandLineOptions("{option}");' for option in [*options, "-d=-disableDirectionalDerivatives"]
-    ]
+    lines = [f'setCommandLineOptions("{option}");' for option in [*options, "-d=-disableDirectionalDerivatives"]]
     lines += [
         "getErrorString();",
         f'loadFile("{_escaped(str(package.resolve()))}");',
@@ -53,11 +51,7 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
         made = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
         problems = errors(done.stdout)
         if done.returncode or problems or not made.exists():
-            said = (
-                "\n".join(problems)
-                or (done.stdout + done.stderr).strip()
-                or f"omc ended with {done.returncode}"
-            )
+            said = "\n".join(problems) or (done.stdout + done.stderr).strip() or f"omc ended with {done.returncode}"
             raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{said}")
         path.parent.mkdir(parents=True, exist_ok=True)
         half = path.with_suffix(".part")
@@ -69,17 +63,13 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
 def errors(output: str) -> list[str]:
     """Return the error messages in what omc printed; notifications and warnings are none.
 
-    A message reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place, and ends
-    where the next one begins.
+    A message reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place,
+    and ends where the next one begins.
     """
     starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Error|Warning|Notification): ', re.MULTILINE)
     found = list(starts.finditer(output))
     ends = [m.start() for m in found[1:]] + [len(output)]
-    return [
-        output[m.start() : end].strip().strip('"').strip()
-        for m, end in zip(found, ends, strict=True)
-        if m[1] == "Error"
-    ]
+    return [output[m.start() : end].strip(' "\n') for m, end in zip(found, ends, strict=False) if m[1] == "Error"]
 
 
 @lru_cache(maxsize=1)

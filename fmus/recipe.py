@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fmus.errors import WrongQuestion
 
 RECIPES = Path(__file__).with_name("recipes.toml")
+MODELICA = Path(__file__).parents[1] / "modelica"
 
 
 class Recipe(BaseModel):
@@ -32,6 +33,11 @@ class Recipe(BaseModel):
     solver: Literal["rodas3", "rodas4"]
     tolerance: float = Field(gt=0, lt=1)
     step: float = Field(gt=0)
+
+    @property
+    def library(self) -> Path:
+        """Folder of the Modelica library that the class belongs to."""
+        return MODELICA / self.class_name.partition(".")[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +73,15 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
     except tomllib.TOMLDecodeError as error:
         raise WrongQuestion(f"{file} is not TOML: {error}.") from error
     recipes: dict[str, Recipe] = {}
+    keys = [field.alias or key for key, field in Recipe.model_fields.items()]
     for name, table in tables.items():
+        for key in table if isinstance(table, dict) else ():
+            if key not in keys:
+                raise WrongQuestion(f"{file}: [{name}] has no key '{key}'; it has {', '.join(keys)}.")
         try:
             recipes[name] = Recipe.model_validate(table)
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
-            raise WrongQuestion(
-                f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}."
-            ) from error
+            raise WrongQuestion(f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}.") from error
     return Cookbook(file=file, recipes=recipes)

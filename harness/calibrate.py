@@ -79,8 +79,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
             "controller.kind=slip_two_state",
             "estimator.kind=none",
             f"adhesion.polach={shape}",
-            "adhesion.calibrated={}",
-            f"adhesion.level={level!r}",
+            f"adhesion.calibrated.{shape}={level!r}",
         ]
         stop = run_stop(load(library / f"{scenario}.toml", overrides))
         if stop.outcome is not Outcome.STANDSTILL:

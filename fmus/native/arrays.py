@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SX = ca.SX
-Array = NDArray[np.object_]
+Array = NDArray[Any]
 
 
 def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
@@ -95,10 +95,8 @@ UNARY: dict[str, Callable[[Array], Array]] = {
     "plus": lambda a: a,
     "not": each(ca.logic_not),
 }
-ELEMENTWISE: dict[str, Callable[..., Array]] = {
-    name: each(getattr(ca, name))
-    for name in "sqrt exp log log10 sin cos tan asin acos atan sinh cosh tanh sign floor ceil".split()
-} | {
+_FUNCTIONS = "sqrt exp log log10 sin cos tan asin acos atan sinh cosh tanh sign floor ceil"  # the same names in CasADi
+ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) for name in _FUNCTIONS.split()} | {
     "abs": each(ca.fabs),
     "integer": each(ca.floor),
     "no_event": lambda a: a,

@@ -10,6 +10,7 @@ import casadi as ca
 
 from fmus.native.arrays import SX
 from fmus.native.elimination import eliminate
+from fmus.native.structure import Loops
 from fmus.native.system import Assertion, System, column
 from fmus.native.variables import Scalar, vector
 
@@ -116,20 +117,24 @@ def functions(system: System) -> list[ca.Function]:
         ("f_outputs", here, [outputs]),
         ("f_locals", here, [locals_]),
         ("f_indicators", here, [system.indicators]),
-        ("f_loop", here, [column([loops.updates[k] for k in loops.guesses]), column([loops.residuals[k] for k in loops.guesses])]),
+        ("f_loop", here, _newton(loops)),
         ("f_assertions", here, [column([a.holds for a in system.assertions]), column(texts)]),
         ("f_directional", [*here, along_x, along_u, along_p], [direction[:nx], direction[nx:]]),
         (
             "f_event",
-            [system.time, system.x, system.u, system.p, system.previous, system.relation, system.last_conditions,
-             system.ticks, system.guesses],
+            [system.time, system.x, system.u, system.p, system.previous, system.relation,
+             system.last_conditions, system.ticks, system.guesses],
             [system.event_discretes, system.event_states, system.event_relations, system.event_conditions],
         ),
         ("f_parameters", [free], [dependent, _with(system.instants, v.dependent, dependent)]),
         ("f_start", at_start, [system.start]),
-        ("f_start_loop", at_start, [column([start.updates[k] for k in start.guesses]), column([start.residuals[k] for k in start.guesses])]),
+        ("f_start_loop", at_start, _newton(start)),
     ]  # fmt: skip
     return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
+
+
+def _newton(loops: Loops) -> list[SX]:
+    return [column([table[name] for name in loops.guesses]) for table in (loops.updates, loops.residuals)]
 
 
 def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
@@ -218,7 +223,7 @@ def _model_functions(system: System) -> str:
     for function in functions(system):
         generator.add(function)
     text = generator.dump()
-    # CasADi allows any argument or result to be NULL; ours never are, and testing each costs more than using it.
+    # CasADi allows any argument or result to be NULL; ours never are, and testing costs more than using.
     text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
     text = re.sub(r"if \(res\[(\d+)\]!=0\) res", "res", text)
     return f"#include <math.h>\n#define CASADI_SYMBOL_EXPORT static\n{text}"

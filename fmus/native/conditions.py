@@ -81,7 +81,7 @@ def find_relations(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], 
 
 
 def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
-    """Return when lhs − rhs of a relation is zero, if it is linear in time and holds nothing but parameters."""
+    """Return when lhs − rhs is zero, if it is linear in time and holds nothing else but parameters."""
     if not ca.depends_on(difference, time):
         return None
     slope = ca.jacobian(difference, time)
@@ -100,8 +100,8 @@ def _add(instants: list[SX], instant: SX) -> None:
 def _instants(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> list[SX]:
     """Return when relations between time and parameters change.
 
-    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again from
-    the relation itself, so that they move when a parameter is set.
+    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again
+    from the relation itself, so that they move when a parameter is set.
     """
     out: list[SX] = []
     for event in dae.systems["events"]["time_events"]:

@@ -108,7 +108,7 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
 
     Args:
         class_name: Full name, such as `RailBraking.FMUs.TwoPartTrain`.
-        modelica_path: A `.mo` file, or the folder of a library with its `package.mo`; RailBraking when absent.
+        modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent.
 
     Raises:
         WrongQuestion: The file or class is missing, or Modelica has an error; carries rumoca's words.
@@ -146,5 +146,5 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
 
 
 def _short(file: Path, base: Path) -> str:
-    """Return a file's path from the folder that holds the library's folder, wherever that is on this machine."""
+    """Return a file's path from `base`, so that it is the same on every machine."""
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

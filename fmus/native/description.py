@@ -56,9 +56,13 @@ class Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
+<<<<<<< HEAD
         self.rows.append(
             f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
         )
+=======
+        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
+>>>>>>> main
 
 
 def attributes_text(values: dict[str, str]) -> str:
@@ -124,10 +128,13 @@ def write(
         "variableNamingConvention": "structured",
         "numberOfEventIndicators": str(system.indicators.numel()),
     }
+    experiment = {"startTime": "0", "stopTime": "1", "tolerance": repr(tolerance), "stepSize": repr(step)}
+    step_flag = {"canHandleVariableCommunicationStepSize": "true"}
     # No generationDateAndTime: the same sources give the same bytes.
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
+<<<<<<< HEAD
             f"<fmiModelDescription{attributes_text(head)}>",
             *([f"  <ModelExchange{attributes_text(flags)}/>"] if "me" in interfaces else []),
             *(
@@ -135,12 +142,17 @@ def write(
                 if "cs" in interfaces
                 else []
             ),
+=======
+            f"<fmiModelDescription{_attributes(head)}>",
+            *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
+            *([f"  <CoSimulation{_attributes(flags | step_flag)}/>"] if "cs" in interfaces else []),
+>>>>>>> main
             *_units(lay),
             "  <LogCategories>",
             '    <Category name="logStatusError" description="Why a call failed"/>',
             '    <Category name="logStatusWarning" description="Assertions of level warning"/>',
             "  </LogCategories>",
-            f'  <DefaultExperiment startTime="0" stopTime="1" tolerance="{tolerance!r}" stepSize="{step!r}"/>',
+            f"  <DefaultExperiment{_attributes(experiment)}/>",
             "  <ModelVariables>",
             *w.rows,
             "  </ModelVariables>",
@@ -181,7 +193,8 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
     for i, s in enumerate(lay.inputs):
         w.add(
             s.name, first("inputs") + i, causality="input", initial=None, type_=_type(s), start=s.start,
-            variability="continuous" if _type(s) == "Real" else "discrete", description=text(s), attributes=_declared(s),
+            variability="continuous" if _type(s) == "Real" else "discrete", description=text(s),
+            attributes=_declared(s),
         )  # fmt: skip
     for i, s in enumerate(lay.parameters):
         free = i < lay.free
@@ -206,18 +219,19 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
         reference = first("settings") + i
         if name == "_tolerance":
             w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact", start=tolerance,
-                description=SETTINGS[name], attributes={"unit": "1"},
+                name, reference, causality="parameter", variability="tunable", initial="exact",
+                start=tolerance, description=SETTINGS[name], attributes={"unit": "1"},
             )  # fmt: skip
         elif name == "_solver":
             w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact", type_="Integer",
-                start=SOLVERS[solver], description=SETTINGS[name], attributes={"min": "3", "max": "4"},
+                name, reference, causality="parameter", variability="tunable", initial="exact",
+                type_="Integer", start=SOLVERS[solver], description=SETTINGS[name],
+                attributes={"min": "3", "max": "4"},
             )  # fmt: skip
         else:
             w.add(
-                name, reference, causality="local", variability="discrete", initial="calculated", type_="Integer",
-                description=SETTINGS[name],
+                name, reference, causality="local", variability="discrete", initial="calculated",
+                type_="Integer", description=SETTINGS[name],
             )  # fmt: skip
 
 

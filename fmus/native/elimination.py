@@ -1,17 +1,18 @@
 """Sparse elimination fixed when the FMU is built: straight-line C for (I·c − J) = LU without pivoting.
 
-The pivots of I·c − J of a Rosenbrock method are its diagonal; the order in which they are taken is chosen once, for
-least fill-in, and every operation is written out. A tiny pivot is reported, and the caller pivots densely.
+The pivots of I·c − J of a Rosenbrock method are its diagonal; the order in which they are taken is chosen
+once, for least fill-in, and every operation is written out. A tiny pivot is reported, and the caller pivots
+densely.
 Source: Sandu et al., Atmospheric Environment 31 (1997) 3459 (the approach of KPP).
 """
 
 from dataclasses import dataclass
 
 MOST_OPERATIONS = 60_000
-"""Multiply-adds above which straight-line code would compile slower than it runs; then elimination is dense."""
+"""Multiply-adds above which straight-line code takes too long to compile; then elimination is dense."""
 
 SMALLEST_PIVOT = 1e-7
-"""In units of c: below it the diagonal has cancelled and elimination without pivoting may lose half the digits."""
+"""In units of c: below it the diagonal has cancelled, and without pivoting half the digits may be lost."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -67,7 +67,7 @@ class Evaluator:
     Attributes:
         symbols: (store, variable id) to the variable's symbols.
         relations: Occurrences of relations that are remembered between events, with their memory symbol.
-        conditions: Symbols or expressions of DAE conditions that equations refer to, filled by the event part.
+        conditions: DAE condition id to its expression, filled by the event part.
     """
 
     def __init__(self, dae: Dae, symbols: Mapping[tuple[str, int], Array], time: SX) -> None:
@@ -116,7 +116,7 @@ class Evaluator:
 
     def _coordinate(self, operation: Node, node: Node, frame: Frame) -> Array:
         coordinate = operation["coordinate"]
-        kind = coordinate["kind"]
+        kind: str = coordinate["kind"]
         if kind == "time":
             return array([self.time])
         if kind == "binder":

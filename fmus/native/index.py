@@ -1,8 +1,8 @@
 """Structural index reduction: Pantelides' algorithm, then static selection of dummy derivatives.
 
 Sources: Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; Mattsson and Söderlind, SIAM J. Sci. Comput. 14
-(1993) 677. The states to keep are found as a full matching of least cost, where demoting a state costs what its
-`stateSelect` and `fixed` attributes say.
+(1993) 677. The states to keep are found as a full matching of least cost, where demoting a state costs what
+its `stateSelect` and `fixed` attributes say.
 """
 
 from collections.abc import Sequence
@@ -74,7 +74,7 @@ def reduce_index(
         contains[i].add(j)
 
     def augment(root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
-        """Find an augmenting path by depth-first search without recursion, which large models would exhaust."""
+        """Find an augmenting path, depth first, without the recursion that large models would exhaust."""
         stack = [(root, iter(sorted(v for v in contains[root] if v not in derivative_of)))]
         path: list[tuple[int, int]] = []
         seen_equations.add(root)
@@ -104,7 +104,8 @@ def reduce_index(
         e = work[q]
         if inputs.numel() and ca.depends_on(e.residual, inputs):
             raise Refused(
-                f"{e.where}: {owner}: this equation must be differentiated to find the states, but it contains an input."
+                f"{e.where}: {owner}: this equation must be differentiated to find the states, "
+                "but it contains an input."
             )
         terms = sorted(contains[q])
         along = ca.jtimes(

@@ -63,7 +63,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
 
     Raises:
         WrongQuestion: No such file or class, or Modelica has an error.
-        Refused: The class has events, discrete variables, nonlinear loops, or what the compiler does not translate.
+        Refused: The class has events, discrete variables, nonlinear loops, or what is not translated.
     """
     return _without_events(explicit(read(class_name, modelica_path)))
 

@@ -16,8 +16,8 @@ from fmus.native.system import System
 from fmus.native.toolchain import SUFFIX, shared_library
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-FLAGS = ("-O1", "-fexpensive-optimizations", "-fstrict-aliasing", "-ftree-vectorize")
-"""-O2 takes twice as long over the long straight-line functions and gains nothing measurable at run time."""
+FLAGS = ("-O1",)
+"""More takes twice as long over the long straight-line functions and gains nothing measurable at run time."""
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of every file in the zip, the earliest it can hold."""

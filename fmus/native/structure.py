@@ -1,4 +1,4 @@
-"""Equations to assignments: block lower triangular ordering, elimination inside blocks, loops left to Newton."""
+"""Equations to assignments: block triangular ordering, elimination inside blocks, loops left to Newton."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from fmus.errors import Refused
 from fmus.native.arrays import SX, is_number
 
 LARGEST_LOOP = 24
-"""Unknowns of one nonlinear loop after elimination. Newton's matrix is solved symbolically: cubic code size."""
+"""Unknowns of one nonlinear loop after elimination; solving Newton's matrix symbolically is cubic in code."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +29,8 @@ class Loops:
     """Unknowns of nonlinear loops, solved at run time by Newton's method from their last value.
 
     Every appearance of such an unknown in other expressions is one symbolic Newton step from `guesses`: at a
-    converged guess its value is the solution and, the residual being zero there, its derivative is that of the
-    implicit function, so Jacobians need nothing special.
+    converged guess its value is the solution and, the residual being zero there, its derivative is that of
+    the implicit function, so Jacobians need nothing special.
 
     Attributes:
         guesses: Name of the unknown to the symbol that holds its last value.
@@ -75,7 +75,7 @@ def solve(
         left = sorted(set(range(n)) - set(match.tolist()))
         raise Refused(
             f"{owner}: structurally singular: no unknown left for the equation at "
-            + ", ".join(equations[i].where for i in np.flatnonzero(match < 0))
+            + ", ".join(equations[int(i)].where for i in np.flatnonzero(match < 0))
             + "; no equation left for "
             + ", ".join(unknowns[j].name() for j in left)
             + "."
@@ -84,7 +84,7 @@ def solve(
     values: list[SX] = []
     newton: list[tuple[SX, SX]] = []
     for rows in _blocks(row, column, match):
-        block = [(equations[i], unknowns[match[i]]) for i in rows]
+        block = [(equations[i], unknowns[int(match[i])]) for i in rows]
         solved, core = _eliminate(block)
         if core:
             core_values, pending = _core(core, loops, owner)
@@ -104,7 +104,7 @@ def solve(
         )
     )
     for (unknown, _), residual in zip(newton, ca.vertsplit(out[-1]) if newton else [], strict=True):
-        # A second system with the same loop (the event system) refers to the same guess; the first one keeps it.
+        # A second system with the same loop (that of the events) has the same guess; the first one keeps it.
         loops.updates.setdefault(unknown.name(), solution[unknown.name()])
         loops.residuals.setdefault(unknown.name(), residual)
     return list(out[: len(targets)])
@@ -133,7 +133,7 @@ def _eliminate(
     """Solve equations of a block that are linear in some unknown with a number as its coefficient.
 
     Returns:
-        (unknown, expression) in the order of elimination, each in terms of later ones; and what is left, coupled.
+        (unknown, expression) in the order of elimination, each in terms of later ones; and what is left.
     """
     equations, unknowns = [e for e, _ in block], [u for _, u in block]
     if len(block) == 1:
@@ -179,7 +179,7 @@ def _core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX
         return ca.densify(ca.solve(matrix, -ca.substitute(residuals, unknowns, SX.zeros(len(core))))), []
     if len(core) > LARGEST_LOOP:
         raise Refused(
-            f"{owner}: a nonlinear algebraic loop of {len(core)} unknowns, at most {LARGEST_LOOP} are supported: "
+            f"{owner}: a nonlinear loop of {len(core)} unknowns, at most {LARGEST_LOOP} are supported: "
             + ", ".join(f"{u.name()} ({e.where})" for e, u in core)
         )
     loops.blocks.append(tuple(u.name() for _, u in core))

@@ -14,7 +14,6 @@ from fmus.native.index import RELUCTANCE, reduce_index
 from fmus.native.structure import Equation, Loops, solve
 from fmus.native.variables import Scalar, Variables, declare, settle, vector
 
-# Longest first: `sample(` of a parameter's name inside another must not count.
 Message = tuple[str | SX, ...]
 """Text of an assertion, with the expressions whose values stand in it."""
 
@@ -146,11 +145,13 @@ def explicit(dae: Dae) -> System:
     live = column(relations.live)
     derivative, algebraic, indicators = solve(
         reduced.equations, reduced.unknowns,
-        [column(derivative_symbols), vector(algebraics), column([relations.indicator[k] for k in relations.searched])],
-        loops, dae.class_name,
+        [column(derivative_symbols), vector(algebraics),
+         column([relations.indicator[k] for k in relations.searched])], loops, dae.class_name,
     )  # fmt: skip
     start, calculated = _start(dae, evaluate, v, states, reduced.equations, reduced.unknowns, start_loops)
 
+    # The same loops are met again in the event system and the assertions; here they are counted once.
+    blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
     assertions = _assertions(dae, evaluate, v, conditions)
     targets = [
@@ -162,8 +163,8 @@ def explicit(dae: Dae) -> System:
     ]
     targets = v.settled(targets)
     solved = solve(
-        [*reduced.equations, *_settled(v, event_equations)], [*reduced.unknowns, *(s.symbol for s in v.discretes)],
-        targets[:4], loops, dae.class_name,
+        [*reduced.equations, *_settled(v, event_equations)],
+        [*reduced.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
     )  # fmt: skip
     # Assertions are judged between events, by discrete variables as they stand.
     judged = iter(solve(reduced.equations, reduced.unknowns, targets[4:], loops, dae.class_name))
@@ -176,6 +177,13 @@ def explicit(dae: Dae) -> System:
         )
         for a in assertions
     ]
+    through_events = [name for name in loops.guesses if name not in running]
+    if through_events:
+        raise Refused(
+            f"{dae.class_name}: a nonlinear loop through discrete variables is not supported: "
+            f"{', '.join(through_events)}; break it with pre()."
+        )
+    loops.blocks = blocks
     return System(
         class_name=dae.class_name,
         time=time,
@@ -292,7 +300,7 @@ def _start(
     loops: Loops,
 ) -> tuple[SX, list[bool]]:
     """Return initial values of the states; `initial equation`s are solved together with the model's."""
-    given = v.settled([SX(s.start) if s.expression is None else s.expression for s in states])
+    given = v.settled([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in given]
     initial = _settled(v, _equations(dae, evaluate, "initialization"))
     if not initial:
@@ -300,7 +308,7 @@ def _start(
     free = [s for s in states if not s.fixed]
     if len(free) != len(initial):
         raise Refused(
-            f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start value"
+            f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start"
             f" ({', '.join(s.name for s in free) or 'none'})."
         )
     (found,) = solve(

@@ -56,7 +56,8 @@ KNOWN = {b: _of(**{b: 1}) for b in BASE} | {
 def parse(text: str) -> Unit | None:
     """Return the unit of a Modelica unit string such as `N.m/s2` or `W/(m2.K)`, or None if a part is unknown.
 
-    Grammar: factors joined by `.`; after one `/` a factor or a parenthesis of factors (Modelica specification, §19.1).
+    Grammar: factors joined by `.`; after one `/` a factor or a parenthesis of factors.
+    Source: Modelica specification, §19.1.
     """
     numerator, slash, denominator = text.partition("/")
     if denominator.startswith("(") and denominator.endswith(")"):

@@ -39,6 +39,11 @@ class Scalar:
     expression: SX | None = None
     fixed: bool = False
 
+    @property
+    def binding(self) -> SX:
+        """Symbolic binding or start; a number where nothing symbolic is declared."""
+        return SX(self.start) if self.expression is None else self.expression
+
     def bound(self, name: str) -> float | None:
         """Return the attribute minimum, maximum or nominal where it is a number."""
         values = self.attributes.get(f"{name}_values")
@@ -123,9 +128,9 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
             )
             for i, (name, symbol) in enumerate(zip(names, own, strict=True))
         ]
-        if kind == "parameter" and attributes["binding"] is None and attributes["fixed"] not in (None, True):
-            if not np.all(attributes["fixed"]):
-                raise dae.refuse(f"parameter {v['name']}(fixed=false) is not supported", v["declaration"])
+        unbound = kind == "parameter" and attributes["binding"] is None
+        if unbound and attributes["fixed"] is not None and not np.all(attributes["fixed"]):
+            raise dae.refuse(f"parameter {v['name']}(fixed=false) is not supported", v["declaration"])
     return of_id, symbols
 
 
@@ -194,7 +199,7 @@ def _start(v: Node, own: list[Scalar], evaluate: Evaluator) -> None:
 
 def _numbers(dae: Dae, scalars: list[Scalar], parameters: list[Scalar]) -> list[SX]:
     """Return the values of constants and structural parameters, which may refer to each other."""
-    values = [SX(s.start) if s.expression is None else s.expression for s in scalars]
+    values = [s.binding for s in scalars]
     names, out = vector(scalars), ca.vertcat(*values) if values else SX(0, 1)
     for _ in range(len(scalars) + 1):
         if not out.numel() or not ca.depends_on(out, names):
@@ -203,7 +208,7 @@ def _numbers(dae: Dae, scalars: list[Scalar], parameters: list[Scalar]) -> list[
     for s, value in zip(scalars, ca.vertsplit(out) if scalars else [], strict=True):
         if not is_number(value):
             raise dae.refuse(
-                f"{s.name} must be a number when the FMU is built, but its binding depends on a parameter that can be set",
+                f"{s.name} must be a number at build time, but depends on a parameter that can be set",
                 s.provenance,
             )
         s.start = float(value)
@@ -215,10 +220,10 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     names = vector(dependent)
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
     for i, p in enumerate(dependent):
-        before[i] = set(ca.jacobian_sparsity(SX(p.expression), names).get_triplet()[1])
+        before[i] = set(ca.jacobian_sparsity(p.binding, names).get_triplet()[1])
     done: dict[int, SX] = {}
     for i in TopologicalSorter(before).static_order():
-        expression = SX(dependent[i].expression)
+        expression = dependent[i].binding
         known = sorted(before[i])
         if known:
             expression = ca.substitute(
@@ -233,12 +238,13 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
 def _default_values(every: list[Scalar], v: Variables) -> None:
     """Put numbers into `start` where a start or binding depends on parameters."""
     symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
-    numbers = ca.vertcat(v.constants[1], *[SX(p.start) for p in v.free])
-    values = ca.substitute(ca.vertcat(*v.dependent_values), vector(v.free), ca.vertcat(*[SX(p.start) for p in v.free])) \
-        if v.dependent else SX(0, 1)  # fmt: skip
-    numbers = ca.vertcat(numbers, values)
+    free = ca.vertcat(*[SX(p.start) for p in v.free])
+    dependent = ca.vertcat(*v.dependent_values)
+    if v.dependent and v.free:
+        dependent = ca.substitute(dependent, vector(v.free), free)
+    numbers = ca.vertcat(v.constants[1], free, dependent)
     open_ = [s for s in every if s.expression is not None and not is_number(s.expression)]
     for s in open_:
-        value = ca.substitute(SX(s.expression), symbols, numbers)
+        value = ca.substitute(s.binding, symbols, numbers)
         if is_number(value):
             s.start = float(value)

@@ -51,7 +51,7 @@ class ServiceInstruments:
         speed_noise: 1σ of each reading of the train speed [m/s].
         speed_scale: Relative error of the train speed, constant over a stop [1].
         speed_every: Samples between two readings of the train speed.
-        speed_latency: Age of a reading of the train speed, in samples.
+        speed_latency: Age of a reading of the train speed, in samples; made up for by the acceleration read.
         acceleration_noise: 1σ [m/s²].
         acceleration_bias: Constant over a stop [m/s²].
         deflection_noise: 1σ [m].
@@ -106,17 +106,21 @@ class ServiceSensors:
         noise = self._noise[row]
         reading = np.empty(READINGS)
 
+        acceleration = float(truth[OUTPUT["acceleration"]][0])
+        acceleration += its.acceleration_bias + its.acceleration_noise * float(noise[1])
         self._past.append(float(truth[OUTPUT["speed"]][0]))
-        due = sample % its.speed_every == 0 and len(self._past) > its.speed_latency
-        reading[0] = self._past[0] * (1.0 + its.speed_scale) + its.speed_noise * noise[0] if due else np.nan
+        if sample % its.speed_every == 0 and len(self._past) > its.speed_latency:
+            late = self._past[0] * (1.0 + its.speed_scale) + its.speed_noise * float(noise[0])
+            # The latency is known from the data sheet: the sensor's own electronics carries its reading forward.
+            reading[0] = late + acceleration * its.speed_latency * self._period
+        else:
+            reading[0] = np.nan
 
         speeds = truth[OUTPUT["wheelset_speed"]].tolist()
         for g, encoder in enumerate(self._encoders):
             reading[1 + g] = encoder.read(sample, speeds[g])
         reading[READING["deflection"]] = truth[OUTPUT["deflection"]] + its.deflection_noise * noise[2:]
-        reading[READING["acceleration"]] = (
-            truth[OUTPUT["acceleration"]] + its.acceleration_bias + its.acceleration_noise * noise[1]
-        )
+        reading[READING["acceleration"]] = acceleration
         reading[READING["cylinder_pressure"]] = self._transduce(truth[OUTPUT["cylinder_pressure"]])
         return reading
 

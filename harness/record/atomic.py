@@ -5,6 +5,9 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
+PARTIAL = ".*.partial"
+"""Pattern of what a process that was killed while writing leaves behind."""
+
 
 @contextmanager
 def replacing(path: Path) -> Generator[Path]:

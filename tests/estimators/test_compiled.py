@@ -1,3 +1,5 @@
+import ctypes
+
 import numpy as np
 import pytest
 from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
@@ -6,7 +8,9 @@ from estimators.compiled import CompiledFilter
 from estimators.ekf import ExtendedKalmanFilter
 from estimators.errors import EstimatorError, FilterDiverged
 from estimators.gate import Gate
+from estimators.generated import generate
 from estimators.prediction import CasadiPrediction
+from fmus.native.toolchain import shared_library
 
 PERIOD = 1e-3
 DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])
@@ -147,3 +151,25 @@ def test_wrong_shapes_get_the_sentences_of_the_reference(rolling, kept):
         fast.step(first, np.zeros(2), np.zeros(2))
     with pytest.raises(EstimatorError, match="process_noise wants shape"):
         CompiledFilter(rolling, np.ones(3), READING, PERIOD, directory=kept)
+
+
+def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling, kept):
+    """The step for any machine, called directly, against whatever this machine takes."""
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE, directory=kept)
+    code = generate(rolling, fast.design)
+    plain = "int step_plain(double *block);\n" + (
+        '__attribute__((visibility("default"))) int step(double *block) { return step_plain(block); }\n'
+    )
+    library = shared_library(code.sources | {"dispatch.c": plain}, kept, "plain", flags=("-O3",))
+    step_plain = ctypes.CDLL(str(library)).step
+    step_plain.argtypes = [ctypes.c_void_p]
+    fast.start(FIRST_MEAN, FIRST_VARIANCE)
+    block = fast._block.copy()
+    random = np.random.default_rng(9)
+    for k in range(300):
+        fast.held[:] = [2e4 * (k % 40 > 10), 500.0]
+        fast.seen[:] = [22.0, 57.0, -0.7] + np.sqrt(READING) * random.standard_normal(3)
+        block[code.layout["HELD"]], block[code.layout["SEEN"]] = fast.held, fast.seen
+        fast.advance()
+        assert step_plain(block.ctypes.data) == 0
+    assert np.array_equal(block, fast._block)

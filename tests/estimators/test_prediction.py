@@ -1,12 +1,13 @@
 import casadi as ca
 import numpy as np
 import pytest
+from contracts.prediction import has_jacobians_that_are_slopes, prediction_contract
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_models import OSCILLATOR, WHEELSET, Name, SmallModel, oscillator, small_model, wheelset
 
 from estimators.errors import EstimatorError
-from estimators.prediction import CasadiPrediction, Prediction
+from estimators.prediction import CasadiPrediction
 
 
 class Pendulum:
@@ -36,63 +37,20 @@ CASES = {
 }
 
 
-@pytest.fixture(params=list(CASES))
-def case(request):
-    return CASES[request.param]
-
-
-def test_it_is_a_prediction(case):
-    prediction, x, u = case
-    assert isinstance(prediction, Prediction)
-    assert (len(x), len(u)) == (len(prediction.states), len(prediction.inputs))
-
-
-def test_shapes_are_those_of_the_names(case):
-    prediction, x, u = case[0], np.array(case[1]), np.array(case[2])
-    n, m = len(prediction.states), len(prediction.outputs)
-    assert prediction.derivative(x, u).shape == (n,)
-    assert prediction.output(x, u).shape == (m,)
-    assert prediction.derivative_jacobian(x, u).shape == (n, n)
-    assert prediction.output_jacobian(x, u).shape == (m, n)
-
-
-def test_what_was_returned_stays_what_it_was(case):
-    """The buffers inside are not handed out."""
-    prediction, x, u = case[0], np.array(case[1]), np.array(case[2])
-    for ask in (
-        prediction.derivative,
-        prediction.output,
-        prediction.derivative_jacobian,
-        prediction.output_jacobian,
-    ):
-        first = ask(x, u)
-        before = first.copy()
-        ask(x * 1.1, u * 0.9)
-        assert np.array_equal(first, before)
-        assert np.array_equal(ask(x, u), before)
+@pytest.mark.parametrize("name", list(CASES))
+def test_it_keeps_the_contract_of_a_prediction(name):
+    prediction_contract(*CASES[name])
 
 
 @pytest.mark.parametrize("name", list(CASES))
 @given(data=st.data())
 @settings(max_examples=25, deadline=None)
-def test_jacobians_are_the_slopes_of_the_functions(name, data):
+def test_jacobians_are_slopes_everywhere(name, data):
     prediction, middle, held = CASES[name]
     factor = st.floats(0.3, 1.7)
     x = np.array([value * data.draw(factor) for value in middle])
     u = np.array([value * data.draw(factor) for value in held])
-    for function, jacobian in (
-        (prediction.derivative, prediction.derivative_jacobian(x, u)),
-        (prediction.output, prediction.output_jacobian(x, u)),
-    ):
-        size = np.abs(function(x, u))
-        for j in range(x.size):
-            step = 1e-5 * max(abs(x[j]), 1e-3)
-            nudge = np.zeros(x.size)
-            nudge[j] = step
-            slope = (function(x + nudge, u) - function(x - nudge, u)) / (2.0 * step)
-            # Central differences: rounding of terms up to 1000 times the value; h²/6 of a third derivative.
-            rounding = 1e3 * 2e-16 * (size + np.abs(jacobian[:, j] * x[j])) / step
-            assert np.all(np.abs(jacobian[:, j] - slope) <= rounding + 1e-8 * np.abs(slope) + 1e-7)
+    has_jacobians_that_are_slopes(prediction, x, u)
 
 
 def test_a_parameter_that_is_missing_or_unknown_is_named():

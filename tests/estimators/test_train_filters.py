@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contracts.prediction import prediction_contract
 
 from estimators.compiled import CompiledFilter
 from estimators.consistency import delay
@@ -44,6 +45,10 @@ def rolling(prediction, speed=22.0, adhesion=0.05):
     """Start rolling, in balance with nothing."""
     start = {"v": speed, "w": speed / 0.38, "mu_b": 0.36, "alpha": adhesion}
     return np.array([start.get(name.partition("[")[0], 0.0) for name in prediction.states])
+
+
+def test_it_keeps_the_contract_of_a_prediction(prediction):
+    prediction_contract(prediction, rolling(prediction) + 1e-3, 0.7 * FULL_BRAKE + 1.0)
 
 
 def test_there_is_a_noise_for_every_state_and_reading(prediction):

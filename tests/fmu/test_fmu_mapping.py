@@ -137,6 +137,20 @@ def test_an_offset_is_dropped_for_a_difference(foundry: Path):
         assert channel.shift[0] == shift
 
 
+def test_temperatures_cross_with_their_offset_both_ways(foundry: Path):
+    """Sending 293.15 K is 20 degC of theirs; their x, in degC too, comes back in K."""
+    description = describe(tiny(foundry, description=xml(state_unit="degC", input_unit="degC")))
+    binding = bind(
+        description, inputs=[signal("air", "K")], outputs=[signal("disc", "K")], table={"air": "u", "disc": "x"}
+    )
+    with CoSimulation(description, binding, period=0.5, parameters={}) as plant:
+        at_start = plant.start(np.array([293.15]))
+        after = plant.step(np.array([293.15]))
+    np.testing.assert_allclose(at_start, [274.15], rtol=1e-15)
+    # dx/dt = -2 x + 3 u from x = 1 degC with u = 20 degC; the offset's own rounding is 6e-14 K.
+    np.testing.assert_allclose(after, [273.15 + 30 - 29 * np.exp(-1)], rtol=1e-14)
+
+
 def test_a_misspelt_signal_is_met_with_the_nearest(foreign: Description):
     with pytest.raises(FmuError, match=rf"{WHERE[:9]}.* has no signal 'sped'; did you mean 'speed'\?"):
         tied(foreign, {"sped": "x"})

@@ -107,7 +107,10 @@ def run() -> Iterator[Callable[..., Running]]:
             else (FMU2Model, fmu.description.modelExchange.modelIdentifier)
         )
         instance = kind(
-            guid=fmu.description.guid, unzipDirectory=str(fmu.folder), modelIdentifier=identifier, instanceName="under test"
+            guid=fmu.description.guid,
+            unzipDirectory=str(fmu.folder),
+            modelIdentifier=identifier,
+            instanceName="under test",
         )
         running = Running(fmu, instance)
         callbacks = fmi2CallbackFunctions()

@@ -18,7 +18,7 @@ def bounces(count, e=0.7, g=9.81, h=1.0):
 
 @pytest.mark.parametrize("step", [1e-3, 0.05])
 def test_a_ball_bounces_when_the_parabola_says(feature, run, step):
-    """Ballistic flight is integrated exactly, so what is left is the location of the bounces, 1e-10 s each."""
+    """Ballistic flight is integrated exactly; what is left is the location of each bounce, 1e-10 s."""
     instance = run(feature("BouncingBall"))
     end = 1.6
     instance.steps(round(end / step), step)
@@ -30,7 +30,7 @@ def test_a_ball_bounces_when_the_parabola_says(feature, run, step):
 
 
 def test_friction_stops_holds_and_lets_go(feature, run):
-    """v² / 2 = (F/m) s until it stops; it stays; the pull exceeds friction at 5 s and accelerates from there."""
+    """v²/2 = (F/m) s until it stops; it stays; the pull exceeds friction at 5 s and accelerates it."""
     instance = run(feature("StickSlip"))
     instance.steps(400, 0.01)
     assert instance.get("s")[0] == pytest.approx(1.5**2 / (2 * 3 / 2), abs=1e-9)

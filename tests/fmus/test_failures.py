@@ -41,9 +41,7 @@ def test_a_derivative_that_is_not_a_number_names_its_state(modelica, run):
 
 
 def test_a_nonlinear_loop_without_solution_names_its_unknowns(modelica, run):
-    fmu = modelica(
-        "model M Real x(start=1,fixed=true); Real root(start=1); equation root^2 = x; der(x) = -1; end M;"
-    )
+    fmu = modelica("model M Real x(start=1,fixed=true); Real root(start=1); equation root^2 = x; der(x) = -1; end M;")
     instance = run(fmu)
     with pytest.raises(FMICallException):
         instance.steps(20, 0.1)

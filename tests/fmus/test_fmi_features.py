@@ -11,8 +11,7 @@ def test_directional_derivatives_are_central_differences(feature, run, name):
     fmu = feature(name)
     instance = run(fmu, "me")
     states = [u.variable.derivative.name for u in fmu.description.derivatives]
-    known = states + [v.name for v in fmu.description.modelVariables if v.causality == "parameter" and v.type == "Real"
-                      and not v.name.startswith("_")]  # fmt: skip
+    known = states + [n for n in fmu.names("parameter", "Real") if not n.startswith("_")]
     unknown = [f"der({s})" for s in states] + [n for n in fmu.names("output", "Real") if n not in states]
     compare(instance, unknown, known)
 
@@ -105,7 +104,13 @@ def test_initial_equations_hold(feature, run):
 def test_the_description_says_what_the_model_says(feature):
     description = feature("Driven").description
     v = {v.name: v for v in description.modelVariables}
-    assert (v["u"].unit, v["u"].min, v["u"].max, v["u"].start, v["u"].causality) == ("m/s", "-10.0", "10.0", "1.0", "input")
+    assert (v["u"].unit, v["u"].min, v["u"].max, v["u"].start, v["u"].causality) == (
+        "m/s",
+        "-10.0",
+        "10.0",
+        "1.0",
+        "input",
+    )
     assert (v["frozen"].type, v["gear"].type) == ("Boolean", "Integer")
     assert (v["y"].nominal, v["y"].description) == ("5.0", "Position")
     assert (v["der(x)"].unit, v["der(x)"].derivative.name) == ("m/s", "x")

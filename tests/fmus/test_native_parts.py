@@ -75,7 +75,11 @@ def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed):
 def test_a_cancelled_pivot_is_reported(tmp_path):
     code = eliminate(1, [(0, 0)]).code.replace("static int", '__attribute__((visibility("default"))) int')
     library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": "#include <math.h>\n" + code}, tmp_path, "lu")))
-    library.sparse_factor.argtypes = [ctypes.POINTER(ctypes.c_double), ctypes.c_double, ctypes.POINTER(ctypes.c_double)]
+    library.sparse_factor.argtypes = [
+        ctypes.POINTER(ctypes.c_double),
+        ctypes.c_double,
+        ctypes.POINTER(ctypes.c_double),
+    ]
     one, work = (ctypes.c_double * 1)(5.0), (ctypes.c_double * 1)()
     assert library.sparse_factor(one, 5.0, work) == 1
     assert library.sparse_factor(one, 6.0, work) == 0

@@ -75,10 +75,10 @@ static int internal_step(Instance *m, double target, int *event) {
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
             *event = 0;
             if (NZ) {
-                indicators(s, t, w->x0, w->z0);
                 indicators(s, t + h, w->x1, w->z1);
                 if (crossed(s, w->z1)) {
                     *event = 1;
+                    indicators(s, t, w->x0, w->z0);
                     if (locate(m, t, &h)) return 1;
                 }
             }

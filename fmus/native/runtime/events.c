@@ -42,7 +42,8 @@ static int events(Instance *m, int initial, int *jumped) {
     double tick[NT + 1] = { 0 }, d[ND + 1], x[NX + 1], r[NR + 1], c[NC + 1], now = s->v[TIME];
     *jumped = 0;
     s->inputs_set = 0;
-    for (int i = 0; i < NT; i++)
+    /* Clocks do not tick during initialisation; one whose first instant is the start ticks right after it. */
+    for (int i = 0; i < NT && !initial; i++)
         if (s->tick[i] <= now + 1e-12 * (1 + fabs(now))) {
             tick[i] = 1;
             s->tick[i] = clock_phase[i] + clock_period[i] * (1 + floor((now - clock_phase[i]) / clock_period[i] + 0.5));

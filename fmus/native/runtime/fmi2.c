@@ -87,6 +87,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     State *s = &M->s;
+    int jumped;
     if (s->phase != INITIALIZING) return refuse(M, "fmi2ExitInitializationMode", "not in initialisation mode");
     if (prepare(M) || assertions(M)) {
         s->phase = FAILED;
@@ -98,6 +99,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
             return failed(M, fmi2Error);
         }
     s->phase = RUNNING;
+    if (M->co_simulation && s->hi <= s->v[TIME] && events(M, 0, &jumped)) return failed(M, fmi2Error);
     s->v[EVENTS] = s->v[EVALUATIONS] = 0;
     s->inputs_set = 0;
     return fmi2OK;

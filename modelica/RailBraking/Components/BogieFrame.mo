@@ -1,6 +1,7 @@
 within RailBraking.Components;
 model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
-  parameter Types.Mass m_wheelset[2](start={14000, 14000}) "Mass that each wheelset carries on the rail, its own included";
+  parameter Types.Mass m_wheelset[2](start={14000, 14000})
+    "Mass that each wheelset carries on the rail, its own included";
   parameter Types.Mass m_unsprung[2](start={1500, 1500}) "Mass of each wheelset itself";
   parameter Types.Mass m_frame(start=3500) "Mass of the frame";
   parameter Types.Inertia I_frame(start=2200) "Pitch inertia of the frame";
@@ -17,7 +18,8 @@ model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
   Interfaces.RealOutput work_power(final unit="W") "Power that the longitudinal forces put into the pitching frame";
   Interfaces.RealOutput damper_power(final unit="W") "Heat made in the dampers";
   Interfaces.RealOutput stored_energy(final unit="J") "Energy of the moving frame and of the springs";
-  Types.Length dz[2](each start=0, each fixed=true) "Deflection over each wheelset, change from static, compression positive";
+  Types.Length dz[2](each start=0, each fixed=true)
+    "Deflection over each wheelset, change from static, compression positive";
   Types.Velocity ddz[2](each start=0, each fixed=true) "Rate of the deflection";
 protected
   Types.Force spring[2] "Spring and damper force over each wheelset, change from static";
@@ -36,7 +38,8 @@ equation
   annotation (Documentation(info="<html>
 <p>
 In braking the front wheelset gains the load that the rear one loses; at rest on level track that is
-&plusmn;&Sigma;F h_rod/wheelbase for massless parts (see <a href=\"modelica://RailBraking.Validation.LoadTransfer\">LoadTransfer</a> for the exact value).
+&plusmn;&Sigma;F h_rod/wheelbase for massless parts (see <a
+href=\"modelica://RailBraking.Validation.LoadTransfer\">LoadTransfer</a> for the exact value).
 </p>
 <h4>Limitations</h4>
 <p>

@@ -21,7 +21,8 @@ equation
 <p>torque = n_units &mu; pad_force r_friction. Friction answers to the temperature of the bulk of the disc.</p>
 <h4>Limitations</h4>
 <p>
-All units of a group are equal. The coefficients of <a href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>
+All units of a group are equal. The coefficients of <a
+href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>
 belong to a mean temperature of the disc; with the surface temperature they would have to be found anew.
 </p>
 </html>"));

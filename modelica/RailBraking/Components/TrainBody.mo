@@ -11,7 +11,8 @@ model TrainBody "All masses of the train along the track, with drag and rest"
   Interfaces.RealInput track_force(final unit="N") "Force of gradient and curve, forward";
   Interfaces.RealInput capacity(final unit="N") "Force with which brakes and resistance hold the train at rest";
   Interfaces.RealOutput a(final unit="m/s2") "Acceleration";
-  Interfaces.RealOutput resistance_power(final unit="W") "Power of drag and track force, positive when it slows the train";
+  Interfaces.RealOutput resistance_power(final unit="W")
+    "Power of drag and track force, positive when it slows the train";
   Interfaces.BooleanOutput standstill(start=false, fixed=true) "= true, if the train stands";
   Types.Length s(start=0, fixed=true) "Distance travelled";
   Types.Velocity v(start=v_start, fixed=true) "Speed";
@@ -30,8 +31,10 @@ equation
   resistance_power = (drag - track_force)*v;
   annotation (Documentation(info="<html>
 <p>
-A train that is slower than <code>v_rest</code> and can be held is at rest: its speed is exactly zero until the track pulls
-it forward harder than brakes, bearings and adhesion can hold. A creep force law alone would let it approach rest for ever.
+A train that is slower than <code>v_rest</code> and can be held is at rest: its speed is exactly zero until the track
+pulls
+it forward harder than brakes, bearings and adhesion can hold. A creep force law alone would let it approach rest for
+ever.
 </p>
 <h4>Limitations</h4>
 <p>

@@ -4,6 +4,7 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   parameter Types.Inertia J(start=209) "Inertia of all of them about their axles";
   parameter Types.Length r(start=0.38) "Rolling radius";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
+  parameter Types.Curvature curvature_rail(min=0) = 0 "Curvature of the rail along the track: none, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
   parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";
@@ -30,7 +31,7 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   Interfaces.RealOutput resistance_power(final unit="W") "Power of bearing and rolling resistance";
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
   Contact.WheelsetContact contact[n](
-    each r=r, each r_rail=r_rail, each E=E, each nu=nu,
+    each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
     each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small) "Contacts of each wheelset";
 protected
   Types.Torque tau_track "Torque of the track, forward";
@@ -65,7 +66,8 @@ resistance by <code>tau_small</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Forward rotation only. Shafts are rigid. The brake is as strong at rest as it was when sliding stopped. At standstill the contacts
+Forward rotation only. Shafts are rigid. The brake is as strong at rest as it was when sliding stopped. At standstill
+the contacts
 carry no force in this model; what holds the train there is accounted for by <code>capacity</code>.
 </p>
 </html>"));

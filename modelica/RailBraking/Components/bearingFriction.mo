@@ -13,6 +13,7 @@ algorithm
 f = Components.<strong>bearingFriction</strong>(mu_bearing, r_bearing, r_wheel);
 </pre></blockquote>
 <h4>Limitations</h4>
-<p><code>mu_bearing</code> and <code>r_bearing</code> must be positive. The larger resistance when starting from rest is not in it.</p>
+<p><code>mu_bearing</code> and <code>r_bearing</code> must be positive. The larger resistance when starting from rest
+is not in it.</p>
 </html>"));
 end bearingFriction;

@@ -21,7 +21,8 @@ algorithm
   b := c/sqrt(ratio);
   annotation (Documentation(info="<html>
 <p>
-Greenwood's approximation (Tribology International 30, 1997) of Hertz's solution with elliptic integrals: with the relative
+Greenwood's approximation (Tribology International 30, 1997) of Hertz's solution with elliptic integrals: with the
+relative
 curvatures A = 1/(2 r) and B = 1/(2 r_rail) the contact has the area of that of a sphere of radius
 </p>
 <blockquote><pre>

@@ -24,6 +24,7 @@ equation
   annotation (
     experiment(StopTime=30, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
-<p>A pattern for other vehicles: equations join inputs to outputs, the body owns the speed, wheelsets own their rotation.</p>
+<p>A pattern for other vehicles: equations join inputs to outputs, the body owns the speed, wheelsets own their
+rotation.</p>
 </html>"));
 end BrakedWheelset;

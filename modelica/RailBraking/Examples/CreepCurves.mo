@@ -38,11 +38,16 @@ equation
   alpha_wet = Contact.polach(slip, slip*v, Q, wet.mu0, factor, wet.k_A, wet.k_S, wet.A, wet.B);
   alpha_low = Contact.polach(slip, slip*v, Q, low.mu0, factor, low.k_A, low.k_S, low.A, low.B);
   alpha_steep = Contact.polach(slip, slip*v, Q, steep.mu0, factor, steep.k_A, steep.k_S, steep.A, steep.B);
-  alpha_very_low = Contact.polach(slip, slip*v, Q, very_low.mu0, factor, very_low.k_A, very_low.k_S, very_low.A, very_low.B);
-  alpha_mal_dry = Contact.polach(slip, slip*v, Q, mal_dry.mu0, factor, mal_dry.k_A, mal_dry.k_S, mal_dry.A, mal_dry.B);
-  alpha_mal_wet = Contact.polach(slip, slip*v, Q, mal_wet.mu0, factor, mal_wet.k_A, mal_wet.k_S, mal_wet.A, mal_wet.B);
-  alpha_mal_poor = Contact.polach(slip, slip*v, Q, mal_poor.mu0, factor, mal_poor.k_A, mal_poor.k_S, mal_poor.A, mal_poor.B);
-  alpha_mal_worst = Contact.polach(slip, slip*v, Q, mal_worst.mu0, factor, mal_worst.k_A, mal_worst.k_S, mal_worst.A, mal_worst.B);
+  alpha_very_low = Contact.polach(
+    slip, slip*v, Q, very_low.mu0, factor, very_low.k_A, very_low.k_S, very_low.A, very_low.B);
+  alpha_mal_dry = Contact.polach(
+    slip, slip*v, Q, mal_dry.mu0, factor, mal_dry.k_A, mal_dry.k_S, mal_dry.A, mal_dry.B);
+  alpha_mal_wet = Contact.polach(
+    slip, slip*v, Q, mal_wet.mu0, factor, mal_wet.k_A, mal_wet.k_S, mal_wet.A, mal_wet.B);
+  alpha_mal_poor = Contact.polach(
+    slip, slip*v, Q, mal_poor.mu0, factor, mal_poor.k_A, mal_poor.k_S, mal_poor.A, mal_poor.B);
+  alpha_mal_worst = Contact.polach(
+    slip, slip*v, Q, mal_worst.mu0, factor, mal_worst.k_A, mal_worst.k_S, mal_worst.A, mal_worst.B);
   alpha_soap = Contact.polach(slip, slip*v, Q, soap.mu0, factor, soap.k_A, soap.k_S, soap.A, soap.B);
   alpha_leaf = Contact.polach(slip, slip*v, Q, leaf.mu0, factor, leaf.k_A, leaf.k_S, leaf.A, leaf.B);
   annotation (

@@ -2,7 +2,8 @@ within RailBraking.Examples;
 model DownhillStop "Stop on a falling gradient in a curve, and the same on level track"
   FMUs.TwoPartTrain train(speed_start=60/3.6) "Train on the gradient";
   FMUs.TwoPartTrain train_level(speed_start=60/3.6) "Train on level track";
-  Tracks.UniformTrack track(m=84000, gradient=-0.02, curvature=1/500, begin=50) "Twenty per mille downhill, radius 500 m";
+  Tracks.UniformTrack track(m=84000, gradient=-0.02, curvature=1/500, begin=50)
+    "Twenty per mille downhill, radius 500 m";
   Tracks.LevelTrack level(m=84000) "Straight level track";
 equation
   track.distance = train.distance;

@@ -11,6 +11,7 @@ equation
   annotation (
     experiment(StopTime=25, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
-<p>The train stops after 265 m in 21.2 s. Watch <code>train.speed</code>, <code>train.pad_friction</code> and <code>train.wheelset_load</code>.</p>
+<p>The train stops after 265 m in 21.2 s. Watch <code>train.speed</code>, <code>train.pad_friction</code> and
+<code>train.wheelset_load</code>.</p>
 </html>"));
 end EmergencyStopDry;

@@ -11,7 +11,8 @@ equation
     experiment(StopTime=2, Tolerance=1e-8, Interval=0.001),
     Documentation(info="<html>
 <p>
-Adhesion and pad friction keep their values: without readings a prediction drifts away from any real train, wheels lock or spin up.
+Adhesion and pad friction keep their values: without readings a prediction drifts away from any real train, wheels
+lock or spin up.
 </p>
 </html>"));
 end Predictions;

@@ -1,20 +1,21 @@
 within RailBraking.FMUs;
 block ContactPoint "Adhesion of one wheelset at a given slip, speed, load and friction"
-  parameter Types.Length r_wheel = 0.38 "Rolling radius of the wheels";
-  parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
-  parameter Types.Ratio k_S = 0.1 "Polach: reduction of the creep stiffness in the area of slip";
-  parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite slip speed over maximum friction";
-  parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with slip speed";
-  parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
-  parameter Types.Modulus E_steel = 2.1e11 "Young's modulus of wheel and rail";
-  parameter Types.Ratio nu_steel = 0.28 "Poisson's ratio of wheel and rail";
+  parameter Types.Length r_wheel(min=1e-3) = 0.38 "Rolling radius of the wheels";
+  parameter Types.Ratio k_A(min=0, max=1) = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
+  parameter Types.Ratio k_S(min=0, max=1) = 0.1 "Polach: reduction of the creep stiffness in the area of slip";
+  parameter Types.Ratio A_falling(min=0, max=1) = 0.4 "Polach: friction at infinite slip speed over maximum friction";
+  parameter Types.InverseVelocity B_falling(min=0) = 0.2 "Polach: rate at which friction falls with slip speed";
+  parameter Types.Length r_rail(min=1e-3) = 0.30 "Radius of the rail head across the track";
+  parameter Types.Modulus E_steel(min=1e-3) = 2.1e11 "Young's modulus of wheel and rail";
+  parameter Types.Ratio nu_steel(min=0, max=0.5) = 0.28 "Poisson's ratio of wheel and rail";
   Interfaces.RealInput slip(final unit="1", start=0) "Slip, 0 rolling, 1 locked";
   Interfaces.RealInput speed(final unit="m/s", start=20) "Speed of the wheelset along the track";
   Interfaces.RealInput load(final unit="N", start=137400) "Load of both wheels together, positive";
   Interfaces.RealInput mu0(final unit="1", start=0.3) "Maximum friction coefficient";
   Interfaces.RealOutput adhesion(final unit="1") "Force over load, positive in braking";
 protected
-  final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel) "Slope of epsilon, see creepFactor";
+  final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel)
+    "Slope of epsilon, see creepFactor";
 equation
   adhesion = Contact.polach(slip, slip*speed, load/2, mu0, factor, k_A, k_S, A_falling, B_falling);
   annotation (Documentation(info="<html>

@@ -1,10 +1,10 @@
 within RailBraking.FMUs;
 block TrainPrediction "Two-part train as an estimator believes it to be"
   extends Vehicles.PartialPrediction;
-  parameter Types.Mass m_unsprung[6] = {1500, 1500, 1300, 1300, 1500, 1500} "Mass of each wheelset itself";
-  parameter Types.Mass m_frame[3] = {3500, 2800, 3500} "Mass of each bogie frame";
-  parameter Types.Inertia I_frame[3] = {2200, 2300, 2200} "Pitch inertia of each bogie frame";
-  parameter Types.Length wheelbase[3] = {1.9, 2.65, 1.9} "Distance of the wheelsets of each bogie";
+  parameter Types.Mass m_unsprung[6](each min=0) = {1500, 1500, 1300, 1300, 1500, 1500} "Mass of each wheelset itself";
+  parameter Types.Mass m_frame[3](each min=1e-3) = {3500, 2800, 3500} "Mass of each bogie frame";
+  parameter Types.Inertia I_frame[3](each min=1e-3) = {2200, 2300, 2200} "Pitch inertia of each bogie frame";
+  parameter Types.Length wheelbase[3](each min=1e-3) = {1.9, 2.65, 1.9} "Distance of the wheelsets of each bogie";
   parameter Types.Length h_frame = 0.55 "Height of the frames' centres of gravity over the rail";
   parameter Types.Length h_rod = 0.40 "Height of the traction rods over the rail";
   parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset";
@@ -34,7 +34,8 @@ equation
   der(dz) = ddz;
   for i in 1:3 loop
     tipping[i] = Components.frameTorque(
-      F_bogie[i], torque_bogie[i], acceleration, m_unsprung[2*i - 1] + m_unsprung[2*i], m_frame[i], h_frame, h_rod, r_wheel);
+      F_bogie[i], torque_bogie[i], acceleration,
+      m_unsprung[2*i - 1] + m_unsprung[2*i], m_frame[i], h_frame, h_rod, r_wheel);
     der(ddz[2*i - 1]) = Components.deflectionAcceleration(
       tipping[i], spring[2*i - 1], spring[2*i], m_frame[i], I_frame[i], wheelbase[i]/2);
     der(ddz[2*i]) = Components.deflectionAcceleration(

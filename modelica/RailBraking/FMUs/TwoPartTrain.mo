@@ -1,11 +1,13 @@
 within RailBraking.FMUs;
 block TwoPartTrain "Two-part train whose cylinders follow pressure commands"
   extends Vehicles.PartialTwoPartTrain;
-  parameter Types.Time T_pressure = 0.02 "Time constant of the cylinder pressure" annotation(Dialog(group="Brake"));
-  Interfaces.RealInput pressure_command[4](each final unit="Pa", each start=0) "Pressure that the cylinders of each group shall have";
+  parameter Types.Time T_pressure(min=1e-4) = 0.02 "Time constant of the cylinder pressure"
+    annotation(Dialog(group="Brake"));
+  Interfaces.RealInput pressure_command[4](each final unit="Pa", each start=0)
+    "Pressure that the cylinders of each group shall have";
 protected
   Pneumatics.IdealCylinder cylinder[4](
-    each T=T_pressure, p_max=p_max, p_start=p_start, V=V_group) "Cylinders of each group";
+    each T=T_pressure, p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free) "Cylinders of each group";
 equation
   for i in 1:4 loop
     cylinder[i].command = pressure_command[i];

@@ -1,22 +1,30 @@
 within RailBraking.FMUs;
 block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and vented by valves"
   extends Vehicles.PartialTwoPartTrain;
-  parameter Types.Time T_fill = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));
-  parameter Types.Time T_vent = 0.2 "Time constant of venting" annotation(Dialog(group="Brake"));
-  parameter Types.Time dead_fill(min=0, max=0.126) = 0.05 "Dead time of the fill valves" annotation(Dialog(group="Brake"));
-  parameter Types.Time dead_vent(min=0, max=0.126) = 0.04 "Dead time of the vent valves" annotation(Dialog(group="Brake"));
-  parameter Types.PressureRate rate_choked = 15e5 "Fastest venting, through a choked valve" annotation(Dialog(group="Brake"));
-  parameter Types.PressureRate leak = 1e3 "Loss of pressure through leaks" annotation(Dialog(group="Brake"));
+  parameter Types.Time T_fill(min=1e-3) = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));
+  parameter Types.Time T_vent(min=1e-3) = 0.2 "Time constant of venting" annotation(Dialog(group="Brake"));
+  parameter Types.Time dead_fill(min=0, max=0.126) = 0.05 "Dead time of the fill valves"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Time dead_vent(min=0, max=0.126) = 0.04 "Dead time of the vent valves"
+    annotation(Dialog(group="Brake"));
+  parameter Types.PressureRate rate_choked(min=1) = 15e5 "Fastest venting, through a choked valve"
+    annotation(Dialog(group="Brake"));
+  parameter Types.PressureRate leak(min=0) = 1e3 "Loss of pressure through leaks" annotation(Dialog(group="Brake"));
   parameter Types.Ratio hysteresis(min=0, max=0.5) = 0
     "Half width of the hysteresis of the calipers over the mean pad force" annotation(Dialog(group="Brake"));
-  Interfaces.RealInput valve_command[4](each final unit="1", each start=0) "Valves of each group: -1 vent, 0 hold, 1 fill";
+  parameter Types.Pressure p_reverse(min=1) = 1e4
+    "Change of pressure in which the friction of the calipers turns around"
+    annotation(Dialog(group="Brake"));
+  Interfaces.RealInput valve_command[4](each final unit="1", each start=0)
+    "Valves of each group: -1 vent, 0 hold, 1 fill";
 protected
   Pneumatics.ValveCylinder cylinder[4](
-    p_max=p_max, p_start=p_start, V=V_group, each T_fill=T_fill, each T_vent=T_vent, each dead_fill=dead_fill,
-    each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak) "Cylinders of each group";
+    p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free, each T_fill=T_fill, each T_vent=T_vent,
+    each dead_fill=dead_fill, each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak)
+    "Cylinders of each group";
   Pneumatics.HystereticRigging rigging[4](
     each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring,
-    each hysteresis=hysteresis) "Rigging of each group";
+    each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group";
 equation
   for i in 1:4 loop
     cylinder[i].command = valve_command[i];
@@ -29,10 +37,12 @@ equation
   annotation (Documentation(info="<html>
 <p>
 Wheel-slide protection as in service: binary valves with dead time, see
-<a href=\"modelica://RailBraking.Pneumatics.ValveCylinder\">ValveCylinder</a>. The thresholds of <code>valve_command</code> are &plusmn;0.5. Hysteresis of the calipers is
+<a href=\"modelica://RailBraking.Pneumatics.ValveCylinder\">ValveCylinder</a>. The thresholds of
+<code>valve_command</code> are &plusmn;0.5. Hysteresis of the calipers is
 off unless a scenario sets it.
 </p>
 <h4>Limitations</h4>
-<p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> and of the parts named.</p>
+<p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> and of the parts
+named.</p>
 </html>"));
 end TwoPartTrainPneumatic;

@@ -31,7 +31,8 @@ emergency braking from 80 km/h.
 <h4>Limitations</h4>
 <p>
 Radiation, the heat stored in the pads and the flow into the hub are left out; hot spots are far hotter than the
-surface node. <code>G</code> follows from 10 mm of grey iron under 0.5 m<sup>2</sup> of friction ring and is an estimate.
+surface node. <code>G</code> follows from 10 mm of grey iron under 0.5 m<sup>2</sup> of friction ring and is an
+estimate.
 </p>
 </html>"));
 end Disc;

@@ -7,7 +7,8 @@ block PadFriction "Pads whose friction follows temperature, speed and pressure"
   parameter Types.Ratio temperature_effect = 0.10 "Rise of friction over the temperature range, relative";
   parameter Types.Temperature temperature_nominal = 333.15 "Temperature at which friction is nominal";
   parameter Types.TemperatureDifference temperature_range = 150 "Temperature rise at which the effect saturates";
-  parameter Types.Ratio force_effect = 0.08 "Loss of friction from no force to twice the nominal force, half of it, relative";
+  parameter Types.Ratio force_effect = 0.08
+    "Loss of friction from no force to twice the nominal force, half of it, relative";
   parameter Types.Force pad_force_nominal = 56e3 "Pad force at which friction is nominal";
   parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which friction settles";
   parameter Types.Time T_settle = 3 "Time in which friction settles at little power";
@@ -30,7 +31,8 @@ over a time, because contact patches must wear in. The coefficients are engineer
 the trends of published dynamometer and field tests (0.36 rising to 0.40 in an emergency stop from 85 km/h).
 </p>
 <p>
-With released pads there is no friction work and <code>mu</code> keeps its value: the rate vanishes as the fourth power of
+With released pads there is no friction work and <code>mu</code> keeps its value: the rate vanishes as the fourth
+power of
 the force below <code>F_release</code>.
 </p>
 <h4>Limitations</h4>

@@ -17,7 +17,8 @@ equation
   pad_force = padForce(pressure, A_piston, i_rigging, eta_rigging, F_spring)*(1 - hysteresis*direction);
   annotation (Documentation(info="<html>
 <p>
-Dahl's friction: after a reversal the pad force keeps its value until the pressure has changed by about <code>p_reverse</code>.
+Dahl's friction: after a reversal the pad force keeps its value until the pressure has changed by about
+<code>p_reverse</code>.
 Independent of the speed of the change. Calipers show 5 % to 8 % to either side of the mean.
 </p>
 <h4>Limitations</h4>

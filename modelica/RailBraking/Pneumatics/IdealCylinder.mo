@@ -12,13 +12,15 @@ equation
   air_flow = V/p_free*noEvent(max(rate, 0));
   annotation (Documentation(info="<html>
 <p>
-The command is kept between zero and <code>p_max</code>. A command that jumps is followed with the time constant <code>T</code>,
+The command is kept between zero and <code>p_max</code>. A command that jumps is followed with the time constant
+<code>T</code>,
 20 ms unless set otherwise: what a proportional pressure control next to the cylinder can do, and fast
 against everything the vehicle does.
 </p>
 <h4>Limitations</h4>
 <p>
-No valve can do this with compressed air at the flow of a brake cylinder. The bounds have sharp corners in the command, not in the
+No valve can do this with compressed air at the flow of a brake cylinder. The bounds have sharp corners in the
+command, not in the
 state, so that a solver sees none while the command is held.
 </p>
 </html>"));

@@ -10,6 +10,7 @@ equation
   pad_force = padForce(pressure, A_piston, i_rigging, eta_rigging, F_spring);
   annotation (Documentation(info="<html>
 <h4>Limitations</h4>
-<p>The efficiency is that of moving levers; the same in both directions. The stroke takes no air of its own and no time.</p>
+<p>The efficiency is that of moving levers; the same in both directions. The stroke takes no air of its own and no
+time.</p>
 </html>"));
 end Rigging;

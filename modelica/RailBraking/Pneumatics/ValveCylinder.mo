@@ -25,18 +25,22 @@ equation
   annotation (Documentation(info="<html>
 <p>
 The command is -1 vent, 0 hold, +1 fill, with thresholds at &plusmn;0.5 and the dead times of
-<a href=\"modelica://RailBraking.Pneumatics.ValveDelay\">ValveDelay</a>. Filling approaches the supply pressure <code>p_max</code>,
-venting the atmosphere, both as first-order lags; at high pressure venting is choked and limited to <code>rate_choked</code>. Air is counted where it is
+<a href=\"modelica://RailBraking.Pneumatics.ValveDelay\">ValveDelay</a>. Filling approaches the supply pressure
+<code>p_max</code>,
+venting the atmosphere, both as first-order lags; at high pressure venting is choked and limited to
+<code>rate_choked</code>. Air is counted where it is
 taken, at the fill valve: what the vent valve lets out at the same time, and what leaks, must be filled again.
 </p>
 <p>
-Typical values (engineering estimates after published valve and test-rig data): dead time 20 to 100 ms, T_vent 0.15 to 0.35 s,
+Typical values (engineering estimates after published valve and test-rig data): dead time 20 to 100 ms, T_vent 0.15 to
+0.35 s,
 T_fill 0.25 to 0.7 s, leak up to 5 kPa/s.
 </p>
 <h4>Limitations</h4>
 <p>
 The supply keeps its pressure; the reservoir is counted, not emptied. The build-up of an emergency brake
-upstream of the valves (some 0.4 s dead time, 0.5 s time constant) is the command's business. The rounding of the choke lowers the rate by
+upstream of the valves (some 0.4 s dead time, 0.5 s time constant) is the command's business. The rounding of the
+choke lowers the rate by
 8 % where both limits meet.
 </p>
 </html>"));

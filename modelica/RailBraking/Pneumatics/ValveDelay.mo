@@ -19,17 +19,21 @@ equation
   filling = fill;
   venting = vent;
 initial equation
-  assert(dead_fill >= 0 and dead_fill <= 63*period, "ValveDelay: dead_fill must lie between 0 and 0.126 s, got " + String(dead_fill) + " s.");
-  assert(dead_vent >= 0 and dead_vent <= 63*period, "ValveDelay: dead_vent must lie between 0 and 0.126 s, got " + String(dead_vent) + " s.");
+  assert(dead_fill >= 0 and dead_fill <= 63*period,
+    "ValveDelay: dead_fill must lie between 0 and 0.126 s, got " + String(dead_fill) + " s.");
+  assert(dead_vent >= 0 and dead_vent <= 63*period,
+    "ValveDelay: dead_vent must lie between 0 and 0.126 s, got " + String(dead_vent) + " s.");
   annotation (Documentation(info="<html>
 <p>
-A shift register, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever the dead time.
+A shift register, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever
+the dead time.
 A valve opens and closes with the same dead time. Dead times are rounded to the resolution; a command that changes
 between two samples acts up to 2 ms later.
 </p>
 <h4>Limitations</h4>
 <p>
-Dead times up to 126 ms. A pulse shorter than 2 ms may be missed; real valves miss pulses below some 20 ms. With unequal dead times both
+Dead times up to 126 ms. A pulse shorter than 2 ms may be missed; real valves miss pulses below some 20 ms. With
+unequal dead times both
 valves may be open at once for their difference, which costs air, as in service.
 </p>
 </html>"));

@@ -14,6 +14,7 @@ equation
   annotation (Documentation(info="<html>
 <p>Gradient and curve set in together around <code>begin</code>, smoothly: the train is as long as the transition.</p>
 <h4>Limitations</h4>
-<p>One change; for a surveyed line, sum the functions of this package outside and use the input <code>track_force</code>.</p>
+<p>One change; for a surveyed line, sum the functions of this package outside and use the input
+<code>track_force</code>.</p>
 </html>"));
 end UniformTrack;

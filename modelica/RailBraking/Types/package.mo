@@ -24,7 +24,8 @@ package Types "Quantities with their SI units"
   type Energy = Real(final quantity="Energy", final unit="J") "Energy, work, heat";
   type Power = Real(final quantity="Power", final unit="W") "Power, heat flow";
   type Temperature = Real(final quantity="ThermodynamicTemperature", final unit="K", min=0) "Absolute temperature";
-  type TemperatureDifference = Real(final quantity="ThermodynamicTemperature", final unit="K") "Difference of temperatures";
+  type TemperatureDifference = Real(final quantity="ThermodynamicTemperature", final unit="K")
+    "Difference of temperatures";
   type SpecificHeat = Real(final unit="J/(kg.K)", min=0) "Specific heat capacity";
   type HeatConductance = Real(final unit="W/K", min=0) "Heat flow a kelvin";
   type SpeedHeatConductance = Real(final unit="W.s/(K.m)", min=0) "Heat conductance a speed";

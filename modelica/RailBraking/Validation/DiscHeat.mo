@@ -6,7 +6,8 @@ model DiscHeat "The disc keeps the heat of the pads"
 equation
   disc.heat_flow = 100e3;
   disc.speed = 20;
-  error = ((110 - 12)*500*(disc.temperature - 313.15) + 12*500*(disc.temperature_surface - 313.15) - 0.93*100e3*time)/1e6;
+  error = ((110 - 12)*500*(disc.temperature - 313.15)
+    + 12*500*(disc.temperature_surface - 313.15) - 0.93*100e3*time)/1e6;
   annotation (
     experiment(StopTime=10, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>

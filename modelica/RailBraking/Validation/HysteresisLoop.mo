@@ -2,7 +2,8 @@ within RailBraking.Validation;
 model HysteresisLoop "The pad force lies below the mean when applying and above it when releasing"
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
-  Pneumatics.HystereticRigging rigging(A_piston=0.0324, i_rigging=6, eta_rigging=0.95, F_spring=1200, hysteresis=0.06) "Rigging with friction";
+  Pneumatics.HystereticRigging rigging(A_piston=0.0324, i_rigging=6, eta_rigging=0.95, F_spring=1200, hysteresis=0.06)
+    "Rigging with friction";
   Pneumatics.Rigging mean(A_piston=0.0324, i_rigging=6, eta_rigging=0.95, F_spring=1200) "Rigging without";
   Types.Pressure p(start=0, fixed=true) "Pressure, rising and falling";
   Types.PressureRate rate "Rate of the pressure";

@@ -5,12 +5,15 @@ model LoadTransfer "Braking shifts the load by the closed form"
   parameter Types.Force F = 40e3 "Braking force of the track on both wheelsets";
   parameter Types.Acceleration a = -1 "Acceleration, kept";
   parameter Types.Torque tau = 16e3 "Brake torque on both wheelsets";
-  final parameter Types.Torque tipping = tau + (F + 3000*a)*(0.55 - 0.38) - (F + 6500*a)*(0.55 - 0.40) "Torque on the frame";
+  final parameter Types.Torque tipping = tau + (F + 3000*a)*(0.55 - 0.38) - (F + 6500*a)*(0.55 - 0.40)
+    "Torque on the frame";
   Components.BogieFrame frame(
-    m_wheelset={13400, 14100}, m_unsprung={1500, 1500}, m_frame=3500, I_frame=2200, h_frame=0.55, h_rod=0.40, wheelbase=1.9,
+    m_wheelset={13400, 14100}, m_unsprung={1500, 1500}, m_frame=3500, I_frame=2200, h_frame=0.55, h_rod=0.40,
+    wheelbase=1.9,
     r_wheel=0.38, k=2.4e6, c=2.4e4) "Leading motor bogie";
   Components.BogieFrame massless(
-    m_wheelset={13400, 14100}, m_unsprung={0, 0}, m_frame=1e-3, I_frame=2200, h_frame=0.55, h_rod=0.40, wheelbase=1.9,
+    m_wheelset={13400, 14100}, m_unsprung={0, 0}, m_frame=1e-3, I_frame=2200, h_frame=0.55, h_rod=0.40,
+    wheelbase=1.9,
     r_wheel=0.38, k=2.4e6, c=2.4e4) "The same without mass, at constant wheel speed";
 equation
   frame.F = F;

@@ -5,7 +5,8 @@ model PitchMode "An undamped frame pitches at its natural frequency"
   parameter Types.Torque tau = 10e3 "Torque that appears at the start";
   final parameter Real w0(final unit="rad/s") = sqrt(2.4e6*1.9^2/2/2200) "Natural frequency";
   Components.BogieFrame frame(
-    m_wheelset={13400, 14100}, m_unsprung={1500, 1500}, m_frame=3500, I_frame=2200, h_frame=0.55, h_rod=0.40, wheelbase=1.9,
+    m_wheelset={13400, 14100}, m_unsprung={1500, 1500}, m_frame=3500, I_frame=2200, h_frame=0.55, h_rod=0.40,
+    wheelbase=1.9,
     r_wheel=0.38, k=2.4e6, c=0) "Leading motor bogie";
 equation
   frame.F = 0;

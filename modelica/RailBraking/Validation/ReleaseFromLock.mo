@@ -5,7 +5,8 @@ model ReleaseFromLock "A locked group turns again as soon as the track is strong
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
   parameter Types.Velocity v = 20 "Speed, kept";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=0.38, k_A=0.3, k_S=0.1, A=1, B=0, w_start=20/0.38, mu_bearing=1e-9, e_rolling=0) "Braked wheelsets";
+    final n=2, J=222, r=0.38, k_A=0.3, k_S=0.1, A=1, B=0, w_start=20/0.38, mu_bearing=1e-9, e_rolling=0)
+    "Braked wheelsets";
   final parameter Types.Torque tau_track = 0.38*m*g
     *Contact.polach(v/sqrt(v^2 + 0.01), v, m*g/4, 0.1, Contact.creepFactor(0.38, 0.30, 2.1e11, 0.28), 0.3, 0.1, 1, 0)
     "Torque of the track on locked wheels";
@@ -23,7 +24,8 @@ equation
     experiment(StopTime=11, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-No group is locked while the track could turn it; a second and a half after the brake is off the wheels roll with the train; at no time do
+No group is locked while the track could turn it; a second and a half after the brake is off the wheels roll with the
+train; at no time do
 they turn backwards.
 </p>
 </html>"));

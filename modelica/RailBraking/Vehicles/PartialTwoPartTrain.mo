@@ -1,66 +1,120 @@
 within RailBraking.Vehicles;
 partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fills the brake cylinders is left open"
-  parameter Types.Velocity speed_start(min=0) = 22.222222222222222 "Speed at the start" annotation(Dialog(group="Start"));
-  parameter Types.Mass m_wheelset[6] = {13400, 14100, 14500, 14500, 14100, 13400}
+  parameter Types.Velocity speed_start(min=0) = 22.222222222222222 "Speed at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Mass m_wheelset[6](each min=1e-3) = {13400, 14100, 14500, 14500, 14100, 13400}
     "Mass that each wheelset carries on the rail, its own included" annotation(Dialog(group="Masses"));
-  parameter Types.Mass m_unsprung[6] = {1500, 1500, 1300, 1300, 1500, 1500} "Mass of each wheelset itself" annotation(Dialog(group="Masses"));
-  parameter Types.Mass m_frame[3] = {3500, 2800, 3500} "Mass of each bogie frame" annotation(Dialog(group="Masses"));
-  parameter Types.Inertia I_frame[3] = {2200, 2300, 2200} "Pitch inertia of each bogie frame" annotation(Dialog(group="Masses"));
-  parameter Types.Inertia J[4] = {222, 209, 209, 222} "Inertia of each group about its axles" annotation(Dialog(group="Masses"));
-  parameter Types.Length r_wheel[4] = {0.38, 0.38, 0.38, 0.38} "Rolling radius of each group" annotation(Dialog(group="Geometry"));
-  parameter Types.Length wheelbase[3] = {1.9, 2.65, 1.9} "Distance of the wheelsets of each bogie" annotation(Dialog(group="Geometry"));
-  parameter Types.Length h_frame = 0.55 "Height of the frames' centres of gravity over the rail" annotation(Dialog(group="Geometry"));
+  parameter Types.Mass m_unsprung[6](each min=0) = {1500, 1500, 1300, 1300, 1500, 1500} "Mass of each wheelset itself"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Mass m_frame[3](each min=1e-3) = {3500, 2800, 3500} "Mass of each bogie frame"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Inertia I_frame[3](each min=1e-3) = {2200, 2300, 2200} "Pitch inertia of each bogie frame"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Inertia J[4](each min=1e-3) = {222, 209, 209, 222} "Inertia of each group about its axles"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Length r_wheel[4](each min=1e-3) = {0.38, 0.38, 0.38, 0.38} "Rolling radius of each group"
+    annotation(Dialog(group="Geometry"));
+  parameter Types.Length wheelbase[3](each min=1e-3) = {1.9, 2.65, 1.9} "Distance of the wheelsets of each bogie"
+    annotation(Dialog(group="Geometry"));
+  parameter Types.Length h_frame = 0.55 "Height of the frames' centres of gravity over the rail"
+    annotation(Dialog(group="Geometry"));
   parameter Types.Length h_rod = 0.40 "Height of the traction rods over the rail" annotation(Dialog(group="Geometry"));
-  parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset" annotation(Dialog(group="Suspension"));
-  parameter Types.Damping c_primary = 2.4e4 "Damping of the primary suspension over one wheelset" annotation(Dialog(group="Suspension"));
-  parameter Types.Ratio n_units[4] = {3, 2, 2, 3} "Number of brake units of each group" annotation(Dialog(group="Brake"));
-  parameter Types.Length r_friction[4] = {0.235, 0.220, 0.220, 0.235} "Radius at which the pads rub" annotation(Dialog(group="Brake"));
-  parameter Types.Pressure p_max[4] = {3.4e5, 2.0e5, 2.0e5, 3.4e5} "Largest cylinder pressure of each group" annotation(Dialog(group="Brake"));
+  parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset"
+    annotation(Dialog(group="Suspension"));
+  parameter Types.Damping c_primary = 2.4e4 "Damping of the primary suspension over one wheelset"
+    annotation(Dialog(group="Suspension"));
+  parameter Types.Ratio n_units[4](each min=0) = {3, 2, 2, 3} "Number of brake units of each group"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Length r_friction[4](each min=1e-3) = {0.235, 0.220, 0.220, 0.235} "Radius at which the pads rub"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_max[4](each min=0) = {3.4e5, 2.0e5, 2.0e5, 3.4e5} "Largest cylinder pressure of each group"
+    annotation(Dialog(group="Brake"));
   parameter Types.Pressure p_start[4] = {0, 0, 0, 0} "Cylinder pressure at the start" annotation(Dialog(group="Start"));
-  parameter Types.Area A_piston = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio i_rigging = 6 "Force of both pads over force of the piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio eta_rigging = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
+  parameter Types.Area A_piston(min=1e-6) = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
+  parameter Types.Ratio i_rigging(min=1e-6) = 6 "Force of both pads over force of the piston"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Ratio eta_rigging(min=0, max=1) = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
   parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster" annotation(Dialog(group="Brake"));
   parameter Types.Volume V_cylinder = 3e-3 "Volume of cylinder and hose of one unit" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio mu_b_nominal[4] = {0.35, 0.35, 0.35, 0.35} "Pad friction at nominal speed, pressure and temperature" annotation(Dialog(group="Pads"));
-  parameter Types.Ratio mu_b_start[4] = {0.35, 0.35, 0.35, 0.35} "Pad friction at the start" annotation(Dialog(group="Start"));
-  parameter Types.Ratio speed_effect = 0.12 "Rise of pad friction from nominal speed to standstill, relative" annotation(Dialog(group="Pads"));
-  parameter Types.Velocity pad_speed_nominal = 13 "Sliding speed at which pad friction is nominal" annotation(Dialog(group="Pads"));
-  parameter Types.Ratio temperature_effect = 0.10 "Rise of pad friction over the temperature range, relative" annotation(Dialog(group="Pads"));
-  parameter Types.Temperature temperature_nominal = 333.15 "Disc temperature at which pad friction is nominal" annotation(Dialog(group="Pads"));
-  parameter Types.TemperatureDifference temperature_range = 150 "Temperature rise at which the effect saturates" annotation(Dialog(group="Pads"));
-  parameter Types.Ratio force_effect = 0.08 "Loss of pad friction at twice the nominal pad force, relative" annotation(Dialog(group="Pads"));
-  parameter Types.Force pad_force_nominal = 56e3 "Pad force at which pad friction is nominal" annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which pad friction settles" annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle = 3 "Time in which pad friction settles at little power" annotation(Dialog(group="Pads"));
-  parameter Types.Force F_release = 1e3 "Pad force below which pads count as released" annotation(Dialog(group="Pads"));
-  parameter Types.Mass m_disc = 110 "Mass of a disc" annotation(Dialog(group="Discs"));
-  parameter Types.Mass m_disc_surface = 12 "Mass of the friction rings near the surface" annotation(Dialog(group="Discs"));
-  parameter Types.SpecificHeat c_disc = 500 "Specific heat capacity of the discs" annotation(Dialog(group="Discs"));
-  parameter Types.HeatConductance G_disc = 2500 "Heat conductance between surface and bulk" annotation(Dialog(group="Discs"));
-  parameter Types.HeatConductance G_rest = 20 "Heat conductance of a disc to the air at rest" annotation(Dialog(group="Discs"));
-  parameter Types.SpeedHeatConductance G_speed = 2.5 "Rise of that conductance with speed" annotation(Dialog(group="Discs"));
-  parameter Types.Ratio pad_share = 0.07 "Share of the friction heat that stays in the pads" annotation(Dialog(group="Discs"));
+  parameter Types.Pressure p_free(min=1) = 1.01325e5 "Absolute pressure at which free air is counted"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Ratio mu_b_nominal[4] = {0.35, 0.35, 0.35, 0.35}
+    "Pad friction at nominal speed, pressure and temperature"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Ratio mu_b_start[4] = {0.35, 0.35, 0.35, 0.35} "Pad friction at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Ratio speed_effect = 0.12 "Rise of pad friction from nominal speed to standstill, relative"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Velocity pad_speed_nominal(min=1e-3) = 13 "Sliding speed at which pad friction is nominal"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Ratio temperature_effect = 0.10 "Rise of pad friction over the temperature range, relative"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Temperature temperature_nominal = 333.15 "Disc temperature at which pad friction is nominal"
+    annotation(Dialog(group="Pads"));
+  parameter Types.TemperatureDifference temperature_range(min=1e-3) = 150
+    "Temperature rise at which the effect saturates"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Ratio force_effect = 0.08 "Loss of pad friction at twice the nominal pad force, relative"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Force pad_force_nominal(min=1e-3) = 56e3 "Pad force at which pad friction is nominal"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit in which pad friction settles"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Time T_settle(min=1e-3) = 3 "Time in which pad friction settles at little power"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Mass m_disc(min=1e-3) = 110 "Mass of a disc" annotation(Dialog(group="Discs"));
+  parameter Types.Mass m_disc_surface(min=1e-3) = 12 "Mass of the friction rings near the surface"
+    annotation(Dialog(group="Discs"));
+  parameter Types.SpecificHeat c_disc(min=1e-3) = 500 "Specific heat capacity of the discs"
+    annotation(Dialog(group="Discs"));
+  parameter Types.HeatConductance G_disc = 2500 "Heat conductance between surface and bulk"
+    annotation(Dialog(group="Discs"));
+  parameter Types.HeatConductance G_rest = 20 "Heat conductance of a disc to the air at rest"
+    annotation(Dialog(group="Discs"));
+  parameter Types.SpeedHeatConductance G_speed = 2.5 "Rise of that conductance with speed"
+    annotation(Dialog(group="Discs"));
+  parameter Types.Ratio pad_share(min=0, max=1) = 0.07 "Share of the friction heat that stays in the pads"
+    annotation(Dialog(group="Discs"));
   parameter Types.Temperature T_ambient = 293.15 "Temperature of the air" annotation(Dialog(group="Discs"));
-  parameter Types.Temperature T_disc_start[4] = {313.15, 313.15, 313.15, 313.15} "Temperature of the discs at the start" annotation(Dialog(group="Start"));
-  parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio k_S = 0.1 "Polach: reduction of the creep stiffness in the area of slip" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite slip speed over maximum friction" annotation(Dialog(group="Contact"));
-  parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with slip speed" annotation(Dialog(group="Contact"));
-  parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track" annotation(Dialog(group="Contact"));
-  parameter Types.Modulus E_steel = 2.1e11 "Young's modulus of wheel and rail" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio nu_steel = 0.28 "Poisson's ratio of wheel and rail" annotation(Dialog(group="Contact"));
-  parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings" annotation(Dialog(group="Resistance"));
-  parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings" annotation(Dialog(group="Resistance"));
-  parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance" annotation(Dialog(group="Resistance"));
+  parameter Types.Temperature T_disc_start[4] = {313.15, 313.15, 313.15, 313.15} "Temperature of the discs at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Ratio k_A(min=0, max=1) = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio k_S(min=0, max=1) = 0.1 "Polach: reduction of the creep stiffness in the area of slip"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio A_falling(min=0, max=1) = 0.4 "Polach: friction at infinite slip speed over maximum friction"
+    annotation(Dialog(group="Contact"));
+  parameter Types.InverseVelocity B_falling(min=0) = 0.2 "Polach: rate at which friction falls with slip speed"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Length r_rail(min=1e-3) = 0.30 "Radius of the rail head across the track"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Modulus E_steel(min=1e-3) = 2.1e11 "Young's modulus of wheel and rail"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio nu_steel(min=0, max=0.5) = 0.28 "Poisson's ratio of wheel and rail"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Velocity v_small(min=1e-3) = 0.1 "Speed below which slip is regularised"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio mu_bearing(min=1e-9) = 0.0018 "Friction coefficient of the axle bearings"
+    annotation(Dialog(group="Resistance"));
+  parameter Types.Length r_bearing(min=1e-9) = 0.065 "Radius of the axle bearings"
+    annotation(Dialog(group="Resistance"));
+  parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance"
+    annotation(Dialog(group="Resistance"));
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient" annotation(Dialog(group="Resistance"));
   parameter Types.Area A_drag = 10 "Frontal area" annotation(Dialog(group="Resistance"));
   parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
-  parameter Types.Torque tau_small = 10 "Torque by which the track must exceed the brake to turn a locked group" annotation(Dialog(tab="Numerics"));
-  parameter Types.Velocity v_rest = 1e-3 "Speed at which the train comes to rest if it can be held" annotation(Dialog(tab="Numerics"));
+  parameter Types.Torque tau_small(min=1e-3) = 10
+    "Torque by which the track must exceed the brake to turn a locked group"
+    annotation(Dialog(tab="Numerics"));
+  parameter Types.Force F_small(min=1e-3) = 10 "Force by which the track must exceed what holds the train to move it"
+    annotation(Dialog(tab="Numerics"));
+  parameter Types.Velocity v_rest(min=1e-6) = 1e-3 "Speed at which the train comes to rest if it can be held"
+    annotation(Dialog(tab="Numerics"));
 
-  Interfaces.RealInput mu0[6](each final unit="1", each start=0) "Maximum friction coefficient of the rail at each wheelset";
+  Interfaces.RealInput mu0[6](each final unit="1", each start=0)
+    "Maximum friction coefficient of the rail at each wheelset";
   Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward";
 
   Interfaces.RealOutput distance(final unit="m") "Distance travelled";
@@ -71,7 +125,8 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
   Interfaces.RealOutput adhesion[6](each final unit="1") "Adhesion used by each wheelset, positive in braking";
   Interfaces.RealOutput group_adhesion[4](each final unit="1") "Adhesion used by each group";
   Interfaces.RealOutput wheelset_load[6](each final unit="N") "Load of each wheelset on the rail";
-  Interfaces.RealOutput deflection[6](each final unit="m") "Deflection of the primary suspension, change from static, compression positive";
+  Interfaces.RealOutput deflection[6](each final unit="m")
+    "Deflection of the primary suspension, change from static, compression positive";
   Interfaces.RealOutput cylinder_pressure[4](each final unit="Pa") "Pressure in the cylinders of each group";
   Interfaces.RealOutput pad_force[4](each final unit="N") "Normal force of both pads of one unit";
   Interfaces.RealOutput pad_friction[4](each final unit="1") "Friction coefficient of the pads";
@@ -82,7 +137,8 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
   Interfaces.RealOutput contact_heat(final unit="J") "Heat made between wheels and rails since the start";
   Interfaces.RealOutput pad_heat(final unit="J") "Heat made between pads and discs since the start";
   Interfaces.RealOutput damper_heat(final unit="J") "Heat made in the primary suspension since the start";
-  Interfaces.RealOutput resistance_work(final unit="J") "Work against drag, bearings, rolling resistance and track force since the start";
+  Interfaces.RealOutput resistance_work(final unit="J")
+    "Work against drag, bearings, rolling resistance and track force since the start";
   Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track and of rotation";
   Interfaces.BooleanOutput locked[4] "= true, if the group does not turn";
   Interfaces.BooleanOutput standstill "= true, if the train stands";
@@ -90,7 +146,8 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
 protected
   final parameter Types.Volume V_group[4] = V_cylinder*n_units "Volume of all cylinders and hoses of each group";
   Components.TrainBody body(
-    m=sum(m_wheelset), c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_rest=v_rest, v_start=speed_start)
+    m=sum(m_wheelset), c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_rest=v_rest, F_small=F_small,
+    v_start=speed_start)
     "All masses along the track";
   Components.Wheelsets leading(
     final n=2, J=J[1], r=r_wheel[1], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling,
@@ -115,16 +172,19 @@ protected
       each speed_effect=speed_effect, each pad_speed_nominal=pad_speed_nominal,
       each temperature_effect=temperature_effect, each temperature_nominal=temperature_nominal,
       each temperature_range=temperature_range, each force_effect=force_effect,
-      each pad_force_nominal=pad_force_nominal, each E_settle=E_settle, each T_settle=T_settle, each F_release=F_release),
+      each pad_force_nominal=pad_force_nominal, each E_settle=E_settle, each T_settle=T_settle,
+      each F_release=F_release),
     disc(
-      each m=m_disc, each m_surface=m_disc_surface, each c_p=c_disc, each G=G_disc, each G_rest=G_rest, each G_speed=G_speed,
+      each m=m_disc, each m_surface=m_disc_surface, each c_p=c_disc, each G=G_disc,
+      each G_rest=G_rest, each G_speed=G_speed,
       each pad_share=pad_share, each T_ambient=T_ambient, T_start=T_disc_start)) "Brake units of each group";
   Components.BogieFrame frame[3](
     m_wheelset={{m_wheelset[1], m_wheelset[2]}, {m_wheelset[3], m_wheelset[4]}, {m_wheelset[5], m_wheelset[6]}},
     m_unsprung={{m_unsprung[1], m_unsprung[2]}, {m_unsprung[3], m_unsprung[4]}, {m_unsprung[5], m_unsprung[6]}},
     m_frame=m_frame, I_frame=I_frame, wheelbase=wheelbase,
     each h_frame=h_frame, each h_rod=h_rod, each k=k_primary, each c=c_primary,
-    r_wheel={r_wheel[1], (r_wheel[2] + r_wheel[3])/2, r_wheel[4]}) "Frames of the leading, the Jacobs and the trailing bogie";
+    r_wheel={r_wheel[1], (r_wheel[2] + r_wheel[3])/2, r_wheel[4]})
+    "Frames of the leading, the Jacobs and the trailing bogie";
   Types.Force F[6] "Braking force of the track on each wheelset";
   Types.Volume air(start=0, fixed=true) "Free air taken from the supply";
   Types.VolumeFlow air_flow "Free air taken from the supply, a time";
@@ -194,7 +254,8 @@ equation
   standstill = body.standstill;
 
   der(air) = air_flow;
-  der(heat_contact) = leading.contact_power + jacobs_front.contact_power + jacobs_rear.contact_power + trailing.contact_power;
+  der(heat_contact) = leading.contact_power + jacobs_front.contact_power + jacobs_rear.contact_power
+    + trailing.contact_power;
   der(heat_pad) = sum(brake.heat_flow);
   der(heat_damper) = sum(frame.damper_power);
   der(work_resistance) = body.resistance_power + leading.resistance_power + jacobs_front.resistance_power
@@ -213,10 +274,14 @@ temperatures, cylinder pressures, distance, air and four energies come on top.
 </p>
 <h4>Implementation</h4>
 <p>
-Energies balance exactly: <code>kinetic_energy + contact_heat + pad_heat + resistance_work</code> is constant, apart from what the
-solver loses and 0.04 J when the train comes to rest. <code>resistance_work</code> counts the work against drag, bearing and rolling
-resistance and, with its sign, the track force. <code>damper_heat</code> stands beside that sum: pitching frames are moved by
-the braking forces but do not slow the train, see <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a>;
+Energies balance exactly: <code>kinetic_energy + contact_heat + pad_heat + resistance_work</code> is constant, apart
+from what the
+solver loses and 0.04 J when the train comes to rest. <code>resistance_work</code> counts the work against drag,
+bearing and rolling
+resistance and, with its sign, the track force. <code>damper_heat</code> stands beside that sum: pitching frames are
+moved by
+the braking forces but do not slow the train, see <a
+href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a>;
 that is some ten joules in a stop of twenty megajoules.
 </p>
 <h4>Limitations</h4>

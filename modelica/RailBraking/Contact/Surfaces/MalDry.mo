@@ -1,7 +1,10 @@
 within RailBraking.Contact.Surfaces;
-record MalDry "Dry rail of Mal et al."
+record MalDry "Dry rail of Mal and others"
   extends Parameters(k_A=1.0, k_S=1.0, mu0=0.46, A=0.4, B=0.6);
   annotation (Documentation(info="<html>
-<p>Mal et al., extended Kalman filter for wheel-rail adhesion, table of the contact conditions (see References). k_A = k_S = 1 has no loss of stiffness: peaks lie at a very small slip.</p>
+<p>
+Mal, Hussain, Chowdhry and Memon (2020), contact condition dry. k_A = k_S = 1 has no loss of stiffness: peaks lie at a
+very small slip.
+</p>
 </html>"));
 end MalDry;

@@ -4,6 +4,7 @@ model Sampled "Sampled controller: sample, pre, elsewhen, Integer counters"
   Integer n(start=0, fixed=true);
   Integer seen(start=0, fixed=true);
   Boolean high;
+  discrete Real shifted[3](each start=0, each fixed=true) "The last three values of x + 1, also at the start";
   Real x(start=0, fixed=true);
 equation
   when sample(0.05, 0.1) then
@@ -14,6 +15,9 @@ equation
     seen = pre(seen) + 10;
   elsewhen x > 0.4 then
     seen = pre(seen) + 1;
+  end when;
+  when sample(0, 0.02) then
+    shifted = cat(1, {x + 1}, pre(shifted[1:2]));
   end when;
   high = x > 0.6;
   der(x) = u - (if high then 0.5 else 0.1)*x;

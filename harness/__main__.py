@@ -1,0 +1,258 @@
+"""The command line: run, campaign, report, regress, accept.
+
+Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
+"""
+
+import sys
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from harness.scenario.error import ScenarioError
+
+WRONG_QUESTION = 2
+RUN_FAILED = 3
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="railgrip",
+    help="The open bench for railway braking at low adhesion.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+_out = Console()
+_err = Console(stderr=True)
+
+File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
+]
+Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
+BASELINES = Path("tests/baselines")
+REGRESS = Path("build/regress")
+
+
+@app.command()
+def run(
+    file: File,
+    overrides: Overrides = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
+) -> None:
+    """Run one scenario and print its figures."""
+    from harness.run import run as run_scenario
+    from harness.scenario.load import load
+
+    scenario = load(file, overrides or [])
+    directory = out or Path("build/runs") / scenario.name
+    with _progress() as bar:
+        task = bar.add_task(scenario.name, total=scenario.start.speed)
+        stop = run_scenario(
+            scenario, directory, _runner(), lambda speed: bar.update(task, completed=scenario.start.speed - speed)
+        )
+    metrics = stop.metrics
+    _out.print(
+        f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s, "
+        f"{100 * metrics.utilisation:.1f} % of the possible adhesion used",
+        highlight=False,
+    )
+    _out.print(f"{directory}/stop.json", highlight=False)
+    if stop.outcome.value != "standstill":
+        _fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
+
+
+@app.command()
+def campaign(
+    file: File,
+    overrides: Overrides = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the results; build/NAME unless given.")] = None,
+    workers: Workers = 2,
+    fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
+    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop.")] = True,
+) -> None:
+    """Run the stops of a campaign, keep what is done, and write table, figures and report."""
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.report import write_report
+    from harness.verdict.results import read_results
+    from harness.verdict.table import rows_of
+
+    planned = load_campaign(file, overrides or [])
+    directory = out or Path("build") / planned.name
+    problem = _run_campaign(planned, directory, workers=workers, fresh=fresh)
+    with _err.status("report") as status:
+        page = write_report(directory, panels=panels, tell=lambda what: status.update(f"drawing {escape(what)}"))
+    _print_rows(rows_of(read_results(directory)))
+    _out.print(str(page), highlight=False, soft_wrap=True)
+    if problem:
+        raise typer.Exit(problem)
+
+
+@app.command()
+def report(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
+    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop of a campaign.")] = True,
+) -> None:
+    """Make one page of table, figures and definitions from the results in a folder."""
+    from harness.verdict.report import write_report
+
+    with _err.status("report") as status:
+        page = write_report(directory, panels=panels, tell=lambda what: status.update(f"drawing {escape(what)}"))
+    _out.print(str(page), highlight=False, soft_wrap=True)
+
+
+@app.command()
+def regress(
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
+    workers: Workers = 2,
+) -> None:
+    """Run the campaigns that have baselines and compare every distance with what was accepted."""
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.baseline import compare, comparison_rows, load_baseline
+    from harness.verdict.results import read_results
+
+    problem = 0
+    for path in _baseline_files(baselines):
+        baseline = load_baseline(path)
+        planned = load_campaign(path.parent / baseline.campaign)
+        problem = _run_campaign(planned, out / path.stem, workers=workers, fresh=False) or problem
+        comparisons = compare(baseline, read_results(out / path.stem))
+        _print_table(path.name, comparison_rows(comparisons))
+        strayed = [comparison.stop for comparison in comparisons if comparison.state != "kept"]
+        if strayed:
+            problem = RUN_FAILED
+            _err.print(
+                f"{path.name}: {len(strayed)} of {len(comparisons)} stops did not keep to their baseline: "
+                f"{', '.join(strayed)}; if that is right, `railgrip accept --reason '…'`",
+                style="red",
+                highlight=False,
+            )
+    if problem:
+        raise typer.Exit(problem)
+
+
+@app.command()
+def accept(
+    reason: Annotated[str, typer.Option(help="What changed, and why the new distances are right.")],
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
+) -> None:
+    """Move the baselines to the results of the last regress, for a reason."""
+    from harness.verdict.baseline import accepted, compare, comparison_rows, load_baseline, write_baseline
+    from harness.verdict.results import read_results
+
+    for path in _baseline_files(baselines):
+        baseline, results = load_baseline(path), read_results(out / path.stem)
+        moved = tuple(comparison for comparison in compare(baseline, results) if comparison.state != "kept")
+        write_baseline(accepted(baseline, results, reason), path)
+        _print_table(f"{path.name}: accepted", comparison_rows(moved))
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; a user's mistake ends in a sentence, never in a traceback."""
+    from harness.failure import sentence_of
+
+    try:
+        app(arguments)
+    except KeyboardInterrupt:
+        _err.print("Interrupted; what had finished is kept.", highlight=False)
+        sys.exit(INTERRUPTED)
+    except Exception as problem:
+        sentence = sentence_of(problem)
+        if sentence is None:
+            raise
+        _err.print(sentence.text, style="red", highlight=False, markup=False, soft_wrap=True)
+        sys.exit(WRONG_QUESTION if sentence.wrong_question else RUN_FAILED)
+
+
+def _runner():
+    # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
+    from harness.assemble import run_stop
+
+    return run_stop
+
+
+def _run_campaign(planned, directory: Path, *, workers: int, fresh: bool) -> int:
+    """Run a campaign with progress; return the exit code that its stops call for."""
+    from harness.campaign import Report, run_campaign
+
+    with _progress() as bar:
+        task = bar.add_task(planned.name, total=len(planned.stops))
+
+        def tell(report: Report) -> None:
+            bar.advance(task)
+            if report.state not in {"found", "done"}:
+                bar.console.print(
+                    f"{report.stop.name}: {report.sentence}", style="red", markup=False, highlight=False, soft_wrap=True
+                )
+
+        reports = run_campaign(planned, directory, _runner(), workers=workers, fresh=fresh, tell=tell)
+    states = {report.state for report in reports}
+    if "refused" in states:
+        return WRONG_QUESTION
+    return RUN_FAILED if states & {"failed", "ended_badly"} else 0
+
+
+def _baseline_files(folder: Path) -> list[Path]:
+    found = sorted(folder.glob("*.toml"))
+    if not found:
+        raise ScenarioError(f"{folder}: there is no baseline file (*.toml) in it")
+    return found
+
+
+def _print_rows(rows) -> None:
+    from harness.verdict.table import CONTROLLERS
+
+    texts = [
+        {
+            "scenario": row.scenario,
+            "actuation": row.actuation,
+            "sensors": row.sensors,
+            "controller": CONTROLLERS.get(row.controller, row.controller),
+            "distance": f"{row.distance_m:.1f} m" if row.distance_m is not None else row.outcome,
+            "paper": "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f} m",
+            "vs SBC": "" if row.reduction_vs_sbc is None else f"{-row.reduction_vs_sbc:+.1%}",
+            "paper vs SBC": "" if row.paper_reduction is None else f"{-row.paper_reduction:+.1%}",
+            "used": "" if row.utilisation is None else f"{row.utilisation:.1%}",
+        }
+        for row in rows
+    ]
+    _print_table("", texts)
+
+
+def _print_table(title: str, rows) -> None:
+    if not rows:
+        _out.print(f"{title}: nothing changed" if title else "no results")
+        return
+    table = Table(title=title or None, box=None, title_justify="left", header_style="bold")
+    numeric = {"distance", "paper", "vs SBC", "paper vs SBC", "used"} | {name for name in rows[0] if "[m]" in name}
+    for column in rows[0]:
+        table.add_column(column, justify="right" if column in numeric else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*(escape(cell) for cell in row.values()))
+    _out.print(table)
+
+
+@contextmanager
+def _progress() -> Generator[Progress]:
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=_err, transient=True) as bar:
+        yield bar
+
+
+def _fail(sentence: str) -> None:
+    _err.print(sentence, style="red", highlight=False, markup=False, soft_wrap=True)
+    raise typer.Exit(RUN_FAILED)
+
+
+if __name__ == "__main__":
+    main()

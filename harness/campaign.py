@@ -1,0 +1,164 @@
+"""Many stops at once: each in a process, each result kept as soon as it is there, none run twice."""
+
+import json
+import multiprocessing
+import signal
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import pebble
+
+from harness.failure import sentence_of
+from harness.record.atomic import PARTIAL, write_text
+from harness.record.error import RecordError
+from harness.record.outcome import Outcome
+from harness.record.stop import read_stop
+from harness.run import SOURCES, Runner, run
+from harness.scenario.campaign import Campaign, PlannedStop
+from harness.scenario.schema import Scenario
+from harness.sources import sources_digest
+from harness.verdict.results import CAMPAIGN_FILE
+
+State = Literal["found", "done", "ended_badly", "refused", "failed"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """What became of one stop.
+
+    Attributes:
+        stop: Which.
+        state: `found` from an earlier run; `done` with a standstill; `ended_badly` with another outcome, which is a
+            result; `refused` for a wrong question; `failed` without a result.
+        sentence: Outcome or reason, for people.
+    """
+
+    stop: PlannedStop
+    state: State
+    sentence: str
+
+
+def run_campaign(
+    campaign: Campaign,
+    directory: Path,
+    runner: Runner,
+    *,
+    workers: int = 2,
+    fresh: bool = False,
+    tell: Callable[[Report], None],
+) -> list[Report]:
+    """Run the stops of a campaign into folders of their names; return what became of each, in the campaign's order.
+
+    A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`. Every
+    result that is written is whole; Ctrl-C ends the running stops and leaves the finished ones.
+
+    Args:
+        campaign: What to run.
+        directory: Gets campaign.json, which says what belongs together, and a folder for each stop.
+        runner: Picklable: it runs in other processes.
+        workers: Number of processes.
+        fresh: Whether to run also what is there.
+        tell: Called as soon as something became of a stop.
+
+    Raises:
+        KeyboardInterrupt: After the running stops were ended.
+    """
+    write_text(directory / CAMPAIGN_FILE, _description(campaign))
+    reports: dict[str, Report] = {}
+
+    def note(report: Report) -> None:
+        reports[report.stop.name] = report
+        tell(report)
+
+    waiting: list[PlannedStop] = []
+    for stop in campaign.stops:
+        if not fresh and _is_there(stop, directory / stop.name):
+            note(Report(stop=stop, state="found", sentence="result is there"))
+        else:
+            waiting.append(stop)
+    for report in _run_all(waiting, directory, runner, workers):
+        note(report)
+    return [reports[stop.name] for stop in campaign.stops]
+
+
+def _run_all(stops: Sequence[PlannedStop], directory: Path, runner: Runner, workers: int) -> Iterator[Report]:
+    """Yield a report of each stop as it ends."""
+    if not stops:
+        return
+    with _pool(min(workers, len(stops)), [directory / stop.name for stop in stops]) as pool:
+        running = {pool.schedule(_perform, args=[stop.scenario, directory / stop.name, runner]): stop for stop in stops}
+        while running:
+            ended, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in ended:
+                stop = running.pop(future)
+                try:
+                    state, sentence = future.result()
+                except (pebble.ProcessExpired, CancelledError) as problem:
+                    state, sentence = "failed", f"the process that ran it ended: {problem}"
+                yield Report(stop=stop, state=state, sentence=sentence)
+
+
+@contextmanager
+def _pool(workers: int, directories: Sequence[Path]) -> Generator[pebble.ProcessPool]:
+    """Yield a pool of fresh processes; leave none of them and no half-written file behind."""
+    # "spawn": a forked child would inherit loaded FMUs and the threads of the progress bar in an unknown state.
+    pool = pebble.ProcessPool(
+        max_workers=workers, initializer=_start_worker, context=multiprocessing.get_context("spawn")
+    )
+    try:
+        yield pool
+        pool.close()
+    except BaseException:
+        pool.stop()
+        raise
+    finally:
+        pool.join()
+        for found in (path for directory in directories for path in directory.glob(PARTIAL)):
+            found.unlink(missing_ok=True)
+
+
+def _start_worker() -> None:
+    """Leave Ctrl-C to the parent, which ends the workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _perform(scenario: Scenario, directory: Path, runner: Runner) -> tuple[State, str]:
+    """Run one stop in this process and return its state and sentence."""
+    try:
+        stop = run(scenario, directory, runner)
+    except Exception as problem:
+        sentence = sentence_of(problem)
+        if sentence is None:
+            raise
+        return ("refused" if sentence.wrong_question else "failed"), sentence.text
+    return ("done" if stop.outcome is Outcome.STANDSTILL else "ended_badly"), stop.reason
+
+
+def _is_there(stop: PlannedStop, directory: Path) -> bool:
+    try:
+        record = read_stop(directory)
+    except RecordError:
+        return False
+    return record.digest == stop.scenario.digest() and record.versions.get(SOURCES) == sources_digest()
+
+
+def _description(campaign: Campaign) -> str:
+    """Return campaign.json: what the results in the folders belong to."""
+    content = {
+        "name": campaign.name,
+        "description": campaign.description,
+        "stops": [
+            {
+                "name": stop.name,
+                "variants": dict(stop.variants),
+                "scenario_digest": stop.scenario.digest(),
+                "paper_distance_m": reference.distance if (reference := campaign.reference_for(stop)) else None,
+            }
+            for stop in campaign.stops
+        ],
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"

@@ -1,0 +1,32 @@
+"""Estimating from recordings: adhesion and pad friction from what was measured, on a twin or by a user.
+
+A *recording* is an xarray data set on one even time grid (`recording`). It comes from a twin (`harness.twins`)
+or from a file, and carries what a prediction asks for under the prediction's own names: its inputs and its
+outputs, arrays as scalars `cylinder_pressure[1]`. What the twin knows and no filter may see stands beside them as
+`true_<state>`, for `judge` alone.
+
+    from harness.estimate.recording import recording_of
+    from harness.estimate.run import Settings, estimate, prediction_of
+    from harness.estimate.judge import judge
+
+    recorded = recording_of(
+        {"pad_force": (force, "N"), "speed": (v, "m/s"), "wheelset_speed": (w, "rad/s")},
+        period=0.01,
+        truth={"mu_b": (mu, "1"), "alpha": (alpha, "1")},
+    )
+    prediction = prediction_of("RollerRigPrediction", {"load": 98.1e3})       # any class of RailBraking.FMUs
+    settings = Settings(
+        process={"w": 1e-4, "v": 1e-6, "mu_b": 2.5e-5, "alpha": 1e-2},        # densities, (unit of state)²/s
+        readings={"speed": 1e-8, "wheelset_speed": 1e-6},                     # variances
+        start={"mu_b": 0.35, "alpha": 0.0},                                   # v and w: from the first readings
+        start_deviation={"v": 0.1, "w": 0.3, "mu_b": 0.04, "alpha": 0.02},
+    )
+    estimates = estimate(recorded, prediction, settings)                      # xarray: mean, sd, innovation, nis
+    estimates["mean"].sel(state="alpha")
+    judge(recorded, estimates, "mu_b").rmse
+
+Names without index in `Settings` stand for every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a
+TOML file; `python -m harness estimate FILE.toml` runs one, `python -m harness observability FILE.toml` asks what
+such a recording can tell at all. A new kind of source is one more table in `spec` with a function that returns a
+recording, registered in `sources`.
+"""

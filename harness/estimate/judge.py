@@ -1,0 +1,76 @@
+"""How good an estimate is, where the truth is known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from harness.estimate.error import EstimationError
+from harness.estimate.recording import truth_of
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judgement:
+    """Errors of one state, estimate minus truth, in its unit.
+
+    Attributes:
+        samples: How many were judged.
+        rmse: Root of the mean square.
+        bias: Mean.
+        largest: Largest magnitude.
+        nees: Mean of (error/sd)²: 1 for a filter that knows its error, above it believes too much.
+        covered: Share of samples within two standard deviations: 0.954 for a filter that knows its error.
+        sd: Median of the standard deviation that the filter claims.
+    """
+
+    samples: int
+    rmse: float
+    bias: float
+    largest: float
+    nees: float
+    covered: float
+    sd: float
+
+
+def errors(recording: xarray.Dataset, estimates: xarray.Dataset, state: str) -> Vector:
+    """Return estimate minus truth at every sample, shape (k,).
+
+    Raises:
+        EstimationError: The recording does not know the truth.
+    """
+    return estimates["mean"].sel(state=state).values - truth_of(recording, state)
+
+
+def judge(
+    recording: xarray.Dataset, estimates: xarray.Dataset, state: str, where: NDArray[np.bool_] | None = None
+) -> Judgement:
+    """Return how far an estimate was from the truth and from its own claim.
+
+    Args:
+        recording: With the truth.
+        estimates: Of `estimate`, from that recording.
+        state: Name.
+        where: Samples to judge; all after the first when None.
+
+    Raises:
+        EstimationError: The truth is not known, or nothing is left to judge.
+    """
+    error = errors(recording, estimates, state)
+    sd = estimates["sd"].sel(state=state).values
+    chosen = (np.arange(error.size) > 0) if where is None else where
+    chosen = chosen & np.isfinite(error)
+    if not chosen.any():
+        raise EstimationError(f"judge: no sample of {state} is left to judge.")
+    e, s = error[chosen], sd[chosen]
+    return Judgement(
+        samples=int(chosen.sum()),
+        rmse=float(np.sqrt(np.mean(e**2))),
+        bias=float(np.mean(e)),
+        largest=float(np.max(np.abs(e))),
+        nees=float(np.mean((e / s) ** 2)),
+        covered=float(np.mean(np.abs(e) <= 2.0 * s)),
+        sd=float(np.median(s)),
+    )

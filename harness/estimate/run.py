@@ -1,0 +1,255 @@
+"""A filter over a recording: mean and spread of every state at every sample, and what the readings said."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from estimators.compiled import CompiledFilter
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.errors import FilterDiverged
+from estimators.gate import Gate
+from estimators.prediction import CasadiPrediction
+from fmus.native import Model, lower
+from harness.estimate.error import EstimationError
+from harness.estimate.recording import columns, period_of
+
+Matrix = NDArray[np.float64]
+
+SHOWN = {"v": "speed", "w": "wheelset_speed"}
+"""States that a reading shows as they are; where `start` leaves them out they begin at its first sample."""
+
+BUILD = Path("build/estimators")
+"""Where compiled filters are kept and found again."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """What a filter is told besides its model.
+
+    A name without index stands for all elements of an array, a name with one (`w[2]`) for that element and before
+    the other.
+
+    Attributes:
+        process: Density of the noise of each state, (unit of the state)²/s; see `per_step` for tables that
+            give what one step adds.
+        readings: Variance of each reading.
+        start: Mean of each state at the first sample; those in `SHOWN` may be left out.
+        start_deviation: Standard deviation of each state at the first sample.
+        gate: States to hold still and when, or None.
+        outlier_limit: Leave out readings further off than so many standard deviations; None uses all.
+        between: What the inputs are between two samples: `held` at the earlier one, as a digital controller holds
+            its commands, or the `mean` of both, for inputs that were measured and move all the time.
+    """
+
+    process: Mapping[str, float]
+    readings: Mapping[str, float]
+    start: Mapping[str, float]
+    start_deviation: Mapping[str, float]
+    gate: Gate | None = None
+    outlier_limit: float | None = None
+    between: Literal["held", "mean"] = "held"
+
+
+def per_step(variances: Mapping[str, float], period: float) -> dict[str, float]:
+    """Return densities from the covariance that one step of a discrete filter adds, as tables of papers give it.
+
+    The meaning of such a table hangs on its period: halving it doubles the noise a second.
+    """
+    return {name: variance / period for name, variance in variances.items()}
+
+
+def prediction_of(model: str, parameters: Mapping[str, float] | None = None) -> CasadiPrediction:
+    """Return the prediction of a class of RailBraking.FMUs, its other parameters at their defaults.
+
+    Args:
+        model: Such as `RollerRigPrediction`, or a full class name.
+        parameters: By name, SI.
+
+    Raises:
+        EstimationError: There is no such parameter.
+        fmus.errors.WrongQuestion: There is no such class.
+    """
+    lowered = model_of(model)
+    given = dict(parameters or {})
+    known = {variable.name: variable.start for variable in lowered.parameters}
+    strange = [name for name in given if name not in known]
+    if strange:
+        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(known)}.")
+    return CasadiPrediction(lowered, known | given)
+
+
+@cache
+def model_of(model: str) -> Model:
+    """Return a class of RailBraking.FMUs as functions; translated once in a process."""
+    return lower(model if "." in model else f"RailBraking.FMUs.{model}")
+
+
+def units_of(model: str) -> dict[str, str]:
+    """Return the unit of every state, input and output of a prediction."""
+    lowered = model_of(model)
+    return {v.name: v.unit for v in (*lowered.states, *lowered.inputs, *lowered.outputs)}
+
+
+def estimate(
+    recording: xarray.Dataset,
+    prediction: CasadiPrediction,
+    settings: Settings,
+    *,
+    units: Mapping[str, str] | None = None,
+    compiled: bool = True,
+    covariance: bool = False,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> xarray.Dataset:
+    """Return what a filter believes at every sample of a recording.
+
+    Args:
+        recording: Holds the prediction's inputs and outputs; its truth is not touched.
+        prediction: The model.
+        settings: Noises, start and gate.
+        units: Of inputs and outputs, checked against the recording's where given.
+        compiled: In C; otherwise the filter in numpy, which needs no compiler.
+        covariance: Keep the whole covariance at every sample, too.
+        progress: Told how many of how many samples are done.
+
+    Returns:
+        `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time)
+        with its degrees of freedom `readings` (time), and `covariance` (time, state, state_) when asked for. The
+        first sample is the start. If the filter diverges the rest is NaN and the attribute `ended` says why, else
+        it is empty.
+
+    Raises:
+        EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
+        EstimatorError: Noises or start do not fit the model.
+    """
+    states, outputs = prediction.states, prediction.outputs
+    known = dict(units or {})
+    period = period_of(recording)
+    inputs = _inputs(recording, prediction, known, settings.between)
+    seen = columns(
+        recording,
+        outputs,
+        [known.get(n, recording[n].attrs.get("units", "")) if n in recording else "" for n in outputs],
+    )
+    process = _by_name("process", settings.process, states)
+    readings = _by_name("readings", settings.readings, outputs)
+    parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
+    filter_ = CompiledFilter(*parts, directory=BUILD) if compiled else ExtendedKalmanFilter(*parts)
+    belief = filter_.start(
+        _start(settings.start, states, outputs, seen),
+        _by_name("start_deviation", settings.start_deviation, states) ** 2,
+    )
+    count, n = len(seen), len(states)
+    mean, sd = np.full((count, n), np.nan), np.full((count, n), np.nan)
+    whole = np.full((count, n, n), np.nan) if covariance else None
+    nis, used = np.full(count, np.nan), np.zeros(count)
+    ended = ""
+    for k in range(count):
+        if k > 0:
+            try:
+                belief = filter_.step(belief, inputs[k], seen[k])
+            except FilterDiverged as problem:
+                ended = f"{problem} At {recording['time'].values[k]:.3f} s."
+                break
+            if isinstance(filter_, CompiledFilter):
+                nis[k], used[k] = filter_.squared_innovation, filter_.used.sum()
+        mean[k], sd[k] = belief.mean, belief.deviation
+        if whole is not None:
+            whole[k] = belief.covariance
+        if k % 10_000 == 0:
+            progress(k, count)
+    progress(count, count)
+    innovation = seen - _expected(prediction, mean, inputs, period, settings.gate)
+    variables = {
+        "mean": (("time", "state"), mean),
+        "sd": (("time", "state"), sd),
+        "innovation": (("time", "output"), innovation),
+        "nis": (("time",), nis),
+        "readings": (("time",), used),
+    }
+    if whole is not None:
+        variables["covariance"] = (("time", "state", "state_"), whole)
+    return xarray.Dataset(
+        variables,
+        coords={"time": recording["time"], "state": list(states), "output": list(outputs)},
+        attrs={"ended": ended, "period": period, "name": recording.attrs.get("name", "")},
+    )
+
+
+def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:
+    """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
+    names = prediction.inputs
+    found = columns(
+        recording, names, [units.get(n, recording[n].attrs.get("units", "")) if n in recording else "" for n in names]
+    )
+    for name, values in zip(names, found.T, strict=True):
+        if np.isnan(values).any():
+            at = recording["time"].values[int(np.argmax(np.isnan(values)))]
+            raise EstimationError(
+                f"recording: input {name} is not a number at {at:.3f} s; a filter must know its inputs, "
+                "fill or cut the gap."
+            )
+    earlier = np.vstack([found[:1], found[:-1]])
+    return 0.5 * (earlier + found) if between == "mean" else earlier
+
+
+def _by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
+    """Return the value of each name, by itself or by what stands before its index."""
+    missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
+    if missing:
+        raise EstimationError(f"settings: {what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}.")
+    known = {*names, *(name.partition("[")[0] for name in names)}
+    strange = [name for name in values if name not in known]
+    if strange:
+        raise EstimationError(f"settings: {what} has {', '.join(strange)}, the model has {', '.join(names)}.")
+    return np.array([values.get(name, values.get(name.partition("[")[0], np.nan)) for name in names])
+
+
+def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], seen: Matrix) -> Matrix:
+    """Return the mean at the first sample."""
+    from_readings: dict[str, float] = {}
+    for state in states:
+        base, bracket, index = state.partition("[")
+        reading = SHOWN.get(base, "") + bracket + index
+        if reading in outputs:
+            column = seen[:, outputs.index(reading)]
+            finite = np.flatnonzero(np.isfinite(column))
+            if finite.size:
+                from_readings[state] = float(column[finite[0]])
+    # An element that the user names goes before the reading; so does the name of its array.
+    named = {state for state in states if state in start or state.partition("[")[0] in start}
+    return _by_name("start", {**{s: x for s, x in from_readings.items() if s not in named}, **start}, states)
+
+
+def _expected(prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period: float, gate: Gate | None) -> Matrix:
+    """Return what the readings were expected to be, shape (k, m), from the belief one sample before.
+
+    The compiled filter does not tell; this repeats its prediction of the mean for all samples at once.
+    """
+    of = prediction.equations
+    free = ca.SX.sym("free", len(prediction.states))
+    slope = ca.Function("slope", [of.x, of.u, of.p, free], [of.derivative * free])
+    k1 = slope(of.x, of.u, of.p, free)
+    k2 = slope(of.x + 0.5 * period * k1, of.u, of.p, free)
+    k3 = slope(of.x + 0.5 * period * k2, of.u, of.p, free)
+    k4 = slope(of.x + period * k3, of.u, of.p, free)
+    ahead = of.x + period / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
+    output = ca.Function("output", [of.x, of.u, of.p], [of.output])
+    expected = ca.Function("expected", [of.x, of.u, of.p, free], [output(ahead, of.u, of.p)])
+    count = len(mean)
+    moving = np.ones((count, len(prediction.states)))
+    if gate is not None:
+        for state, held in zip(gate.states, gate.inputs, strict=True):
+            shut = inputs[:, prediction.inputs.index(held)] < gate.threshold
+            moving[shut, prediction.states.index(state)] = 0.0
+    before = np.vstack([mean[:1], mean[:-1]])
+    found = expected.map(count)(before.T, inputs.T, np.tile(prediction.parameters[:, None], count), moving.T)
+    told = np.array(found, dtype=np.float64).T
+    told[0] = np.nan
+    return told

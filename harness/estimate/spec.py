@@ -1,0 +1,145 @@
+"""An estimation as a TOML file: model, noises, start, gate and where the recording comes from.
+
+name = "rig-slide"
+
+[model]
+class = "RollerRigPrediction"
+parameters = { load = "98.1 kN" }           # the others keep their defaults; SI or with a unit
+
+[noise]
+kind = "density"                            # or "per_step": what one step of a discrete filter adds
+process = { w = 1e-4, v = 1e-6, mu_b = 2.5e-5, alpha = 1e-2 }
+readings = { wheelset_speed = 1e-6, speed = 1e-8 }     # variances
+
+[start]
+mean = { mu_b = 0.35, alpha = 0.0 }         # states that a reading shows may be left out
+deviation = { w = 0.3, v = 0.1, mu_b = 0.04, alpha = 0.02 }
+
+[gate]                                      # optional: hold states still while inputs are small
+states = ["mu_b"]
+inputs = ["pad_force"]
+threshold = "1.5 kN"
+
+[source]
+kind = "roller_rig"                         # a twin, see harness.estimate.sources
+scenario = "slide"
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, StrictInt
+
+from estimators.gate import Gate
+from estimators.prediction import CasadiPrediction
+from harness.estimate.error import EstimationError
+from harness.estimate.magnitudes import in_units
+from harness.estimate.run import Settings, model_of, per_step, prediction_of
+from harness.scenario.load import read_toml, validated
+from harness.scenario.quantity import Magnitude
+from harness.scenario.table import Table
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class ModelTable(Table):
+    """[model]: which prediction, and its parameters where they differ from the defaults."""
+
+    class_: Annotated[str, Field(alias="class", pattern=r"^[A-Za-z][A-Za-z0-9_.]*$")]
+    parameters: dict[str, Magnitude] = Field(default_factory=dict)
+
+
+class NoiseTable(Table):
+    """[noise]: variances by name, of processes and readings."""
+
+    kind: Literal["density", "per_step"]
+    process: dict[str, NotNegative]
+    readings: dict[str, Positive]
+
+
+class StartTable(Table):
+    """[start]: the belief at the first sample."""
+
+    mean: dict[str, Number] = Field(default_factory=dict)
+    deviation: dict[str, Positive]
+
+
+class GateTable(Table):
+    """[gate]: states held still while their inputs are below a threshold."""
+
+    states: list[str]
+    inputs: list[str]
+    threshold: Magnitude
+
+
+class SourceTable(Table):
+    """[source]: a twin and the scenario that it runs."""
+
+    kind: str
+    scenario: str
+    seed: Annotated[StrictInt, Field(ge=0)] = 0
+
+
+class Specification(Table):
+    """Everything that decides an estimation."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    description: str = ""
+    model: ModelTable
+    noise: NoiseTable
+    start: StartTable
+    gate: GateTable | None = None
+    outlier_limit: Positive | None = None
+    between: Literal["held", "mean"] = "held"
+    source: SourceTable
+
+
+def load_specification(path: Path) -> Specification:
+    """Return the estimation that a TOML file describes.
+
+    Raises:
+        ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
+    """
+    return validated(Specification, read_toml(path), directory=path.parent, origin=path.name)
+
+
+def prediction_for(specification: Specification) -> CasadiPrediction:
+    """Return the prediction of an estimation, its parameters converted to the units of the model.
+
+    Raises:
+        EstimationError: There is no such parameter, or its unit has another dimension.
+    """
+    model = specification.model
+    units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
+    return prediction_of(model.class_, in_units(f"{specification.name}: [model.parameters]", model.parameters, units))
+
+
+def settings_for(specification: Specification, period: float) -> Settings:
+    """Return the settings of an estimation on a grid of `period` [s].
+
+    Raises:
+        EstimationError: The threshold of the gate is in another unit than its inputs.
+    """
+    noise, gate = specification.noise, specification.gate
+    process = per_step(noise.process, period) if noise.kind == "per_step" else dict(noise.process)
+    return Settings(
+        process=process,
+        readings=dict(noise.readings),
+        start=dict(specification.start.mean),
+        start_deviation=dict(specification.start.deviation),
+        gate=None if gate is None else _gate(specification, gate),
+        outlier_limit=specification.outlier_limit,
+        between=specification.between,
+    )
+
+
+def _gate(specification: Specification, gate: GateTable) -> Gate:
+    units = {variable.name: variable.unit for variable in model_of(specification.model.class_).inputs}
+    first = gate.inputs[0] if gate.inputs else ""
+    where = f"{specification.name}: [gate]"
+    if first not in units:
+        raise EstimationError(f"{where} inputs: the model has no input '{first}'; it has {', '.join(units)}.")
+    threshold = in_units(where, {"threshold": gate.threshold}, {"threshold": units[first]})["threshold"]
+    return Gate(states=tuple(gate.states), inputs=tuple(gate.inputs), threshold=threshold)

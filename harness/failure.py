@@ -1,0 +1,35 @@
+"""Which exceptions are sentences for the user, and whether they blame the question or the run."""
+
+from dataclasses import dataclass
+
+from estimators.errors import EstimatorError
+from fmus.errors import FmuError as BuildError
+from fmus.errors import WrongQuestion
+from harness.fmu.failure import FmuError, PlantFailed
+from harness.record.error import RecordError
+from harness.scenario.error import ScenarioError
+
+_QUESTIONS = (ScenarioError, RecordError, FmuError, EstimatorError, WrongQuestion)
+_RUNS = (PlantFailed, BuildError)
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """What to tell the user.
+
+    Attributes:
+        text: One line a problem.
+        wrong_question: Whether asking differently helps; else the run failed.
+    """
+
+    text: str
+    wrong_question: bool
+
+
+def sentence_of(problem: BaseException) -> Sentence | None:
+    """Return what an exception tells the user, or None if it is a mistake of this program."""
+    if isinstance(problem, _QUESTIONS):
+        return Sentence(text=str(problem), wrong_question=True)
+    if isinstance(problem, _RUNS):
+        return Sentence(text=str(problem), wrong_question=False)
+    return None

@@ -1,0 +1,32 @@
+"""One scenario, run and kept."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Protocol
+
+from harness.record.stop import Stop, write_stop
+from harness.scenario.schema import Scenario
+from harness.sources import sources_digest
+
+SOURCES = "sources"
+"""Name of the digest of this program's text among the versions of a result."""
+
+Progress = Callable[[float], None]
+"""Called now and then with the speed of the train [m/s]."""
+
+
+class Runner(Protocol):
+    """Runs a scenario; `harness.assemble.run_stop` is the one."""
+
+    def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Stop:
+        """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""
+        ...
+
+
+def run(scenario: Scenario, directory: Path, runner: Runner, progress: Progress | None = None) -> Stop:
+    """Run a scenario and write its result into a folder, whole or not at all."""
+    stop = runner(scenario, progress)
+    stop = replace(stop, versions={**stop.versions, SOURCES: sources_digest()})
+    write_stop(stop, directory)
+    return stop

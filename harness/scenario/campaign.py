@@ -1,0 +1,146 @@
+"""A campaign file: scenarios, and axes of variants whose every combination is a stop."""
+
+import itertools
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import read_toml, scenario_of, validated
+from harness.scenario.merge import merged, read_overrides
+from harness.scenario.quantity import Unit
+from harness.scenario.schema import Scenario
+from harness.scenario.table import Table
+
+_AXIS_OF_SCENARIOS = "scenario"
+
+
+class Reference(Table):
+    """A distance that someone else published for some of the stops."""
+
+    match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
+    distance: Annotated[float, Unit("m", above=0)]
+    source: str
+
+
+class CampaignFile(Table):
+    """A campaign as written.
+
+    Every combination of scenario and one variant of each axis is a stop, but for those that `exclude` matches. A
+    variant holds tables of a scenario, laid over it. `sweep` is a short form of an axis of one key:
+    `"start.speed" = ["80 km/h", "120 km/h"]`.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    description: str = ""
+    scenarios: Annotated[tuple[str, ...], Field(min_length=1, description="files, from this one's folder")]
+    axes: dict[str, dict[str, dict[str, Any]]] = Field(default={}, description="axis → variant → tables")
+    sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
+    exclude: tuple[dict[str, str | tuple[str, ...]], ...] = Field(
+        default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
+    )
+    reference: tuple[Reference, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedStop:
+    """One stop of a campaign.
+
+    Attributes:
+        name: Of the combination, unique in the campaign; the folder of its result.
+        variants: Axis → variant, `scenario` first.
+        scenario: What to run.
+    """
+
+    name: str
+    variants: Mapping[str, str]
+    scenario: Scenario
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Campaign:
+    """A named set of stops, and what others found for some of them."""
+
+    name: str
+    description: str
+    stops: tuple[PlannedStop, ...]
+    references: tuple[Reference, ...]
+
+    def reference_for(self, stop: PlannedStop) -> Reference | None:
+        """Return the first published distance that is for this stop."""
+        return next((found for found in self.references if _matches(found.match, stop.variants)), None)
+
+
+def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
+    """Return the stops of a campaign file; overrides are laid over every scenario, last.
+
+    Raises:
+        ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
+    """
+    written = validated(CampaignFile, read_toml(path), directory=path.parent, origin=path.name)
+    axes = dict(written.axes)
+    if _AXIS_OF_SCENARIOS in axes:
+        raise ScenarioError(f"{path.name}: [axes] cannot be named '{_AXIS_OF_SCENARIOS}', the files are that axis")
+    for key, values in written.sweep.items():
+        axes[key] = {_spelled(value): read_overrides([f"{key}={json.dumps(value)}"]) for value in values}
+    _demand_known(path, written, axes)
+    last = read_overrides(overrides)
+    stops = tuple(_stops(path, written, axes, last))
+    names = [stop.name for stop in stops]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ScenarioError(f"{path.name}: two stops are named '{twice[0]}'; rename a scenario or a variant")
+    if not stops:
+        raise ScenarioError(f"{path.name}: exclude leaves no stop to run")
+    return Campaign(name=written.name, description=written.description, stops=stops, references=written.reference)
+
+
+def _stops(
+    path: Path, written: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]], last: Mapping[str, Any]
+) -> Iterator[PlannedStop]:
+    for file in written.scenarios:
+        base_path = path.parent / file
+        base = read_toml(base_path)
+        for combination in itertools.product(*(variants.items() for variants in axes.values())):
+            chosen = dict(zip(axes, (name for name, _ in combination), strict=True))
+            variants = {_AXIS_OF_SCENARIOS: str(base.get("name", base_path.stem)), **chosen}
+            if any(_matches(entry, variants) for entry in written.exclude):
+                continue
+            table = base
+            for _, change in combination:
+                table = merged(table, change)
+            name = "-".join(re.sub(r"[^A-Za-z0-9_.]+", "_", variant) for variant in variants.values())
+            scenario = scenario_of(
+                merged(table, last), directory=base_path.parent, origin=f"{path.name}, stop {name} ({base_path.name})"
+            )
+            yield PlannedStop(name=name, variants=variants, scenario=scenario)
+
+
+def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, str]) -> bool:
+    return all(
+        variants.get(axis) == wanted if isinstance(wanted, str) else variants.get(axis) in wanted
+        for axis, wanted in entry.items()
+    )
+
+
+def _demand_known(path: Path, written: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
+    """Refuse an exclusion or reference that names an axis or variant that is not there: it would never match."""
+    for table, entries in (("exclude", written.exclude), ("reference", [found.match for found in written.reference])):
+        for axis, wanted in (pair for entry in entries for pair in entry.items()):
+            if axis == _AXIS_OF_SCENARIOS:
+                continue
+            if axis not in axes:
+                raise ScenarioError(f"{path.name}: [{table}] names the axis '{axis}'; there is {', '.join(axes)}")
+            for variant in (wanted,) if isinstance(wanted, str) else wanted:
+                if variant not in axes[axis]:
+                    known = ", ".join(axes[axis])
+                    raise ScenarioError(f"{path.name}: [{table}] names '{variant}' of axis '{axis}'; it has {known}")
+
+
+def _spelled(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value)

@@ -1,0 +1,88 @@
+"""What decides a run on the roller rig, as a TOML file; two stand in `library`, after Schwarz and Keck (2020), §4."""
+
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, StrictInt, model_validator
+
+from harness.estimate.error import EstimationError
+from harness.scenario.load import read_toml, validated
+from harness.scenario.quantity import Unit
+from harness.scenario.table import Delay, Duration, Friction, Parameters, Speed, Table, broken
+
+LIBRARY = Path(__file__).parent / "library"
+
+Time = Annotated[float, Unit("s", at_least=0)]
+Pressure = Annotated[float, Unit("Pa", at_least=0)]
+Slip = Annotated[float, Unit("1", above=0, below=1)]
+
+
+class Protection(Table):
+    """[protection]: the rig's own wheel-slide protection, `controllers.slip_based`."""
+
+    low: Slip
+    high: Slip
+    speed_min: Annotated[float, Unit("m/s", at_least=0)]
+    period: Duration
+
+
+class Surface(Table):
+    """[surface]: what lies between wheel and roller; `mu0` runs over time, straight between its points."""
+
+    k_A: Annotated[float, Unit("1", above=0, at_most=1)]  # noqa: N815 - Polach's name, as in the plant
+    k_S: Annotated[float, Unit("1", above=0, at_most=1)]  # noqa: N815
+    A_falling: Annotated[float, Unit("1", at_least=0, at_most=1)]
+    B_falling: Annotated[float, Unit("s/m", at_least=0)]
+    mu0: list[tuple[Time, Friction]]
+    scatter: Annotated[float, Unit("1", at_least=0, below=1)]
+    scatter_time: Duration
+
+
+class RigSensors(Table):
+    """[sensors]: standard deviation of each reading; white from sample to sample."""
+
+    wheelset_speed: Annotated[float, Unit("rad/s", at_least=0)]
+    speed: Annotated[float, Unit("m/s", at_least=0)]
+    pad_force: Annotated[float, Unit("N", at_least=0)]
+    contact_force: Annotated[float, Unit("N", at_least=0)]
+    wheelset_load: Annotated[float, Unit("N", at_least=0)]
+
+
+class RigScenario(Table):
+    """Everything that decides a run on the rig but the seed of its sensors, which has a default here."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    description: str = ""
+    seed: Annotated[StrictInt, Field(ge=0)]
+    speed_start: Speed
+    stop_speed: Speed
+    horizon: Duration
+    period: Duration
+    demand: list[tuple[Time, Pressure]]
+    protection: Protection
+    surface: Surface
+    sensors: RigSensors
+    parameters: Parameters = Field(default_factory=dict)
+    settled: Delay
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        for what, points in (("demand", self.demand), ("surface mu0", self.surface.mu0)):
+            times = [time for time, _ in points]
+            if not times or times != sorted(set(times)):
+                raise broken(f"{what} wants points [time, value] in the order of time, got the times {times}")
+        return self
+
+
+def rig_scenario(name: str, directory: Path = Path()) -> RigScenario:
+    """Return a scenario of the library by its name, or one from a file by its path.
+
+    Raises:
+        EstimationError: No such scenario.
+        ScenarioError: The file is not one.
+    """
+    path = directory / name if name.endswith(".toml") else LIBRARY / f"rig_{name}.toml"
+    if not path.exists():
+        there = ", ".join(sorted(p.stem.removeprefix("rig_") for p in LIBRARY.glob("rig_*.toml")))
+        raise EstimationError(f"there is no rig scenario '{name}'; there is {there}, or the path of a file (*.toml).")
+    return validated(RigScenario, read_toml(path), directory=path.parent, origin=path.name)

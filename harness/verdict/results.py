@@ -1,0 +1,74 @@
+"""The results in a campaign's folder, as one value."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.record.error import RecordError
+from harness.record.stop import STOP_FILE, StopRecord, read_stop
+
+CAMPAIGN_FILE = "campaign.json"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """One stop of a campaign.
+
+    Attributes:
+        name: Of the stop.
+        variants: Axis → variant.
+        record: What its stop.json says.
+        paper_distance: Published distance of this stop [m], if there is one.
+    """
+
+    name: str
+    variants: Mapping[str, str]
+    record: StopRecord
+    paper_distance: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Results:
+    """A campaign and those of its stops that have a result of it.
+
+    Attributes:
+        missing: Stops without a result, or with one of another scenario.
+    """
+
+    name: str
+    description: str
+    stops: tuple[Result, ...]
+    missing: tuple[str, ...]
+
+
+def read_results(directory: Path) -> Results:
+    """Return the results in a campaign's folder.
+
+    Raises:
+        RecordError: The folder is not that of a campaign, or a result in it is unreadable.
+    """
+    path = directory / CAMPAIGN_FILE
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        planned = [
+            (stop["name"], stop["variants"], stop["scenario_digest"], stop["paper_distance_m"])
+            for stop in content["stops"]
+        ]
+        name, description = str(content["name"]), str(content["description"])
+    except FileNotFoundError as problem:
+        raise RecordError(f"{path}: there is no such file; `railgrip campaign FILE --out DIR` makes one") from problem
+    except (OSError, ValueError, KeyError, TypeError) as problem:
+        raise RecordError(f"{path}: is not the description of a campaign ({problem})") from problem
+    found: list[Result] = []
+    missing: list[str] = []
+    for stop, variants, digest, paper in planned:
+        if not (directory / stop / STOP_FILE).exists():
+            missing.append(stop)
+            continue
+        record = read_stop(directory / stop)
+        if record.digest != digest:
+            missing.append(stop)
+            continue
+        found.append(Result(name=stop, variants=variants, record=record, paper_distance=paper))
+    return Results(name=name, description=description, stops=tuple(found), missing=tuple(missing))

@@ -1,0 +1,68 @@
+"""How figures look: one set of colours, sizes and helpers; drawn without pyplot, whose state is everybody's."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from harness.record.atomic import replacing
+
+# Okabe and Ito's palette, which people with any common colour blindness can tell apart.
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000",
+)  # fmt: skip
+GREY = "#767676"
+
+_LEAD_TO_TRAIL = LinearSegmentedColormap.from_list("lead_to_trail", [BLUE, "#7B5FC0", PURPLE])
+
+KMH = 3.6
+
+
+def lead_to_trail(count: int) -> list[Any]:
+    """Return colours from blue, the first wheelset, to purple, the last."""
+    return [_LEAD_TO_TRAIL(number / max(count - 1, 1)) for number in range(count)]
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in inches, whose parts are laid out to fit."""
+    made = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(made)
+    return made
+
+
+def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
+    """Label axes and take away what carries no information."""
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.grid(visible=True, color="#DDDDDD", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def save(made: Figure, path: Path) -> Path:
+    """Write a figure as PNG, whole or not at all; the same figure gives the same bytes."""
+    with replacing(path) as partial:
+        made.savefig(partial, format="png", dpi=150, metadata={"Software": None})
+    return path
+
+
+def alike(columns: Sequence[Any]) -> list[list[int]]:
+    """Return the numbers of equal columns together, so that a line drawn once can be labelled for all."""
+    groups: list[list[int]] = []
+    for number, column in enumerate(columns):
+        known = next((group for group in groups if (columns[group[0]] == column).all()), None)
+        if known is None:
+            groups.append([number])
+        else:
+            known.append(number)
+    return groups
+
+
+def spelled(numbers: Sequence[int]) -> str:
+    """Return zero-based numbers as people count: [0, 1] → "1, 2"."""
+    return ", ".join(str(number + 1) for number in numbers)

@@ -1,0 +1,169 @@
+"""The table of braking distances: one row a stop, as JSON for machines and Markdown for people."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from harness.record.atomic import write_text
+from harness.record.outcome import Outcome
+from harness.verdict.results import Result, Results
+
+REFERENCE_CONTROLLER = "slip_two_state"
+"""The controller that reductions are counted from: the paper's SBC."""
+
+CONTROLLERS = {
+    "full_brake": "full brake, no protection",
+    "slip_two_state": "SBC, two-state",
+    "slip_three_state": "SBC, three-state",
+    "adhesion_based": "ABC",
+    "ideal_bound": "ideal bound",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """A stop in the table.
+
+    Attributes:
+        distance_m: None unless the train stood at the end.
+        reduction_vs_sbc: 1 − distance over that of the two-state SBC in the same conditions; None without either.
+        utilisation: Of the adhesion that the ideal bound has; None for a stop that is none.
+        paper_distance_m: As published; None for a stop that was not.
+        paper_reduction: The published reduction against the published SBC.
+        outcome: How the stop ended.
+        longest_lock_s: Of any ω-group.
+        air_l: Free air used, litres.
+        stop: Name of the stop in the campaign.
+    """
+
+    scenario: str
+    polach: str
+    actuation: str
+    sensors: str
+    controller: str
+    estimator: str
+    distance_m: float | None
+    duration_s: float | None
+    reduction_vs_sbc: float | None
+    utilisation: float | None
+    paper_distance_m: float | None
+    paper_reduction: float | None
+    outcome: str
+    longest_lock_s: float
+    air_l: float
+    stop: str
+
+
+def rows_of(results: Results) -> tuple[Row, ...]:
+    """Return the rows of a campaign, in its order."""
+    sbc = {_conditions(result): result for result in results.stops if _controller(result) == REFERENCE_CONTROLLER}
+    return tuple(_row(result, sbc.get(_conditions(result))) for result in results.stops)
+
+
+def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
+    """Write NAME.json and NAME.md of a campaign and return their paths."""
+    rows = rows_of(results)
+    content = {"campaign": results.name, "rows": [asdict(row) for row in rows], "missing": list(results.missing)}
+    as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
+    write_text(as_json, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_text(as_markdown, markdown(results.name, results.description, rows, results.missing))
+    return as_json, as_markdown
+
+
+def markdown(name: str, description: str, rows: Sequence[Row], missing: Sequence[str]) -> str:
+    """Return the table as Markdown, a section for each set of conditions of actuation, sensors and creep curve."""
+    lines = [f"# {name}", "", description, ""]
+    settings = dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows)
+    for actuation, sensors, polach in settings:
+        here = [row for row in rows if (row.actuation, row.sensors, row.polach) == (actuation, sensors, polach)]
+        lines += [
+            f"## Actuation {actuation}, sensors {sensors}, creep curve {polach}",
+            "",
+            "| scenario | controller | estimator | distance | paper | reduction vs SBC | paper | duration "
+            "| adhesion used | longest lock | air |",
+            "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|",
+            *(_markdown_row(row) for row in here),
+            "",
+        ]
+    if missing:
+        lines += [f"Not run: {', '.join(missing)}.", ""]
+    return "\n".join(lines)
+
+
+def _markdown_row(row: Row) -> str:
+    distance = f"{row.distance_m:.1f} m" if row.distance_m is not None else f"none: {row.outcome}"
+    cells = (
+        row.scenario,
+        CONTROLLERS.get(row.controller, row.controller),
+        row.estimator,
+        distance,
+        _cell(row.paper_distance_m, "{:.1f} m"),
+        _cell(row.reduction_vs_sbc, "{:+.1%}", negate=True),
+        _cell(row.paper_reduction, "{:+.1%}", negate=True),
+        _cell(row.duration_s, "{:.1f} s"),
+        _cell(row.utilisation, "{:.1%}"),
+        f"{row.longest_lock_s:.2f} s",
+        f"{row.air_l:.0f} l",
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def _cell(value: float | None, form: str, *, negate: bool = False) -> str:
+    """Return a number for people; a reduction is shown as the change it is: −12.9 %."""
+    if value is None:
+        return ""
+    return form.format(-value if negate else value).replace("-", "−").replace("%", " %")
+
+
+def _row(result: Result, sbc: Result | None) -> Row:
+    record = result.record
+    metrics = record.metrics
+    stands = record.outcome is Outcome.STANDSTILL
+    paper_sbc = sbc.paper_distance if sbc else None
+    is_sbc = sbc is result
+    return Row(
+        scenario=record.scenario["name"],
+        polach=_polach(result),
+        actuation=record.scenario["actuation"]["kind"],
+        sensors=record.scenario["sensors"]["kind"],
+        controller=_controller(result),
+        estimator=_estimator(result),
+        distance_m=metrics.distance if stands else None,
+        duration_s=metrics.duration if stands else None,
+        reduction_vs_sbc=None if is_sbc else _reduction(_distance(result), _distance(sbc) if sbc else None),
+        utilisation=metrics.utilisation if math.isfinite(metrics.utilisation) else None,
+        paper_distance_m=result.paper_distance,
+        paper_reduction=None if is_sbc else _reduction(result.paper_distance, paper_sbc),
+        outcome=record.outcome.value,
+        longest_lock_s=max(metrics.longest_lock),
+        air_l=1000 * metrics.air_used,
+        stop=result.name,
+    )
+
+
+def _conditions(result: Result) -> tuple[str, str, str, str]:
+    scenario = result.record.scenario
+    return (scenario["name"], _polach(result), scenario["actuation"]["kind"], scenario["sensors"]["kind"])
+
+
+def _controller(result: Result) -> str:
+    return result.record.scenario["controller"]["kind"]
+
+
+def _estimator(result: Result) -> str:
+    estimator = result.record.scenario["estimator"]
+    return estimator["kind"] if estimator["kind"] == "none" else f"{estimator['model']} ({estimator['kind']})"
+
+
+def _polach(result: Result) -> str:
+    return result.record.scenario["adhesion"]["polach"]["name"]
+
+
+def _distance(result: Result) -> float | None:
+    return result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None
+
+
+def _reduction(distance: float | None, reference: float | None) -> float | None:
+    return None if distance is None or reference is None else 1 - distance / reference

@@ -1,0 +1,182 @@
+"""From recipe to FMU: reproducible, only when needed, and with a sentence when it cannot be."""
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from conftest import FEATURES
+from typer.testing import CliRunner
+
+from fmus import build as building
+from fmus.__main__ import app
+from fmus.build import build_one, choose
+from fmus.errors import CompilerMissing, Refused, WrongQuestion
+from fmus.lock import differences, read_lock, write_lock
+from fmus.recipe import read_recipes
+
+ROOT = Path(building.__file__).parents[1]
+RECIPE = """
+[Ball]
+class = "Features.BouncingBall"
+interfaces = ["me", "cs"]
+solver = "rodas3"
+tolerance = 1e-5
+step = 1e-3
+"""
+
+
+@pytest.fixture
+def kitchen(tmp_path):
+    """A library of one's own to change, a cookbook, and a folder for the results."""
+    library = tmp_path / "modelica" / "Features"
+    shutil.copytree(FEATURES, library)
+    (tmp_path / "recipes.toml").write_text(RECIPE)
+    book = read_recipes(tmp_path / "recipes.toml")
+
+    def make(book=book, compiler="native"):
+        return build_one("Ball", compiler, tmp_path / "out", book=book, library=library)
+
+    return make, library, tmp_path
+
+
+def test_the_same_sources_give_the_same_bytes(kitchen):
+    make, _, folder = kitchen
+    first = hashlib.sha256(make().path.read_bytes()).hexdigest()
+    shutil.rmtree(folder / "out")
+    assert hashlib.sha256(make().path.read_bytes()).hexdigest() == first
+
+
+def test_only_what_changed_is_built_again(kitchen):
+    """After a comment Modelica is read again but nothing compiled; after an equation it is compiled."""
+    make, library, folder = kitchen
+    file = library / "BouncingBall.mo"
+    assert make().action == "built"
+    assert make().action == "current"
+    text = file.read_text()
+    file.write_text("// nothing new\n" + text)
+    before = (folder / "out" / "Ball.fmu").stat().st_mtime_ns
+    assert make().action == "unchanged"
+    assert (folder / "out" / "Ball.fmu").stat().st_mtime_ns == before
+    assert make().action == "current"
+    file.write_text(text.replace("e = 0.7", "e = 0.8"))
+    assert make().action == "built"
+    loose = read_recipes(_write(folder / "loose.toml", RECIPE.replace("1e-5", "1e-4")))
+    assert make(loose).action == "built"
+    (folder / "out" / "Ball.json").write_text("not a stamp")
+    assert make(loose).action == "built"
+
+
+def _write(file: Path, text: str) -> Path:
+    file.write_text(text)
+    return file
+
+
+def test_a_class_that_is_refused_leaves_no_fmu(kitchen):
+    make, library, folder = kitchen
+    file = library / "BouncingBall.mo"
+    file.write_text(file.read_text().replace("der(v) = -g", "der(v) = -delay(g + h, 0.1)"))
+    with pytest.raises(Refused, match=r"BouncingBall\.mo:\d+: .*delay is not supported"):
+        make()
+    assert not (folder / "out" / "Ball.fmu").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("tolerance", "tolerence"), r"\[Ball\] has no key 'tolerence'; it has class, interfaces"),
+        (("1e-5", "-1e-5"), r"\[Ball\] tolerance: .*greater than 0.*got -1e-05"),
+        (('"rodas3"', '"euler"'), r"\[Ball\] solver: .*rodas3.*got 'euler'"),
+        (("[Ball]", "[Ball"), "is not TOML"),
+    ],
+)
+def test_a_wrong_recipe_ends_in_a_sentence_with_file_and_key(tmp_path, change, sentence):
+    file = _write(tmp_path / "recipes.toml", RECIPE.replace(*change))
+    with pytest.raises(WrongQuestion, match=sentence) as error:
+        read_recipes(file)
+    assert str(file) in str(error.value)
+
+
+def test_a_misspelt_name_gets_the_nearest_one():
+    with pytest.raises(WrongQuestion, match="did you mean TwoPartTrain"):
+        read_recipes()["TwoPartTran"]
+
+
+def test_openmodelica_is_taken_when_it_is_there_and_missed_when_asked_for(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert choose("auto") == "native"
+    with pytest.raises(CompilerMissing, match="omc is not on the PATH"):
+        choose("openmodelica")
+    _write(tmp_path / "omc", "#!/bin/sh\n").chmod(0o755)
+    assert choose("auto") == "openmodelica"
+    assert choose("native") == "native"
+
+
+def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path, kitchen):
+    make, _, folder = kitchen
+    face = make().face
+    book = read_recipes(folder / "recipes.toml")
+    file = tmp_path / "lock.toml"
+    write_lock(book, {"Ball": face}, file)
+    locked = read_lock(file)
+    assert differences("Ball", locked, face) == []
+    assert face["states"] == {"h": "", "v": ""}
+    assert face["event_indicators"] == 1
+    moved = face | {"states": {"h": "m", "v": ""}, "event_indicators": 2}
+    assert [d.what for d in differences("Ball", locked, moved)] == [
+        "event_indicators was 1, is 2",
+        "states: h was '', is 'm'",
+    ]
+    assert [d.what for d in differences("New", locked, face)] == ["is not in lock.toml"]
+
+
+def test_list_shows_every_recipe():
+    shown = CliRunner().invoke(app, ["list"], env={"COLUMNS": "200"})
+    assert shown.exit_code == 0
+    assert all(name in shown.stdout for name in tomllib.loads((ROOT / "fmus" / "recipes.toml").read_text()))
+
+
+def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
+    done = subprocess.run(
+        [sys.executable, "-m", "fmus", "build", "Nothing"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "has no FMU named 'Nothing'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_command_line_without_a_c_compiler_ends_with_3(tmp_path):
+    """An interpreter without site-packages' ziglang: it is hidden, and the PATH is empty."""
+    hide = (
+        "import sys, importlib.util as u; real = u.find_spec;"
+        "u.find_spec = lambda n, *a: None if n == 'ziglang' else real(n, *a);"
+        "from fmus.__main__ import main;"
+        "sys.argv = ['fmus', 'build', 'ContactPoint', '--compiler', 'native']; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", hide],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={"PATH": str(tmp_path)},
+    )
+    assert done.returncode == 3, done.stderr
+    assert "no C compiler" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_stamp_holds_what_the_fmu_was_made_from(kitchen):
+    make, _, folder = kitchen
+    make()
+    stamp = json.loads((folder / "out" / "Ball.json").read_text())
+    assert stamp["compiler"] == "native"
+    assert stamp["face"]["class"] == "Features.BouncingBall"

@@ -1,0 +1,166 @@
+"""Every FMU of recipes.toml: valid, as lock.toml says, and with the trajectory of rumoca's own simulator."""
+
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+import rumoca
+from conftest import Fmu
+from fmpy.validation import validate_fmu
+
+from fmus.build import build
+from fmus.lock import differences, read_lock
+from fmus.native.dae import LIBRARY
+from fmus.recipe import read_recipes
+
+BOOK = read_recipes()
+STOP, STEP = 3.0, 0.015  # every other point lies between the 2 ms samples of the valves
+# What each input is held at: service braking on wet rail, with a little more under each wheelset further back.
+HELD = {
+    "pressure_command": 3.0e5,
+    "cylinder_pressure": 3.0e5,
+    "demand": 3.0,
+    "valve_command": 1.0,
+    "pad_force": 8.0e3,
+    "wheel_torque": -50.0,
+    "mu0": 0.20,
+    "rail_grip": 0.20,
+    "track_force": -500.0,
+    "drag": 0.5,
+    "slip": 0.02,
+    "speed": 20.0,
+    "load": 1.0e5,
+}
+
+
+def held(name: str) -> float:
+    """Return the value of a scalar input such as `mu0[2]`."""
+    base, _, index = name.partition("[")
+    return HELD[base] * (1 + 0.05 * (int(index.rstrip("]")) - 1 if index else 0))
+
+
+@pytest.fixture(scope="module")
+def made():
+    return {built.name: built for built in build(compiler="native")}
+
+
+@pytest.fixture(scope="module")
+def train(made, tmp_path_factory):
+    def load(name):
+        path = made[name].path
+        folder = Path(fmpy.extract(str(path), str(tmp_path_factory.mktemp(name))))
+        return Fmu(path, folder, fmpy.read_model_description(str(path)))
+
+    return load
+
+
+def reference(class_name: str, inputs: list[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Simulate the class with its inputs bound in a wrapper; rumoca takes no inputs from outside."""
+    groups: dict[str, list[float]] = {}
+    for name in inputs:
+        groups.setdefault(name.partition("[")[0], []).append(held(name))
+    scalar = {name for name in inputs if "[" not in name}
+    bound = [f"{k} = {v[0]}" if k in scalar else f"{k} = {{{', '.join(map(repr, v))}}}" for k, v in groups.items()]
+    text = f"model Wrapped\n  {class_name} inside({', '.join(bound)});\nend Wrapped;"
+    model = rumoca.Session(roots=[str(Path(LIBRARY).parent)]).loads(
+        text, model="Wrapped", filename="wrapped/Wrapped.mo"
+    )
+    result = model.simulate((0, STOP), dt=STEP, config=rumoca.SimConfig(solver="bdf", rtol=1e-9, atol=1e-10))
+    time = np.asarray(result.time)
+    doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]
+    keep = (np.abs(time - np.round(time / STEP) * STEP) < 1e-9) & np.array(
+        [np.all(np.abs(t - doubled) > 4e-4) for t in time]
+    )
+    prefix = "inside."
+    return time[keep], {
+        n.removeprefix(prefix): np.asarray(result[n])[keep] for n in result.names if n.startswith(prefix)
+    }
+
+
+@pytest.mark.parametrize("name", BOOK.recipes)
+def test_the_fmu_is_valid(train, name):
+    assert validate_fmu(str(train(name).path)) == []
+
+
+@pytest.mark.parametrize("name", BOOK.recipes)
+def test_its_face_is_the_one_in_the_lock_file(made, name):
+    """A difference means that the models changed: look at it, then `python -m fmus check --update`."""
+    assert differences(name, read_lock(), made[name].face) == []
+
+
+@pytest.mark.parametrize("name", BOOK.recipes)
+def test_every_variable_has_a_unit_the_compiler_knows(train, name):
+    unknown = [u.name for u in train(name).description.unitDefinitions if u.baseUnit is None]
+    assert unknown == []
+
+
+@pytest.mark.parametrize(
+    ("name", "interface"),
+    [(n, i) for n, r in BOOK.recipes.items() if n != "ContactPoint" for i in r.interfaces],
+)
+def test_the_trajectory_is_that_of_rumoca(train, name, interface):
+    """Every output within 1e-5 of its largest value, through the cylinder filling and into braking."""
+    fmu = train(name)
+    inputs = fmu.names("input")
+    time, expected = reference(BOOK[name].class_name, inputs)
+    settings = {"relative_tolerance": 1e-9} if interface == "me" else {"start_values": {"_tolerance": 1e-8}}
+    signals = np.array(
+        [(t, *map(held, inputs)) for t in (0.0, STOP)], dtype=[("time", float), *((n, float) for n in inputs)]
+    )
+    outputs = [n for n in fmu.names("output") if n in expected]
+    assert len(outputs) == len(fmu.names("output"))
+    found = fmpy.simulate_fmu(
+        str(fmu.folder),
+        stop_time=STOP,
+        input=signals,
+        output=outputs,
+        output_interval=STEP,
+        fmi_type={"me": "ModelExchange", "cs": "CoSimulation"}[interface],
+        **settings,
+    )
+    for n in outputs:
+        seen = np.interp(time, found["time"], found[n].astype(float))
+        scale = np.max(np.abs(expected[n]))
+        assert np.max(np.abs(seen - expected[n])) <= 1e-5 * scale + 1e-9, n
+
+
+@pytest.mark.parametrize("name", [n for n, r in BOOK.recipes.items() if r.interfaces == ("me",)])
+def test_the_jacobian_of_a_prediction_is_its_central_difference(train, run, name):
+    """Along every state and input, in braking; differences over 1e-6 of a variable allow 1e-5 of a row."""
+    fmu = train(name)
+    instance = run(fmu, "me")
+    inputs = fmu.names("input")
+    instance.set(**{n: held(n) for n in inputs})
+    states = [u.variable.derivative.name for u in fmu.description.derivatives]
+    values = dict(zip(states, instance.get(*states), strict=True))
+    # One per cent of slip, as braking has it, and every deflection and speed away from zero.
+    instance.set(**{n: x * (0.99 if n.startswith("w") else 1) or 1e-3 for n, x in values.items()})
+    unknown = [f"der({n})" for n in states] + fmu.names("output", "Real")
+    references = [fmu.reference(n) for n in unknown]
+    for n in states + inputs:
+        (x,) = instance.get(n)
+        h = 1e-6 * max(abs(x), 1e-3)
+        sides = []
+        for shifted in (x + h, x - h):
+            instance.set(**{n: shifted})
+            sides.append(np.array(instance.get(*unknown)))
+        instance.set(**{n: x})
+        given = np.array(instance.instance.getDirectionalDerivative(references, [fmu.reference(n)], [1.0]))
+        rounding = 1e-9 * np.maximum(np.abs(sides[0]), 1) / h * 1e-6
+        assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5 + np.max(rounding)), n
+
+
+def test_the_contact_point_is_polachs_formula(train, run):
+    """Polach (2005): no adhesion without slip, odd in slip, never more than μ0."""
+    fmu = train("ContactPoint")
+    instance = run(fmu)
+    instance.set(speed=20.0, load=1.0e5, mu0=0.3)
+    seen = []
+    for k, slip in enumerate((-0.05, 0.0, 0.05, 0.3)):
+        instance.set(slip=slip)
+        instance.steps(1, 1e-3, first=k)
+        seen += instance.get("adhesion")
+    assert seen[1] == pytest.approx(0, abs=1e-6)
+    assert seen[0] == pytest.approx(-seen[2], rel=1e-3)
+    assert 0 < seen[3] < 0.3

@@ -1,0 +1,184 @@
+"""The loop on plants and parties of a few lines: who acts when, and how it ends."""
+
+import numpy as np
+import pytest
+
+from estimators.belief import Estimate
+from harness.loop.cycle import Believer, Clock, run
+from harness.loop.edge import COMMAND, FRICTION, OUTPUT, OUTPUTS
+from harness.loop.sensors import READING, READINGS, IdealSensors
+from harness.record import signals
+from harness.record.outcome import Outcome
+from harness.record.recorder import Recorder
+
+PERIOD = 0.01
+
+
+class Block:
+    """A block that brakes with 1 m/s² for every 100 kPa of mean command, over exact parabolas."""
+
+    def __init__(self, speed: float):
+        self.speed, self.distance, self.seen = speed, 0.0, []
+
+    def start(self, inputs):
+        return self._outputs(0.0)
+
+    def step(self, inputs):
+        self.seen.append(inputs.copy())
+        a = -inputs[COMMAND].mean() / 1e5
+        self.distance += self.speed * PERIOD + 0.5 * a * PERIOD**2
+        self.speed += a * PERIOD
+        return self._outputs(a)
+
+    def _outputs(self, a):
+        truth = np.zeros(OUTPUTS)
+        truth[OUTPUT["speed"]] = self.speed
+        truth[OUTPUT["distance"]] = self.distance
+        truth[OUTPUT["acceleration"]] = a
+        truth[OUTPUT["wheelset_speed"]] = self.speed / 0.4
+        return truth
+
+
+class Rail:
+    def mu0(self, time, distance):
+        return np.full(6, 0.1 + distance * 1e-6)
+
+    def force(self, distance):
+        return 5.0
+
+
+class Constant:
+    def __init__(self, demand=1e5):
+        self.demand, self.sights = demand, []
+
+    def decide(self, sight):
+        self.sights.append(sight)
+        return (self.demand,) * 4
+
+
+class Direct:
+    def command(self, demands, measured):
+        return demands
+
+
+def brake(plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05):
+    recorder = Recorder(
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believer else ())), samples + 1
+    )
+    ended = run(
+        plant=plant,
+        rail=Rail(),
+        sensors=sensors or IdealSensors(),
+        believer=believer,
+        controller=controller or Constant(),
+        actuation=Direct(),
+        wheel_radius=(0.4,) * 4,
+        clock=Clock(period=PERIOD, estimator=every[0], controller=every[1], samples=samples),
+        stop_speed=stop_speed,
+        recorder=recorder,
+    )
+    return ended, recorder
+
+
+def test_a_block_stops_after_the_textbook_distance():
+    """v²/(2a) = 50 m at 1 m/s² from 10 m/s, to one sample of travel at the stop speed and the first command's delay."""
+    ended, _ = brake(Block(10.0))
+    assert ended.outcome is Outcome.STANDSTILL
+    plant = Block(10.0)
+    brake(plant)
+    assert plant.distance == pytest.approx(50.0, abs=10.0 * PERIOD + 0.05)
+
+
+def test_the_horizon_ends_a_stop_that_does_not():
+    ended, recorder = brake(Block(10.0), Constant(0.0), samples=100)
+    assert ended.outcome is Outcome.HORIZON
+    assert "10.00 m/s after 1 s" in ended.reason
+    assert ended.samples == 101
+    assert not np.isnan(recorder.rows[:101, recorder.at["speed"]]).any()
+
+
+def test_a_command_acts_in_the_period_after_the_decision():
+    plant = Block(10.0)
+    _, recorder = brake(plant, samples=3)
+    assert recorder.rows[0, recorder.columns["command"]].tolist() == [0.0] * 4
+    assert plant.seen[0][COMMAND].tolist() == [1e5] * 4
+    assert plant.seen[1][FRICTION][0] == pytest.approx(0.1 + 0.1 * 1e-6, rel=1e-6)
+
+
+def test_the_controller_is_asked_at_its_own_period():
+    controller = Constant()
+    brake(Block(10.0), controller, samples=100, every=(1, 10))
+    times = [sight.time for sight in controller.sights]
+    assert times == [k * PERIOD for k in range(0, 101, 10)]
+
+
+def test_a_controller_without_a_number_is_an_outcome():
+    ended, _ = brake(Block(10.0), Constant(float("nan")))
+    assert ended.outcome is Outcome.CONTROLLER_FAILED
+    assert "not four numbers" in ended.reason
+
+
+class Spy:
+    """An estimator that keeps what it is given and believes in the first state growing by one a step."""
+
+    def __init__(self, fail_at=None):
+        self.given, self.fail_at = [], fail_at
+
+    def step(self, prior, held, seen):
+        self.given.append((held.copy(), seen.copy()))
+        if len(self.given) == self.fail_at:
+            raise ArithmeticError("Filter: the predicted v is not a finite number.")
+        return Estimate(mean=prior.mean + np.eye(13)[0], covariance=prior.covariance)
+
+
+def believer(spy):
+    return Believer(
+        filter=spy,
+        first=Estimate(mean=np.zeros(13), covariance=np.eye(13)),
+        seen=np.array([0, 1, 2, 3, 4, 11]),
+        inputs=5,
+        speed=0,
+        wheelset_speed=np.arange(1, 5),
+        pad_friction=np.arange(5, 9),
+        adhesion=np.arange(9, 13),
+        wheel_radius=(0.4,) * 4,
+    )
+
+
+class Sparse:
+    """Sensors whose train speed comes every third sample and whose pressures count the samples."""
+
+    def read(self, sample, truth):
+        reading = np.zeros(READINGS)
+        reading[0] = sample if sample % 3 == 0 else np.nan
+        reading[READING["cylinder_pressure"]] = sample
+        return reading
+
+
+def test_a_reading_is_used_once_and_never_lost():
+    """Estimator every two samples, train speed every three: 3, 9, 15 … fall between its steps and still arrive, at the
+    next one; a step without a new reading sees NaN."""
+    spy = Spy()
+    brake(Block(10.0), believer=believer(spy), sensors=Sparse(), samples=24, every=(2, 1))
+    speeds = [seen[0] for _, seen in spy.given]
+    assert [s for s in speeds if not np.isnan(s)] == [3, 6, 9, 12, 15, 18, 21, 24]
+    assert np.isnan(speeds[0])
+
+
+def test_the_filter_predicts_under_the_pressures_read_a_step_before():
+    spy = Spy()
+    brake(Block(10.0), believer=believer(spy), sensors=Sparse(), samples=10)
+    assert [held[0] for held, _ in spy.given] == list(range(10))
+    assert all(held[4] == 0.0 for held, _ in spy.given)
+
+
+def test_the_estimate_in_a_row_is_that_of_its_sample():
+    _, recorder = brake(Block(10.0), believer=believer(Spy()), samples=10)
+    assert recorder.rows[:11, recorder.at["estimate_speed"]].tolist() == [float(k) for k in range(11)]
+
+
+def test_a_filter_that_diverges_is_an_outcome():
+    ended, _ = brake(Block(10.0), believer=believer(Spy(fail_at=7)))
+    assert ended.outcome is Outcome.DIVERGED
+    assert ended.reason == "Filter: the predicted v is not a finite number. At 0.070 s."
+    assert ended.samples == 7

@@ -1,0 +1,122 @@
+"""Service sensors against what their data sheets promise."""
+
+import numpy as np
+import pytest
+
+from harness.loop.edge import OUTPUT, OUTPUTS
+from harness.loop.sensors import READING, Encoder, IdealSensors, ServiceInstruments, ServiceSensors
+
+PERIOD = 1e-3
+
+
+def instruments(**changes):
+    values = dict(
+        pulses=100,
+        pitch_error=0.003,
+        clock=1e-6,
+        cut_off=0.3,
+        wheel_radius=0.38,
+        speed_noise=0.1,
+        speed_scale=0.002,
+        speed_every=50,
+        speed_latency=50,
+        acceleration_noise=0.03,
+        acceleration_bias=0.04,
+        deflection_noise=2e-4,
+        pressure_offset=np.array([1e3, -1e3, 2e3, 0.0]),
+        pressure_step=1e6 / 4096,
+        pressure_lag=0.01,
+    )
+    return ServiceInstruments(**(values | changes))
+
+
+def truth(speed=20.0, wheel=52.0, acceleration=-0.8, pressure=2e5):
+    values = np.zeros(OUTPUTS)
+    values[OUTPUT["speed"]] = speed
+    values[OUTPUT["wheelset_speed"]] = wheel
+    values[OUTPUT["acceleration"]] = acceleration
+    values[OUTPUT["cylinder_pressure"]] = pressure
+    return values
+
+
+def encoder_readings(speed_of, seconds, **changes):
+    encoder = Encoder(instruments(**changes), PERIOD, np.random.default_rng(1))
+    samples = np.arange(round(seconds / PERIOD))
+    true = np.array([speed_of(k * PERIOD) for k in samples])
+    return samples * PERIOD, true, np.array([encoder.read(int(k), w) for k, w in zip(samples, true, strict=True)])
+
+
+def test_ideal_sensors_show_the_truth():
+    reading = IdealSensors().read(0, truth())
+    assert reading[READING["speed"]].tolist() == [20.0]
+    assert reading[READING["cylinder_pressure"]].tolist() == [2e5] * 4
+
+
+def test_a_perfect_encoder_is_as_good_as_its_clock():
+    """One tick of the clock on each of two pulses over at least one pitch: ω·clock/gap, and the speed drifts by less
+    than 1e-3 of itself over a gap."""
+    _, true, read = encoder_readings(lambda t: 50 - 2 * t, 5.0, pitch_error=0.0)
+    there = ~np.isnan(read)
+    there[:20] = False
+    gap = 2 * np.pi / 100 / true[there]
+    assert np.all(np.abs(read[there] - true[there]) < true[there] * (1e-6 / gap * 1.01) + 2 * (gap + PERIOD))
+
+
+def test_tooth_errors_scatter_as_stated():
+    """At a pulse a sample the relative error of a reading has the pitch error's deviation, here 0.3 %."""
+    _, true, read = encoder_readings(lambda t: 2 * np.pi / 100 / 1.3e-3, 5.0, clock=1e-9)
+    error = (read / true - 1)[~np.isnan(read)][10:]
+    # Readings repeat each revolution, so there are 100 independent ones: 15 % is two deviations of their scatter.
+    assert np.std(error) == pytest.approx(0.003, rel=0.2)
+    assert abs(error.mean()) < 1e-4
+
+
+def test_slow_wheels_read_rarely_and_standing_ones_zero():
+    """At 2 rad/s a pitch takes 31 ms; below the cut-off of 0.3 m/s, 0.8 rad/s, it reads zero."""
+    _, _, read = encoder_readings(lambda t: 2.0, 2.0)
+    gaps = np.diff(np.flatnonzero(~np.isnan(read)))
+    assert 30 <= np.median(gaps) <= 33
+    _, _, stopped = encoder_readings(lambda t: 20.0 if t < 1 else 0.0, 2.0)
+    assert stopped[-1] == 0.0
+    assert not (stopped[1200:] > 0).any()
+
+
+def test_a_wheel_that_turns_again_is_read_again():
+    time, true, read = encoder_readings(lambda t: 0.0 if 1 < t < 2 else 20.0, 3.0, pitch_error=0.0)
+    late = (time > 2.1) & ~np.isnan(read)
+    assert np.allclose(read[late], true[late], rtol=1e-3)
+
+
+def test_noises_and_biases_are_those_of_the_sheet():
+    """20 s of a constant truth: means within four deviations of the mean, deviations within 10 %."""
+    sensors = ServiceSensors(instruments(), PERIOD, np.random.default_rng(3))
+    readings = np.array([sensors.read(k, truth()) for k in range(20000)])
+    speed = readings[:, 0][~np.isnan(readings[:, 0])]
+    assert len(speed) == pytest.approx(20000 / 50, abs=2)
+    # Late by 50 ms and carried forward by the (biased) acceleration over 50 ms.
+    assert speed.mean() == pytest.approx(20 * 1.002 + (-0.8 + 0.04) * 0.05, abs=4 * 0.1 / np.sqrt(len(speed)))
+    assert speed.std() == pytest.approx(0.1, rel=0.1)
+    acceleration = readings[:, READING["acceleration"].start]
+    assert acceleration.mean() == pytest.approx(-0.76, abs=4 * 0.03 / np.sqrt(20000))
+    assert acceleration.std() == pytest.approx(0.03, rel=0.05)
+    deflection = readings[:, READING["deflection"]]
+    assert deflection.std(axis=0) == pytest.approx([2e-4] * 6, rel=0.05)
+    pressure = readings[-1, READING["cylinder_pressure"]]
+    assert np.abs(pressure - (2e5 + instruments().pressure_offset)).max() <= 0.5 * 1e6 / 4096
+
+
+def test_a_pressure_step_arrives_with_the_transducers_lag():
+    """63 % after the time constant, within one sample."""
+    sensors = ServiceSensors(
+        instruments(pressure_offset=np.zeros(4), pressure_step=1.0), PERIOD, np.random.default_rng(3)
+    )
+    sensors.read(0, truth(pressure=0.0))
+    seen = [sensors.read(k, truth(pressure=1e5))[READING["cylinder_pressure"]][0] for k in range(1, 40)]
+    reached = int(np.argmax(np.array(seen) >= 1e5 * (1 - np.exp(-1)))) + 1
+    assert reached == pytest.approx(10, abs=1)
+
+
+def test_the_same_seed_reads_the_same():
+    one, two = (ServiceSensors(instruments(), PERIOD, np.random.default_rng(5)) for _ in range(2))
+    for k in range(2000):
+        assert np.array_equal(one.read(k, truth()), two.read(k, truth()), equal_nan=True)

@@ -1,0 +1,128 @@
+"""Stops of the train FMUs, stepped here through FMPy, for the tests of the Modelica library."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+from fmus.build import fmu
+
+Signal = Callable[[float], float | Sequence[float] | np.ndarray]
+Record = dict[str, np.ndarray]
+
+WATCHED = [
+    *("distance", "speed", "acceleration", "standstill", "air_used"),
+    *("contact_heat", "pad_heat", "damper_heat", "resistance_work", "kinetic_energy"),
+    *("wheelset_speed[4]", "locked[4]", "slip[4]", "adhesion[6]", "group_adhesion[4]"),
+    *("wheelset_load[6]", "deflection[6]", "cylinder_pressure[4]", "pad_force[4]", "pad_friction[4]"),
+    *("disc_temperature[4]", "disc_surface_temperature[4]", "brake_torque[4]"),
+]
+"""Outputs that are recorded; a number in brackets is a length."""
+
+
+def scalars(name: str) -> list[str]:
+    """Return the scalar names of an entry of `WATCHED`."""
+    stem, bracket, rest = name.partition("[")
+    return [f"{stem}[{i + 1}]" for i in range(int(rest[:-1]))] if bracket else [name]
+
+
+class Train:
+    """A train FMU that can be stopped again and again."""
+
+    def __init__(self, name: str, scratch: Path) -> None:
+        self.description = fmpy.read_model_description(str(fmu(name)))
+        self.folder = fmpy.extract(str(fmu(name)), unzipdir=str(scratch / name))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+
+    def run(
+        self,
+        parameters: Mapping[str, float],
+        inputs: Mapping[str, Signal],
+        until: float,
+        *,
+        step: float = 1e-3,
+        keep: int = 10,
+        past_standstill: bool = False,
+    ) -> Record:
+        """Step the FMU and record every `keep`-th sample; arrays have shape (samples,) or (samples, n).
+
+        Inputs are held over a step; a signal that returns a sequence sets `name[1]`, `name[2]` and so on.
+        """
+        slave = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+        )
+        reference = {name: v.valueReference for name, v in self.variables.items()}
+        watched = [s for name in WATCHED for s in scalars(name)]
+        real = [s for s in watched if self.variables[s].type == "Real"]
+        boolean = [s for s in watched if self.variables[s].type == "Boolean"]
+        slave.instantiate()
+        try:
+            slave.setupExperiment()
+            slave.setReal([reference[p] for p in parameters], list(parameters.values()))
+            slave.enterInitializationMode()
+            self._set(slave, reference, inputs, 0.0)
+            slave.exitInitializationMode()
+            rows: list[list[float]] = []
+            for k in range(round(until / step) + 1):
+                time = k * step
+                if k % keep == 0:
+                    values = slave.getReal([reference[s] for s in real])
+                    flags = slave.getBoolean([reference[s] for s in boolean])
+                    rows.append([time, *values, *map(float, flags)])
+                    if flags[boolean.index("standstill")] and time > 0 and not past_standstill:
+                        break
+                self._set(slave, reference, inputs, time)
+                slave.doStep(time, step)
+        finally:
+            slave.terminate()
+            slave.freeInstance()
+        table = dict(zip(["time", *real, *boolean], np.array(rows).T, strict=True))
+        columns = {name: [table[s] for s in scalars(name)] for name in WATCHED}
+        return {"time": table["time"]} | {
+            name.partition("[")[0]: np.stack(own, axis=1) if "[" in name else own[0] for name, own in columns.items()
+        }
+
+    @staticmethod
+    def _set(slave: FMU2Slave, reference: Mapping[str, int], inputs: Mapping[str, Signal], time: float) -> None:
+        names, values = [], []
+        for name, signal in inputs.items():
+            now = signal(time)
+            own = [now] if np.isscalar(now) else list(now)
+            names += [name] if np.isscalar(now) else [f"{name}[{i + 1}]" for i in range(len(own))]
+            values += own
+        slave.setReal([reference[n] for n in names], [float(v) for v in values])
+
+
+G = 9.81
+FULL = np.array([3.4e5, 2.0e5, 2.0e5, 3.4e5])
+"""Largest cylinder pressures of the groups, Pa."""
+
+DRY = {"k_A": 1.0, "k_S": 0.4, "A_falling": 0.4, "B_falling": 0.6}
+WET = {"k_A": 0.3, "k_S": 0.1, "A_falling": 0.4, "B_falling": 0.2}
+MASS = 84000.0
+
+
+def emergency(time: float) -> np.ndarray:
+    """Pressure of an emergency brake: 0.4 s dead time, then a time constant of 0.5 s."""
+    return FULL * (0.0 if time < 0.4 else 1 - np.exp(-(time - 0.4) / 0.5))
+
+
+def friction(value: float) -> Signal:
+    return lambda _: [value] * 6
+
+
+def brake(train: Train, km_h: float, mu0: float | Signal, surface: dict[str, float], **more: object) -> Record:
+    settings = {
+        "parameters": surface | {"speed_start": km_h / 3.6},
+        "until": 60.0,
+        "pressure": emergency,
+        "track_force": lambda _: 0.0,
+    } | more
+    pressure, track_force = settings.pop("pressure"), settings.pop("track_force")
+    mu = mu0 if callable(mu0) else friction(mu0)
+    inputs = {"pressure_command": pressure, "mu0": mu, "track_force": track_force}
+    return train.run(inputs=inputs, **settings)

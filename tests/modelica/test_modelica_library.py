@@ -1,0 +1,110 @@
+"""The library on disk keeps to its style: order, documentation, units, coverage."""
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
+FILES = sorted(LIBRARY.rglob("*.mo"))
+KINDS = r"(?:partial\s+)?(?:model|block|function|record|package|connector|class)"
+
+
+def identify(path: Path) -> str:
+    return str(path.relative_to(LIBRARY))
+
+
+@cache
+def text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def code(path: Path) -> str:
+    """The file without strings and comments."""
+    return re.sub(r'"(?:[^"\\]|\\.)*"|//[^\n]*', "", text(path))
+
+
+@pytest.mark.parametrize("path", FILES, ids=identify)
+def test_format(path: Path) -> None:
+    source = text(path)
+    assert not source.startswith("\ufeff")
+    assert "\t" not in source
+    assert not re.search(r"[ \t]+$", source, re.MULTILINE), "trailing blanks"
+    assert source.endswith("\n")
+    assert not re.search(r"</?h[1-3]\b", source), "h1 to h3 belong to the tools"
+    assert not re.search(r"\btodo\b|\bfixme\b|__\w+\(", source, re.IGNORECASE)
+    assert max(map(len, source.splitlines())) <= 120
+
+
+@pytest.mark.parametrize("path", FILES, ids=identify)
+def test_one_class_named_for_its_file_with_a_description(path: Path) -> None:
+    name = path.parent.name if path.name == "package.mo" else path.stem
+    outside = path.parent.parent if path.name == "package.mo" else path.parent
+    within = ".".join(outside.relative_to(LIBRARY.parent).parts)
+    source = text(path)
+    if within:
+        assert source.startswith(f"within {within};\n")
+    head = re.search(rf'^{KINDS}\s+{name}(?:\s*=[^"]*)?\s+"([A-Z][^"]*[^."])"', source, re.MULTILINE)
+    assert head, "a class named for its file, with a description that begins with a capital and has no full stop"
+    assert len(re.findall(rf"^{KINDS}\s+\w+", code(path), re.MULTILINE)) == 1
+
+
+@pytest.mark.parametrize("path", [p for p in FILES if "connector" not in text(p)], ids=identify)
+def test_documentation(path: Path) -> None:
+    source = text(path)
+    assert "Documentation(info=" in source
+    kind = re.search(rf"^({KINDS})", source, re.MULTILINE)[1]
+    rooms = {"Contact", "Friction", "Pneumatics", "Components", "Tracks", "Vehicles", "FMUs"}
+    if path.parent.name in rooms and path.name != "package.mo" and kind != "record":
+        assert "<h4>Limitations</h4>" in source
+
+
+@pytest.mark.parametrize("path", FILES, ids=identify)
+def test_every_declaration_has_a_description(path: Path) -> None:
+    prefixes = r"(?:final |constant |discrete |input |output |parameter )*"
+    types = r"(?:Types\.\w+|Real|Boolean|Integer|Interfaces\.\w+)"
+    declaration = rf"^  {prefixes}{types}\s+\w+[^;]*;"
+    for found in re.findall(declaration, text(path), re.MULTILINE):
+        assert '"' in found, f"no description: {found}"
+
+
+@pytest.mark.parametrize("folder", sorted({p.parent for p in FILES}), ids=identify)
+def test_package_order_is_complete(folder: Path) -> None:
+    order = (folder / "package.order").read_text().split()
+    assert len(order) == len(set(order))
+    inside = {p.stem for p in folder.glob("*.mo")} - {"package"}
+    inside |= {p.parent.name for p in folder.glob("*/package.mo")}
+    here = set(re.findall(r"^  (?:type|constant [\w.]+) (\w+)", text(folder / "package.mo"), re.MULTILINE))
+    assert set(order) == inside | here
+
+
+def test_every_class_is_used_by_a_validation_or_an_example() -> None:
+    """Used directly or through classes that are used; connectors and the user's guide apart."""
+    apart = {"UsersGuide", "Validation", "Examples"}
+    classes = {p.stem: p for p in FILES if p.name != "package.mo" and p.parent.name not in apart}
+    reached: set[str] = set()
+    pending = [p for p in FILES if p.parent.name in {"Validation", "Examples"}]
+    while pending:
+        words = set(re.findall(r"\w+", code(pending.pop())))
+        fresh = (words & classes.keys()) - reached
+        reached |= fresh
+        pending += [classes[name] for name in fresh]
+    assert classes.keys() - reached == set()
+
+
+def test_every_parameter_of_an_exported_block_has_a_value_and_every_input_a_start() -> None:
+    exported = [p for p in (LIBRARY / "FMUs").glob("*.mo") if p.name != "package.mo"]
+    for path in [*exported, *(LIBRARY / "Vehicles").glob("Partial*.mo")]:
+        public = text(path).partition("protected")[0]
+        for found in re.findall(r"^  parameter [^;]*;", public, re.MULTILINE):
+            assert re.search(r"\w(?:\[\d\])?(?:\([^)]*\))?\s*=", found), found
+        for found in re.findall(r"^  Interfaces\.RealInput [^;]*;", public, re.MULTILINE):
+            assert "start=" in found, found
+        assert "final unit" in public
+
+
+def test_the_version_is_the_projects() -> None:
+    version = re.search(r'version="([^"]+)"', text(LIBRARY / "package.mo"))[1]
+    pyproject = (LIBRARY.parents[1] / "pyproject.toml").read_text()
+    assert f'\nversion = "{version}"\n' in pyproject

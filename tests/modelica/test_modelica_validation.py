@@ -1,0 +1,57 @@
+"""Every model of Validation finds its answer and every example runs, in rumoca's own simulator."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rumoca
+
+LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
+
+EXPLICIT = {"EnergyOfAStop", "ValveTimes", "AirCounted"}
+"""Models with a whole train or a clock: rumoca's BDF is slow, or stops with a complaint about its sampler."""
+
+
+def models(package: str) -> list[str]:
+    return (LIBRARY / package / "package.order").read_text().split()
+
+
+def simulate(model: rumoca.Model, until: float, *, explicit: bool = False) -> rumoca.Result:
+    """Simulate; an assertion that fails raises."""
+    solver, tolerance = ("rk-like", 1e-7) if explicit else ("bdf", 1e-8)
+    config = rumoca.SimConfig(solver=solver, rtol=tolerance, atol=tolerance / 10)
+    return model.simulate((0, until), dt=0.05, config=config)
+
+
+def load(class_name: str) -> tuple[rumoca.Model, float]:
+    """Return a class of the library and the stop time of its experiment, s."""
+    text = (LIBRARY / (class_name.replace(".", "/") + ".mo")).read_text()
+    experiment = re.search(r"experiment\(StopTime=([\d.]+), Tolerance=", text)
+    assert experiment, f"{class_name} has no experiment"
+    session = rumoca.Session(roots=[str(LIBRARY.parent)])
+    model = session.load(str(LIBRARY / "package.mo"), model=f"RailBraking.{class_name}")
+    return model, float(experiment[1])
+
+
+@pytest.mark.parametrize("name", models("Validation"))
+def test_the_answer_is_the_closed_form(name: str) -> None:
+    result = simulate(*load(f"Validation.{name}"), explicit=name in EXPLICIT)
+    error = np.asarray(result["error"])
+    assert error.size > 10
+    assert np.isfinite(error).all()
+
+
+def test_a_wrong_answer_fails() -> None:
+    """A model that judges itself must be able to say no."""
+    session = rumoca.Session(roots=[str(LIBRARY.parent)])
+    source = "model Strict extends RailBraking.Validation.LoadTransfer(tolerance=-1); end Strict;"
+    with pytest.raises(rumoca.SimulationError, match="off by"):
+        simulate(session.loads(source, model="Strict", filename="Strict.mo"), 1.0)
+
+
+@pytest.mark.parametrize("name", models("Examples"))
+def test_the_example_runs(name: str) -> None:
+    result = simulate(*load(f"Examples.{name}"), explicit="Stop" in name)
+    if "train.speed" in result.names:
+        assert np.asarray(result["train.speed"])[-1] == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,100 @@
+"""The contact against tabulated Hertz ellipses, peaks of Polach's curve, and its limits."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from fmus.native import Model, lower
+
+PER_CENT = 1e-2
+SLIP = np.geomspace(1e-4, 1.0, 20001)
+LOAD = 2 * 68.7e3
+SURFACES = {
+    "Dry": (1.0, 0.4, 0.55, 0.4, 0.6),
+    "Wet": (0.3, 0.1, 0.30, 0.4, 0.2),
+    "LowAdhesion": (0.3, 0.1, 0.06, 0.4, 0.2),
+    "MalDry": (1.0, 1.0, 0.46, 0.4, 0.6),
+    "MalWorst": (1.0, 1.0, 0.1, 0.1, 0.2),
+    "BroadSoap": (0.05, 0.02, 0.10, 0.4, 0.15),
+    "BroadLeaf": (0.04, 0.015, 0.10, 0.5, 0.10),
+}
+PEAKS = {
+    # (surface, km/h): slip at the peak in per cent and adhesion there, from an independent computation with
+    # elliptic integrals and Kalker's table, Q = 68.7 kN, r = 0.38 m
+    ("Dry", 5): (9.8, 0.501),
+    ("Dry", 20): (5.0, 0.459),
+    ("Dry", 40): (3.5, 0.429),
+    ("Dry", 80): (2.5, 0.392),
+    ("Dry", 120): (2.0, 0.368),
+    ("Wet", 5): (26.5, 0.276),
+    ("Wet", 20): (13.5, 0.255),
+    ("Wet", 40): (9.6, 0.239),
+    ("Wet", 80): (6.8, 0.220),
+    ("Wet", 120): (5.6, 0.207),
+    ("LowAdhesion", 5): (11.7, 0.058),
+    ("LowAdhesion", 20): (5.9, 0.0556),
+    ("LowAdhesion", 80): (3.0, 0.0518),
+    ("MalDry", 80): (0.91, 0.418),
+    ("MalWorst", 80): (0.37, 0.098),
+    ("BroadSoap", 80): (9.5, 0.0722),
+    ("BroadSoap", 120): (7.6, 0.068),
+    ("BroadLeaf", 80): (15.6, 0.0751),
+    ("BroadLeaf", 120): (12.8, 0.071),
+}
+
+
+@pytest.fixture(scope="module")
+def point() -> Model:
+    return lower("RailBraking.FMUs.ContactPoint")
+
+
+def adhesion(point: Model, surface: str, slip: np.ndarray, speed: float, load: float = LOAD) -> np.ndarray:
+    k_A, k_S, mu0, A, B = SURFACES[surface]
+    chosen = {"k_A": k_A, "k_S": k_S, "A_falling": A, "B_falling": B}
+    p = [chosen.get(v.name, v.start) for v in point.parameters]
+    assert [v.name for v in point.inputs] == ["slip", "speed", "load", "mu0"]
+    u = np.vstack([slip, np.full_like(slip, speed), np.full_like(slip, load), np.full_like(slip, mu0)])
+    return np.asarray(point.output(0, ca.DM(0, 1), u, p)).ravel()
+
+
+@pytest.mark.parametrize(("surface", "km_h"), list(PEAKS))
+def test_peaks_lie_where_they_were_computed(point: Model, surface: str, km_h: float) -> None:
+    """Three per cent is what is asked for; two digits of the table are worth 0.5 to 1 %."""
+    curve = adhesion(point, surface, SLIP, km_h / 3.6)
+    slip, alpha = PEAKS[surface, km_h]
+    assert SLIP[curve.argmax()] == pytest.approx(slip * PER_CENT, rel=0.03)
+    assert curve.max() == pytest.approx(alpha, rel=0.01)
+
+
+def test_the_shape_beyond_the_peak(point: Model) -> None:
+    """Adhesion at 10 %, 15 % and 100 % slip over the peak at 80 km/h, two digits."""
+    for surface, shape in {
+        "Dry": (0.76, 0.67, 0.56),
+        "Wet": (0.98, 0.92, 0.55),
+        "BroadSoap": (1.0, 0.97, 0.58),
+    }.items():
+        curve = adhesion(point, surface, SLIP, 80 / 3.6)
+        seen = np.interp([0.10, 0.15, 1.0], SLIP, curve) / curve.max()
+        assert seen == pytest.approx(shape, abs=0.0075)
+
+
+def test_the_curve_is_odd_and_bounded_by_friction(point: Model) -> None:
+    for surface, (_, _, mu0, _, _) in SURFACES.items():
+        for speed in (1e-3, 0.1, 1.0, 22.0, 60.0):
+            curve = adhesion(point, surface, SLIP[::100], speed)
+            assert adhesion(point, surface, -SLIP[::100], speed) == pytest.approx(-curve, rel=1e-12)
+            assert np.all((curve > 0) & (curve <= mu0 * (1 + 1e-12)))
+
+
+def test_the_slope_at_no_slip_is_kalkers_reduced_by_the_layer(point: Model) -> None:
+    """F ≈ ½(k_A + k_S)·G·a·b·c11·slip for each wheel, whatever the friction; 0.5 % for c11."""
+    tiny = np.array([1e-7])
+    for surface in ("Dry", "Wet", "LowAdhesion"):
+        k_A, k_S, *_ = SURFACES[surface]
+        slope = adhesion(point, surface, tiny, 20.0, load=2 * 69.2e3) * 69.2e3 / tiny
+        assert slope == pytest.approx((k_A + k_S) / 2 * 10.12e6, rel=0.007)
+
+
+def test_without_friction_there_is_no_adhesion(point: Model) -> None:
+    p = [v.start for v in point.parameters]
+    assert float(point.output(0, ca.DM(0, 1), [0.5, 20.0, LOAD, 0.0], p)) == 0.0
