@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check clean
+.PHONY: help install test test-omc check learn clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -30,6 +30,9 @@ check: $(READY)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright
+
+learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
+	$(RUN) -m harness learn
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -1,4 +1,4 @@
-"""The command line: run, campaign, report, regress, accept.
+"""The command line: run, campaign, report, regress, accept, learn.
 
 Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
 """
@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from harness.learn.command import add_to as add_learn
 from harness.scenario.error import ScenarioError
 
 WRONG_QUESTION = 2
@@ -38,6 +39,7 @@ Overrides = Annotated[
     typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
+add_learn(app)
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
 

@@ -52,7 +52,9 @@ class Ensemble:
         each = np.stack([network(self.scaled(features)) for network in self.networks])
         friction = each.mean(axis=0)
         half = self.half_width * _disagreement(each)
-        return Estimates(friction=friction, lower=np.maximum(friction - half, 0.0), upper=np.minimum(friction + half, 1.0))
+        return Estimates(
+            friction=friction, lower=np.maximum(friction - half, 0.0), upper=np.minimum(friction + half, 1.0)
+        )
 
 
 def fit(
@@ -77,9 +79,7 @@ def fit(
     for k, draw in enumerate(generator.spawn(members)):
         drawn = draw.choice(runs, runs.size)
         rows = np.concatenate([np.flatnonzero(run == one) for one in drawn])
-        network = train(
-            x[rows], friction[rows], hidden=hidden, bias="inside", generator=draw, decay=decay, steps=steps
-        )
+        network = train(x[rows], friction[rows], hidden=hidden, bias="inside", generator=draw, decay=decay, steps=steps)
         networks.append(network)
         out = ~np.isin(run, drawn)
         said[k, out] = network(x[out])

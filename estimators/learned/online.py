@@ -175,7 +175,10 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
         features += ratios(sums, ca)
     features.append(ca.log(ca.fmax(ca.fabs(speed), SLOWEST)))
 
-    x = [ca.fmin(ca.fmax((f - c) / s, -4), 4) / 2 for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)]
+    x = [
+        ca.fmin(ca.fmax((f - c) / s, -4), 4) / 2
+        for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)
+    ]
     each = [_network(network, x) for network in ensemble.networks]
     mean = sum(each) / len(each)
     half = ensemble.half_width * ca.sqrt(sum((e - mean) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)

@@ -56,16 +56,11 @@ class Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-<<<<<<< HEAD
-        self.rows.append(
-            f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
-        )
-=======
-        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
->>>>>>> main
+        self.rows.append(f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>")
 
 
 def attributes_text(values: dict[str, str]) -> str:
+    """Return XML attributes with a blank before each."""
     return "".join(f" {key}={quoteattr(value)}" for key, value in values.items())
 
 
@@ -134,25 +129,15 @@ def write(
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-<<<<<<< HEAD
             f"<fmiModelDescription{attributes_text(head)}>",
             *([f"  <ModelExchange{attributes_text(flags)}/>"] if "me" in interfaces else []),
-            *(
-                [f"  <CoSimulation{attributes_text(flags | {'canHandleVariableCommunicationStepSize': 'true'})}/>"]
-                if "cs" in interfaces
-                else []
-            ),
-=======
-            f"<fmiModelDescription{_attributes(head)}>",
-            *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
-            *([f"  <CoSimulation{_attributes(flags | step_flag)}/>"] if "cs" in interfaces else []),
->>>>>>> main
+            *([f"  <CoSimulation{attributes_text(flags | step_flag)}/>"] if "cs" in interfaces else []),
             *_units(lay),
             "  <LogCategories>",
             '    <Category name="logStatusError" description="Why a call failed"/>',
             '    <Category name="logStatusWarning" description="Assertions of level warning"/>',
             "  </LogCategories>",
-            f"  <DefaultExperiment{_attributes(experiment)}/>",
+            f"  <DefaultExperiment{attributes_text(experiment)}/>",
             "  <ModelVariables>",
             *w.rows,
             "  </ModelVariables>",

@@ -72,7 +72,7 @@ class Recipe:
     bias: Bias = "inside"
     settled: bool = False
     starts: int = 15
-    steps: int = 60
+    steps: int = 100
 
     def blocks(self, run: Run) -> Array:
         """Return what the network sees of a run, before scaling."""
@@ -104,6 +104,11 @@ def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float]
     early = [_labelled(blocks[: _cut(blocks)], label) for blocks, label in parts]
     late = [_labelled(blocks[_cut(blocks) :], label) for blocks, label in parts]
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
+
+
+def within_exchanged(runs: Sequence[Run], recipe: Recipe) -> Score:
+    """Judge by the paper's split, with every run under the label of another."""
+    return within_runs(runs, recipe, exchanged(runs))
 
 
 def exchanged(runs: Sequence[Run]) -> dict[str, float]:

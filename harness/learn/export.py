@@ -8,9 +8,7 @@ from fmus.native.package import Source
 
 def as_fmu(built: Online) -> Source:
     """Return C code and modelDescription.xml of an online estimator, for `fmus.native.package.pack`."""
-    states, inputs, outputs = (
-        tuple(map(_variable, edges)) for edges in (_apart(built), built.inputs, built.outputs)
-    )
+    states, inputs, outputs = (tuple(map(_variable, edges)) for edges in (_apart(built), built.inputs, built.outputs))
     return sources(
         Discrete(
             name=built.name, description="Friction between wheel and rail from accelerations of the axle boxes",

@@ -4,12 +4,12 @@ A run at the loggers' rate is some hundred megabytes; kept are only the block me
 lateral and yaw acceleration at 128 samples a second, some hundred kilobytes.
 """
 
+import ast
 import hashlib
 import json
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, as_completed
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Final
 
@@ -135,12 +135,12 @@ def forward(seen: Readings) -> Array:
 
 
 def gather(
-    passes: Iterable[Pass], *, workers: int = 2, cache: Path = CACHE, tell: Callable[[str], None] = lambda _: None
+    passes: Iterable[Pass], pool: Executor, *, cache: Path = CACHE, tell: Callable[[str], None] = lambda _: None
 ) -> list[Run]:
     """Return the reduced runs of passes, simulating those that are not in the cache.
 
     Args:
-        workers: Processes.
+        pool: Simulates, see `workers`.
         tell: Told the name of every run as it is there.
     """
     wanted = list(passes)
@@ -150,18 +150,12 @@ def gather(
     for p in wanted:
         if p not in missing:
             tell(p.name)
-    if workers == 1 or len(missing) <= 1:
-        for p in missing:
-            _make(p, files[p.name + str(p.seed)])
-            tell(p.name)
-    else:
-        # Longest first, so that no worker is left with a long one at the end; spawned, because CasADi holds threads.
-        missing.sort(key=lambda p: p.speed / p.length)
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            running = {pool.submit(_make, p, files[p.name + str(p.seed)]): p for p in missing}
-            for done in as_completed(running):
-                done.result()
-                tell(running[done].name)
+    # Longest first, so that no worker is left with a long one at the end.
+    missing.sort(key=lambda p: p.speed / p.length)
+    running = {pool.submit(_make, p, files[p.name + str(p.seed)]): p for p in missing}
+    for done in as_completed(running):
+        done.result()
+        tell(running[done].name)
     return [_read(files[p.name + str(p.seed)]) for p in wanted]
 
 
@@ -184,7 +178,8 @@ def _common() -> str:
     """Return a digest of what every run depends on: the FMU, sensors, filters and the code around them."""
     digest = hashlib.sha256(fmu(FMU).read_bytes())
     for module in _CODE:
-        digest.update(Path(module.__file__ or "").read_bytes())
+        # What the code does, not how it is laid out or commented.
+        digest.update(ast.dump(ast.parse(Path(module.__file__ or "").read_text())).encode())
     digest.update(json.dumps([asdict(AXLE_BOX), asdict(SLOW), VEHICLE]).encode())
     return digest.hexdigest()
 

@@ -1,15 +1,18 @@
 """The whole study: gather runs, train, judge; a value that tables and figures are made from."""
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from estimators.learned.ensemble import Ensemble, fit
-from harness.learn.evaluate import Recipe, Score, average, elsewhere, exchanged, judge, within_runs, without_each
+from harness.learn.evaluate import Recipe, Score, average, elsewhere, judge, within_exchanged, within_runs, without_each
 from harness.learn.gather import Run, gather, spectral_features
 from harness.learn.runs import SPEEDS, abroad, campaign, design
+from harness.learn.workers import workers as processes
 from harness.scenario.seed import generator
 from harness.twins.instrumented_car import Pass
 
@@ -78,48 +81,69 @@ def study(size: Size, *, workers: int = 2, tell: Callable[[str], None] = lambda 
     """Simulate what is not in the cache, train and judge.
 
     Args:
-        tell: Told each run that is there and each row that is judged.
+        workers: Processes.
+        tell: Told each run that is there and each piece that is judged; `pieces` says how often.
     """
     wanted = passes(size)
-    everything = gather([p for part in wanted.values() for p in part], workers=workers, tell=tell)
-    named: dict[str, list[Run]] = {}
-    place = 0
-    for name, part in wanted.items():
-        named[name] = everything[place : place + len(part)]
-        place += len(part)
-    by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
-    away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
-    recipe = Recipe(starts=size.starts)
-    split: dict[str, dict[int, Score]] = {}
-
-    def row(name: str, one: Callable[[Sequence[Run]], Score]) -> None:
-        split[name] = {s: one(runs) for s, runs in by_speed.items()}
-        tell(name)
-
-    row("bias inside", lambda runs: within_runs(runs, recipe))
-    row("bias outside", lambda runs: within_runs(runs, replace(recipe, bias="outside")))
-    row("labels exchanged", lambda runs: within_runs(runs, recipe, exchanged(runs)))
-    row("first second is zero", lambda runs: within_runs(runs, replace(recipe, settled=True)))
-    inputs: dict[str, dict[int, Score]] = {}
-    few = replace(recipe, starts=size.honest_starts)
-    for motions in (("lateral",), ("yaw",), ("longitudinal", "yaw"), ("longitudinal", "lateral", "yaw")):
-        inputs[", ".join(motions)] = {
-            s: within_runs(runs, replace(few, motions=motions)) for s, runs in by_speed.items()
+    with processes(workers) as pool:
+        everything = iter(gather([p for part in wanted.values() for p in part], pool, tell=tell))
+        named = {name: [next(everything) for _ in part] for name, part in wanted.items()}
+        by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
+        away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
+        # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
+        all_speeds = pool.submit(general, named["design"], size.members)
+        submitted = {
+            (table, name, s): pool.submit(one, by_speed[s])
+            for table, rows in _pieces(size).items()
+            for name, one in rows.items()
+            for s in size.speeds
         }
-        tell(", ".join(motions))
-    honest: dict[str, dict[int, Score]] = {"a run left out": {s: without_each(r, few) for s, r in by_speed.items()}}
-    tell("a run left out")
-    for s, runs in by_speed.items():
-        for name, score in elsewhere(runs, {name: _at(a, s) for name, a in away.items()}, recipe).items():
-            honest.setdefault(name, {})[s] = score
-    ensemble, mean = general(named["design"], size.members)
-    tell("all speeds")
+        abroad_of = {
+            s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, Recipe(starts=size.starts))
+            for s in size.speeds
+        }
+        for done in as_completed([all_speeds, *submitted.values(), *abroad_of.values()]):
+            done.result()
+            tell("training and judging")
+    tables: dict[str, dict[str, dict[int, Score]]] = {}
+    for (table, name, s), found in submitted.items():
+        tables.setdefault(table, {}).setdefault(name, {})[s] = found.result()
+    for s, found in abroad_of.items():
+        for name, score in found.result().items():
+            tables["honest"].setdefault(name, {})[s] = score
+    ensemble, mean = all_speeds.result()
     sets = {"campaign": named["campaign"], **away}
     return Study(
-        split=split, inputs=inputs, honest=honest,
+        split=tables["split"],
+        inputs=tables["inputs"],
+        honest=tables["honest"],
         general={name: {s: judge(ensemble, mean, _at(runs, s)) for s in size.speeds} for name, runs in sets.items()},
-        ensemble=ensemble, runs=by_speed,
-    )  # fmt: skip
+        ensemble=ensemble,
+        runs=by_speed,
+    )
+
+
+def pieces(size: Size) -> int:
+    """Return how many runs and pieces `study` tells of."""
+    runs = sum(len(part) for part in passes(size).values())
+    return runs + 1 + len(size.speeds) * (1 + sum(len(rows) for rows in _pieces(size).values()))
+
+
+def _pieces(size: Size) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
+    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed."""
+    recipe = Recipe(starts=size.starts)
+    few = replace(recipe, starts=size.honest_starts)
+    motions = (("lateral",), ("yaw",), ("longitudinal", "yaw"), ("longitudinal", "lateral", "yaw"))
+    return {
+        "split": {
+            "bias inside": partial(within_runs, recipe=recipe),
+            "bias outside": partial(within_runs, recipe=replace(recipe, bias="outside")),
+            "labels exchanged": partial(within_exchanged, recipe=recipe),
+            "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
+        },
+        "inputs": {", ".join(m): partial(within_runs, recipe=replace(few, motions=m)) for m in motions},
+        "honest": {"a run left out": partial(without_each, recipe=few)},
+    }
 
 
 def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:

@@ -11,7 +11,10 @@ def report(made: Study) -> str:
     speeds = list(made.runs)
     lines = ["# Friction from axle-box accelerations", ""]
     lines += ["## Table 3 of the paper, and ours on the simulated campaign", ""]
-    lines += ["Last 20 % of each run, networks trained on the first 80 % of the same runs; mean of all random starts.", ""]
+    lines += [
+        "Last 20 % of each run, networks trained on the first 80 % of the same runs; mean of all random starts.",
+        "",
+    ]
     rows = [
         ["paper, RMSE", *(_f(PUBLISHED[s][0]) for s in speeds)],
         ["paper, MAE", *(_f(PUBLISHED[s][1]) for s in speeds)],
@@ -79,6 +82,18 @@ def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> list[str]:
     ]
 
 
-def figures_of(made: Study) -> Mapping[str, Rows]:
-    """Return the rows that are drawn beside each other."""
-    return {"split": made.split, "honest": made.honest, "general": made.general}
+def own_report(count: int, split: Mapping[int, Score], left_out: Mapping[int, Score], general: Score) -> str:
+    """Return the report on a user's runs as Markdown; rows by speed class in mph."""
+    lines = [f"# Friction from axle-box accelerations: {count} runs", ""]
+    if split:
+        speeds = list(split)
+        rows = {"last 20 % of runs seen": split, "a run left out": left_out}
+        lines += ["## Networks 4-6-1, one for each speed class", "", "MAE (of always saying the mean label).", ""]
+        lines += [*_scores(rows, speeds, beside=True), ""]
+        lines += ["The first row is met by recognising runs; only the second says what a new run can expect.", ""]
+    lines += ["## One estimator for all speeds, each run left out once", ""]
+    lines += _table(
+        ["MAE", "always the mean", "coverage of the 90 % interval", "width"],
+        [[_f(general.mae), _f(general.mae_of_mean), f"{100 * (general.coverage or 0):.0f} %", _f(general.width or 0)]],
+    )
+    return "\n".join([*lines, ""])

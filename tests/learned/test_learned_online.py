@@ -93,7 +93,12 @@ def test_the_fmu_says_what_the_estimator_says(tmp_path):
     names = [edge.name for edge in built.inputs]
     signals = np.array(list(zip(time, *raw.T, strict=True)), dtype=[("time", float), *((n, float) for n in names)])
     result = simulate_fmu(
-        str(packed), stop_time=time[-1], step_size=1 / 5120, output_interval=1 / 5120, input=signals, output=["friction"]
+        str(packed),
+        stop_time=time[-1],
+        step_size=1 / 5120,
+        output_interval=1 / 5120,
+        input=signals,
+        output=["friction"],
     )
     # The FMU's value at the end of a step is that of the sample at its beginning.
     expected = built.run(raw)[:, 0]

@@ -97,8 +97,8 @@ the wheelset to the side of the lower rail with load times cross level over 2 b.
 </p>
 <h4>Limitations</h4>
 <p>
-The flange is a spring without friction that begins to bear at the clearance; before it, at the middle of the
-track, it pushes with less than 0.2 N. The wheels keep the track in roll. The
+The flange is a spring without friction that begins to bear at the clearance; before that its
+rounding acts like a spring of 0.03 MN/m. The wheels keep the track in roll. The
 damping of the track acts on the vertical speed of the wheelset, not on that of the irregularity; the wheelset bounces
 on the track at about 42 Hz. Loads must stay positive. Forward running only.
 </p>
