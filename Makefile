@@ -4,7 +4,8 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate tune lateral monitor clean
+.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate tune lateral learn \
+        monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -70,6 +71,9 @@ tune: $(READY)  ## find the noises of the field test's filter anew, minutes; har
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
 	$(RUN) -m harness lateral
+
+learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
+	$(RUN) -m harness learn
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

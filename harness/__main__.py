@@ -1,4 +1,4 @@
-"""The command line: run, campaign, report, regress, accept; observability, estimate, rig.
+"""The command line.
 
 Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
 """
@@ -28,6 +28,7 @@ from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
 from harness.field.command import add_to as add_field
 from harness.lateral.command import add_to as add_lateral
+from harness.learn.command import add_to as add_learn
 from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
 
@@ -58,6 +59,7 @@ Overrides = Annotated[
     typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
+add_learn(app)
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
 

@@ -177,32 +177,32 @@ def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> di
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
         "DEFAULT_TOLERANCE": repr(float(tolerance)),
-        "MODEL_GUID": _quoted(guid),
+        "MODEL_GUID": quoted(guid),
     }
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
     body = [
         "/* Generated from Modelica; do not edit. */",
         *(f"#define {name} {value}" for name, value in sizes.items()),
-        _table("double", "start_x", [s.start for s in lay.states]),
-        _table("double", "start_u", [s.start for s in lay.inputs]),
-        _table("double", "start_p", [s.start for s in lay.parameters]),
-        _table("double", "start_d", [s.start for s in lay.discretes]),
-        _table("double", "start_g", [s.start if s else 0.0 for s in guesses]),
-        _table("double", "start_q", [s.start if s else 0.0 for s in start_guesses]),
-        _table("double", "nominal_x", [nominal(s) for s in lay.states]),
-        _table("double", "nominal_g", [nominal(s) if s else 1.0 for s in guesses]),
-        _table("double", "nominal_q", [nominal(s) if s else 1.0 for s in start_guesses]),
-        _table("char", "x_calculated", [int(c) for c in system.calculated]),
-        _table("double", "clock_phase", [phase for phase, _ in system.clocks]),
-        _table("double", "clock_period", [period for _, period in system.clocks]),
-        _table("int", "indicator_relation", system.indicator_relation),
-        _table("int", "jacobian_row", rows),
-        _table("int", "jacobian_column", columns),
-        _table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
+        table("double", "start_x", [s.start for s in lay.states]),
+        table("double", "start_u", [s.start for s in lay.inputs]),
+        table("double", "start_p", [s.start for s in lay.parameters]),
+        table("double", "start_d", [s.start for s in lay.discretes]),
+        table("double", "start_g", [s.start if s else 0.0 for s in guesses]),
+        table("double", "start_q", [s.start if s else 0.0 for s in start_guesses]),
+        table("double", "nominal_x", [nominal(s) for s in lay.states]),
+        table("double", "nominal_g", [nominal(s) if s else 1.0 for s in guesses]),
+        table("double", "nominal_q", [nominal(s) if s else 1.0 for s in start_guesses]),
+        table("char", "x_calculated", [int(c) for c in system.calculated]),
+        table("double", "clock_phase", [phase for phase, _ in system.clocks]),
+        table("double", "clock_period", [period for _, period in system.clocks]),
+        table("int", "indicator_relation", system.indicator_relation),
+        table("int", "jacobian_row", rows),
+        table("int", "jacobian_column", columns),
+        table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
         _names("x_name", [s.name for s in lay.states]),
         _names("assertion_place", [a.where for a in system.assertions]),
-        f"static const char loop_names[] = {_quoted(', '.join(system.loops.guesses))};",
-        f"static const char start_loop_names[] = {_quoted(', '.join(system.start_loops.guesses))};",
+        f"static const char loop_names[] = {quoted(', '.join(system.loops.guesses))};",
+        f"static const char start_loop_names[] = {quoted(', '.join(system.start_loops.guesses))};",
         _model_functions(system),
         '#include "layout.h"',
         elimination.code,
@@ -237,7 +237,7 @@ def _assertion_texts(assertions: Sequence[Assertion]) -> str:
         count = sum(isinstance(piece, SX) for piece in a.message)
         values = "".join(f", values[{place + k}]" for k in range(count))
         place += count
-        cases.append(f"    case {i}: snprintf(text, size, {_quoted(form)}{values}); break;")
+        cases.append(f"    case {i}: snprintf(text, size, {quoted(form)}{values}); break;")
     return "\n".join(
         [
             "static void assertion_text(int i, const double *values, char *text, size_t size) {",
@@ -253,15 +253,17 @@ def _assertion_texts(assertions: Sequence[Assertion]) -> str:
     )
 
 
-def _table(type_: str, name: str, values: Sequence[float]) -> str:
+def table(type_: str, name: str, values: Sequence[float]) -> str:
+    """Return a C table of numbers."""
     # One entry more, because C has no empty arrays.
     listed = ", ".join([*(repr(float(v)) if type_ == "double" else str(int(v)) for v in values), "0"])
     return f"static const {type_} {name}[] = {{ {listed} }};".replace("inf", "INFINITY").replace("nan", "NAN")
 
 
 def _names(name: str, values: Sequence[str]) -> str:
-    return f"static const char *const {name}[] = {{ {', '.join([*map(_quoted, values), '0'])} }};"
+    return f"static const char *const {name}[] = {{ {', '.join([*map(quoted, values), '0'])} }};"
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
+    """Return a C string literal."""
     return json.dumps(text)

@@ -1,5 +1,6 @@
 """modelDescription.xml: variables, units and structure of an FMU."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from xml.sax.saxutils import quoteattr
@@ -26,7 +27,7 @@ SETTINGS = {
 
 
 @dataclass(slots=True)
-class _Writer:
+class Writer:
     """Collects ScalarVariables and remembers their place, which ModelStructure refers to."""
 
     rows: list[str] = field(default_factory=list)
@@ -55,10 +56,13 @@ class _Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-        self.rows.append(f"    <ScalarVariable{_attributes(head)}><{type_}{_attributes(inner)}/></ScalarVariable>")
+        self.rows.append(
+            f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
+        )
 
 
-def _attributes(values: dict[str, str]) -> str:
+def attributes_text(values: dict[str, str]) -> str:
+    """Return XML attributes with a blank before each."""
     return "".join(f" {key}={quoteattr(value)}" for key, value in values.items())
 
 
@@ -104,7 +108,7 @@ def write(
         step: Communication step to suggest, s.
     """
     lay = layout(system)
-    w = _Writer()
+    w = Writer()
     _variables(w, system, lay, solver, tolerance)
     flags = {
         "modelIdentifier": identifier,
@@ -127,15 +131,15 @@ def write(
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            f"<fmiModelDescription{_attributes(head)}>",
-            *([f"  <ModelExchange{_attributes(flags)}/>"] if "me" in interfaces else []),
-            *([f"  <CoSimulation{_attributes(flags | step_flag)}/>"] if "cs" in interfaces else []),
+            f"<fmiModelDescription{attributes_text(head)}>",
+            *([f"  <ModelExchange{attributes_text(flags)}/>"] if "me" in interfaces else []),
+            *([f"  <CoSimulation{attributes_text(flags | step_flag)}/>"] if "cs" in interfaces else []),
             *_units(lay),
             "  <LogCategories>",
             '    <Category name="logStatusError" description="Why a call failed"/>',
             '    <Category name="logStatusWarning" description="Assertions of level warning"/>',
             "  </LogCategories>",
-            f"  <DefaultExperiment{_attributes(experiment)}/>",
+            f"  <DefaultExperiment{attributes_text(experiment)}/>",
             "  <ModelVariables>",
             *w.rows,
             "  </ModelVariables>",
@@ -146,7 +150,7 @@ def write(
     )
 
 
-def _variables(w: _Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
+def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
     def out(s: Scalar) -> str:
         return "output" if s.causality == "output" else "local"
 
@@ -234,6 +238,11 @@ def _units(lay: Layout) -> list[str]:
     for group in (lay.states, lay.inputs, lay.parameters, lay.outputs, lay.locals, lay.discretes):
         names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
     names |= {_per_second(s.attributes["unit"]) for s in lay.states if s.attributes.get("unit")}
+    return unit_definitions(names)
+
+
+def unit_definitions(names: Iterable[str]) -> list[str]:
+    """Return the lines of UnitDefinitions for Modelica unit strings; what is not understood gets its name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
         unit = parse(name)
@@ -245,11 +254,11 @@ def _units(lay: Layout) -> list[str]:
             base["factor"] = repr(unit.factor)
         if unit.offset:
             base["offset"] = repr(unit.offset)
-        out.append(f"    <Unit name={quoteattr(name)}><BaseUnit{_attributes(base)}/></Unit>")
+        out.append(f"    <Unit name={quoteattr(name)}><BaseUnit{attributes_text(base)}/></Unit>")
     return [*out, "  </UnitDefinitions>"]
 
 
-def _structure(w: _Writer, system: System, lay: Layout) -> list[str]:
+def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
     first = lay.reference
     nx = len(lay.states)
     outputs, _ = split_algebraics(system)

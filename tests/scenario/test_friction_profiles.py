@@ -17,7 +17,13 @@ PLAIN = ["adhesion.conditioning.fraction=0"]
 
 
 def profile(name, *overrides):
-    return profile_of(load(LIBRARY / f"{name}.toml", overrides))
+    """Return a profile as its file describes it: `soap` is a shape without a calibrated factor."""
+    return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]))
+
+
+def test_the_calibrated_factor_of_a_shape_scales_the_friction():
+    plain, wet = profile("sine_sweep"), profile("sine_sweep", "adhesion.polach=wet", "adhesion.calibrated.wet=0.5")
+    assert wet.mu0_at[:, 0] == pytest.approx(0.5 * plain.mu0_at[:, 0])
 
 
 def test_a_trapezoid_is_high_falls_stays_low_and_rises():

@@ -1,0 +1,152 @@
+"""Features of lateral and yaw acceleration that carry friction whatever the track.
+
+A wheelset yaws and swings because rails are uneven, and creep forces decide how both motions hang together: the slope
+of the creep curve and its saturation move the ratio and the phase of lateral and yaw acceleration. Ratios and phases
+do not depend on how uneven the track is; levels, which decide how far the contact is saturated, are kept beside them.
+
+All steps are causal: band filters with two outputs a quarter of a period
+apart, products of them, and their mean over the last metres travelled, weighted exponentially.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import cont2discrete, lfilter
+
+Array = NDArray[np.float64]
+Pair = tuple[Any, Any]
+
+WHEELSETS: Final = 4
+PRODUCTS: Final = 10
+"""Means kept per band and bogie."""
+SLOWEST: Final = 1.0
+"""m/s, below which the logarithm of speed no longer falls."""
+TINY: Final = 1e-12
+"""m²/s⁴, added to powers so that a silent channel has a logarithm."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spectral:
+    """The filters behind the features.
+
+    Attributes:
+        rate: Samples a second that go in, see `antialias`.
+        centres: Of the bands, Hz.
+        quality: Of the band filters.
+        metres: Distance over which products are averaged, m.
+        settling: s at the start that are not averaged, while filters forget the step from nothing to the first sample:
+            the slowest band has forgotten all but a thousandth of it after 3 s.
+    """
+
+    rate: float
+    centres: tuple[float, ...] = (1.0, 2.0, 4.0, 8.0, 16.0)
+    quality: float = 1.4
+    metres: float = 100.0
+    settling: float = 3.0
+
+    def band(self, centre: float) -> tuple[Array, Array, Array, Array]:
+        """Return A, B, C, D of a band filter at `rate`; outputs: the band, and its integral times ω."""
+        w = 2 * np.pi * centre
+        a = np.array([[0.0, 1.0], [-(w**2), -w / self.quality]])
+        b = np.array([[0.0], [1.0]])
+        c = np.array([[0.0, w / self.quality], [w**2 / self.quality, 0.0]])
+        made = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
+        return made[0], made[1], made[2], made[3]
+
+    def weight(self, speed: Any, library: Any) -> Any:
+        """Return the weight of a new sample at a speed, m/s; `library` is `numpy` or `casadi`."""
+        return 1 - library.exp(-library.fabs(speed) / (self.metres * self.rate))
+
+    @property
+    def settled(self) -> int:
+        """Samples at the start that are not averaged."""
+        return round(self.settling * self.rate)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the features, in order."""
+        one = ("yaw level leading", "yaw level trailing", "lateral over yaw leading", "lateral over yaw trailing",
+               "in phase leading", "quadrature leading", "in phase trailing", "quadrature trailing",
+               "yaw in phase", "yaw quadrature")  # fmt: skip
+        return (*(f"{name}, {centre:g} Hz" for centre in self.centres for name in one), "log speed")
+
+    def means(self, lateral: Array, yaw: Array, speed: float) -> Array:
+        """Return running means of products, shape (n, bands, 2 bogies, 10).
+
+        Args:
+            lateral, yaw: At `rate`, in axes that point forwards, wheelset 1 leading, m/s², shape (n, 4).
+            speed: m/s, held; sample by sample it may change, see `online`.
+        """
+        weight = self.weight(speed, np)
+        # The sum of the weights so far, so that the start counts for no more than it is worth.
+        averaged = np.maximum(np.arange(len(lateral)) + 1 - self.settled, 0)
+        total = np.maximum(1 - (1 - weight) ** averaged, TINY)
+        made = np.empty((len(lateral), len(self.centres), 2, PRODUCTS))
+        for k, centre in enumerate(self.centres):
+            swing, turn = self._filtered(centre, lateral), self._filtered(centre, yaw)
+            for bogie in range(2):
+                lead, trail = 2 * bogie, 2 * bogie + 1
+                own = products(
+                    (swing[0][:, lead], swing[1][:, lead]), (swing[0][:, trail], swing[1][:, trail]),
+                    (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
+                )  # fmt: skip
+                made[:, k, bogie] = np.stack(own, axis=-1)
+        made[: self.settled] = 0.0
+        mean = lfilter([weight], [1, weight - 1], made, axis=0)
+        return np.asarray(mean / total[:, None, None, None], dtype=np.float64)
+
+    def features(self, lateral: Array, yaw: Array, speed: float) -> Array:
+        """Return the features, shape (n, features); arguments as for `means`."""
+        means = self.means(lateral, yaw, speed).sum(axis=2)
+        made = [value for k in range(len(self.centres)) for value in ratios(list(means[:, k].T), np)]
+        return np.stack([*made, np.full(len(lateral), np.log(max(abs(speed), SLOWEST)))], axis=-1)
+
+    def _filtered(self, centre: float, signal: Array) -> Array:
+        """Return the band and its integral, shape (2, *signal.shape)."""
+        a, b, c, d = self.band(centre)
+        denominator = np.poly(a)
+        # The transfer function of each output, so that one vectorised filter does the work.
+        numerators = [np.poly(a - b @ c[row : row + 1]) + (d[row, 0] - 1) * denominator for row in range(2)]
+        return np.stack([np.asarray(lfilter(numerator, denominator, signal, axis=0)) for numerator in numerators])
+
+
+def products(swing_lead: Pair, swing_trail: Pair, turn_lead: Pair, turn_trail: Pair) -> list[Any]:
+    """Return the ten products of a bogie; each signal is (band, integral), in NumPy or in CasADi."""
+    return [
+        turn_lead[0] * turn_lead[0],
+        turn_trail[0] * turn_trail[0],
+        swing_lead[0] * swing_lead[0],
+        swing_trail[0] * swing_trail[0],
+        swing_lead[0] * turn_lead[0],
+        swing_lead[1] * turn_lead[0],
+        swing_trail[0] * turn_trail[0],
+        swing_trail[1] * turn_trail[0],
+        turn_lead[0] * turn_trail[0],
+        turn_lead[1] * turn_trail[0],
+    ]
+
+
+def ratios(means: list[Any], library: Any) -> list[Any]:
+    """Return the features of one band from the mean products of both bogies together.
+
+    Args:
+        means: As `products` orders them.
+        library: `numpy` or `casadi`, for log and sqrt.
+    """
+    turn_lead, turn_trail, swing_lead, swing_trail = (m + TINY for m in means[:4])
+    lead, trail = library.sqrt(turn_lead * swing_lead), library.sqrt(turn_trail * swing_trail)
+    between = library.sqrt(turn_lead * turn_trail)
+    return [
+        library.log(turn_lead),
+        library.log(turn_trail),
+        library.log(swing_lead / turn_lead),
+        library.log(swing_trail / turn_trail),
+        means[4] / lead,
+        means[5] / lead,
+        means[6] / trail,
+        means[7] / trail,
+        means[8] / between,
+        means[9] / between,
+    ]

@@ -1,0 +1,160 @@
+"""A CasADi function (state, input) → (state, output) as a discrete-time co-simulation FMU.
+
+What an estimator or controller written in CasADi needs to be dropped into another tool: the same C code generator, the
+same packager and compiler as for Modelica classes, another small runtime (`runtime/discrete.c`). One communication step
+of one period calls the function once: outputs at its end come from the inputs set at its beginning.
+"""
+
+import hashlib
+import re
+from dataclasses import dataclass
+from importlib.metadata import version
+
+import casadi as ca
+
+from fmus.errors import WrongQuestion
+from fmus.native.code import RUNTIME, quoted, table
+from fmus.native.description import Writer, attributes_text, unit_definitions
+from fmus.native.model import Variable
+from fmus.native.package import Source
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Discrete:
+    """A discrete-time system.
+
+    Attributes:
+        name: Shown as model name; a C identifier is made from it.
+        description: One line.
+        period: Between calls, s.
+        states, inputs, parameters, outputs: In the order of the function's vectors; outputs hold their start values
+            until the first call. Parameters are set before the first step.
+        step: (state, input, parameter) → (state, output), dense columns; the parameter may be missing when there is none.
+    """
+
+    name: str
+    description: str
+    period: float
+    states: tuple[Variable, ...]
+    inputs: tuple[Variable, ...]
+    parameters: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    step: ca.Function
+
+    def __post_init__(self) -> None:
+        if not self.period > 0:
+            raise WrongQuestion(f"{self.name}: the period is a positive time, got {self.period} s.")
+        takes = [self.step.numel_in(i) for i in range(self.step.n_in())]
+        gives = [self.step.numel_out(i) for i in range(self.step.n_out())]
+        wanted = [len(self.states), len(self.inputs), len(self.parameters)]
+        if takes + [0] * (3 - len(takes)) != wanted or gives != [len(self.states), len(self.outputs)]:
+            raise WrongQuestion(
+                f"{self.name}: a step function takes (state, input, parameter) of {wanted} numbers and gives "
+                f"(state, output) of {[len(self.states), len(self.outputs)]}; this one takes {takes} and gives {gives}."
+            )
+        names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise WrongQuestion(f"{self.name}: more than one variable is named {', '.join(twice)}.")
+
+
+def sources(system: Discrete) -> Source:
+    """Return C code and modelDescription.xml, ready for `package.pack`."""
+    identifier = re.sub(r"\W", "_", system.name)
+    xml, code = _xml(system, identifier, ""), _code(system, "")
+    guid = hashlib.sha256("\0".join([xml, code]).encode()).hexdigest()[:32]
+    return Source(
+        identifier=identifier,
+        files={"model.c": _code(system, f"{{{guid}}}"), "discrete.c": (RUNTIME / "discrete.c").read_text()},
+        xml=_xml(system, identifier, f"{{{guid}}}"),
+    )
+
+
+def _code(system: Discrete, guid: str) -> str:
+    # Expanded to scalar operations and inputs that are all there: then no argument is a null pointer.
+    state, entry, parameter = (
+        ca.SX.sym(name, len(group))
+        for name, group in (("x", system.states), ("u", system.inputs), ("p", system.parameters))
+    )
+    given = [state, entry, parameter][: system.step.n_in()]
+    following, output = system.step.expand().call(given) if given else ([], [])
+    step = ca.Function("f_step", [state, entry, parameter], [ca.densify(following), ca.densify(output)], {"cse": True})
+    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
+    generator.add(step)
+    sizes = {
+        "NX": len(system.states), "NU": len(system.inputs), "NP": len(system.parameters), "NY": len(system.outputs),
+        "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(), "RESULTS": step.sz_res(),
+        "PERIOD": repr(float(system.period)), "MODEL_GUID": quoted(guid),
+    }  # fmt: skip
+    groups = {"x": system.states, "u": system.inputs, "p": system.parameters, "y": system.outputs}
+    return "\n".join(
+        [
+            "/* Generated from a CasADi function; do not edit. */",
+            *(f"#define {name} {value}" for name, value in sizes.items()),
+            *(table("double", f"start_{name}", [v.start for v in group]) for name, group in groups.items()),
+            "#include <math.h>",
+            "#define CASADI_SYMBOL_EXPORT static",
+            generator.dump(),
+            '#include "discrete.c"',
+            "",
+        ]
+    )
+
+
+def _xml(system: Discrete, identifier: str, guid: str) -> str:
+    w = Writer()
+    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
+    place = 1
+    for group, causality, variability, initial in (
+        (system.states, "local", "discrete", "exact"),
+        (system.inputs, "input", "discrete", None),
+        (system.parameters, "parameter", "fixed", "exact"),
+        (system.outputs, "output", "discrete", "exact"),
+    ):
+        for v in group:
+            bounds = {"min": v.minimum, "max": v.maximum}
+            attributes = {"unit": v.unit} if v.unit else {}
+            attributes |= {key: repr(float(value)) for key, value in bounds.items() if value is not None}
+            w.add(
+                v.name, place, causality=causality, variability=variability, initial=initial, start=v.start,
+                description=v.description, attributes=attributes,
+            )  # fmt: skip
+            place += 1
+    every = (*system.states, *system.inputs, *system.parameters, *system.outputs)
+    head = {
+        "fmiVersion": "2.0",
+        "modelName": system.name,
+        "guid": guid,
+        "description": system.description,
+        "generationTool": f"railgrip (CasADi {version('casadi')})",
+        "variableNamingConvention": "structured",
+    }
+    flags = {
+        "modelIdentifier": identifier,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    first = len(every) - len(system.outputs) + 2
+    outputs = [f'      <Unknown index="{first + k}"/>' for k in range(len(system.outputs))]
+    return "\n".join(
+        [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            f"<fmiModelDescription{attributes_text(head)}>",
+            f"  <CoSimulation{attributes_text(flags)}/>",
+            *unit_definitions({"1", "s"} | {v.unit for v in every if v.unit}),
+            "  <LogCategories>",
+            '    <Category name="logStatusError" description="Why a call failed"/>',
+            "  </LogCategories>",
+            f'  <DefaultExperiment startTime="0" stopTime="1" stepSize="{float(system.period)!r}"/>',
+            "  <ModelVariables>",
+            *w.rows,
+            "  </ModelVariables>",
+            "  <ModelStructure>",
+            *(["    <Outputs>", *outputs, "    </Outputs>"] if outputs else []),
+            "  </ModelStructure>",
+            "</fmiModelDescription>",
+            "",
+        ]
+    )

@@ -1,0 +1,274 @@
+/* FMI 2.0 for Co-Simulation of a function (state, input, parameter) -> (state, output) called once a period.
+ *
+ * The generated file comes first: sizes (NX states, NU inputs, NP parameters, NY outputs), PERIOD, tables of start
+ * values, MODEL_GUID and f_step. A value reference is an index into State.v. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+
+enum { TIME = 0, X = 1, U = X + NX, P = U + NU, Y = P + NP, NV = Y + NY };
+enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
+
+typedef struct {
+    double v[NV];
+    double start; /* time at which the first period begins */
+    double calls; /* of f_step so far, so that time is never summed */
+    int phase;
+} State;
+
+typedef struct {
+    State s;
+    fmi2CallbackFunctions callbacks;
+    fmi2Boolean logging;
+    double next_x[NX + 1], next_y[NY + 1];
+    double work[WORK + 1]; /* of f_step */
+    int index[INDEX + 1];
+    const double *argument[ARGUMENTS + 1];
+    double *result[RESULTS + 1];
+    char name[1]; /* rest follows */
+} Instance;
+
+#define M ((Instance *)c)
+
+static fmi2Status refuse(Instance *m, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (m->callbacks.logger)
+        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, fmi2Error, "logStatusError", "%s", text);
+    return fmi2Error;
+}
+
+static void reset(State *s) {
+    memset(s, 0, sizeof *s);
+    memcpy(s->v + X, start_x, NX * sizeof(double));
+    memcpy(s->v + U, start_u, NU * sizeof(double));
+    memcpy(s->v + P, start_p, NP * sizeof(double));
+    memcpy(s->v + Y, start_y, NY * sizeof(double));
+}
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetVersion(void) { return fmi2Version; }
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
+    (void)n;
+    (void)categories;
+    M->logging = on;
+    return fmi2OK;
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
+    Instance *m;
+    (void)resources;
+    (void)visible;
+    if (!name || !guid || !(m = calloc(1, sizeof *m + strlen(name)))) return NULL;
+    strcpy(m->name, name);
+    if (callbacks) m->callbacks = *callbacks;
+    m->logging = logging;
+    if (strcmp(guid, MODEL_GUID) || type != fmi2CoSimulation) {
+        if (type != fmi2CoSimulation)
+            refuse(m, "this FMU is for co-simulation only");
+        else
+            refuse(m, "the GUID %s is not that of this FMU, %s", guid, MODEL_GUID);
+        free(m);
+        return NULL;
+    }
+    reset(&m->s);
+    return m;
+}
+void fmi2FreeInstance(fmi2Component c) { free(c); }
+fmi2Status fmi2Reset(fmi2Component c) {
+    reset(&M->s);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
+                               fmi2Boolean has_stop, fmi2Real stop) {
+    (void)has_tolerance;
+    (void)tolerance;
+    (void)has_stop;
+    (void)stop;
+    if (M->s.phase != INSTANTIATED) return refuse(M, "fmi2SetupExperiment: only before initialisation");
+    M->s.v[TIME] = M->s.start = start;
+    return fmi2OK;
+}
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    if (M->s.phase != INSTANTIATED) return refuse(M, "fmi2EnterInitializationMode: only once, after instantiation or reset");
+    M->s.phase = INITIALIZING;
+    return fmi2OK;
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    if (M->s.phase != INITIALIZING) return refuse(M, "fmi2ExitInitializationMode: not in initialisation mode");
+    M->s.phase = RUNNING;
+    return fmi2OK;
+}
+fmi2Status fmi2Terminate(fmi2Component c) {
+    M->s.phase = TERMINATED;
+    return fmi2OK;
+}
+
+/* Call the function once on the inputs that are set. */
+static int call(Instance *m) {
+    State *s = &m->s;
+    m->argument[0] = s->v + X;
+    m->argument[1] = s->v + U;
+    m->argument[2] = s->v + P;
+    m->result[0] = m->next_x;
+    m->result[1] = m->next_y;
+    if (f_step(m->argument, m->result, m->index, m->work, 0)) return 1;
+    for (int i = 0; i < NX; i++)
+        if (!isfinite(m->next_x[i])) return 1;
+    memcpy(s->v + X, m->next_x, NX * sizeof(double));
+    memcpy(s->v + Y, m->next_y, NY * sizeof(double));
+    s->calls++;
+    s->v[TIME] = s->start + s->calls * PERIOD;
+    return 0;
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state) {
+    State *s = &M->s;
+    double periods = h / PERIOD, whole = floor(periods + 0.5);
+    (void)no_set_state;
+    if (s->phase != RUNNING) return refuse(M, "fmi2DoStep: not initialised, or terminated");
+    /* The caller's clock may be summed: a hundredth of a period is forgiven, a sample more or less is not. */
+    if (!(fabs(t - s->v[TIME]) <= 0.01 * PERIOD))
+        return refuse(M, "fmi2DoStep: asked for a step from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
+    if (!(whole >= 1 && fabs(periods - whole) <= 0.01))
+        return refuse(M, "fmi2DoStep: a step is a whole number of periods of %.9g s, got %.9g s", (double)PERIOD, h);
+    for (double k = 0; k < whole; k++)
+        if (call(M)) {
+            s->phase = FAILED;
+            return refuse(M, "fmi2DoStep: a state is not a number at time = %.9g s", s->v[TIME]);
+        }
+    return fmi2OK;
+}
+fmi2Status fmi2CancelStep(fmi2Component c) { return refuse(M, "fmi2CancelStep: steps are never pending"); }
+
+/* ---- values ---- */
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
+    for (size_t i = 0; i < n; i++) {
+        if (vr[i] >= NV) return refuse(M, "there is no variable with value reference %u", vr[i]);
+        value[i] = M->s.v[vr[i]];
+    }
+    return fmi2OK;
+}
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
+    for (size_t i = 0; i < n; i++) {
+        fmi2ValueReference k = vr[i];
+        int input = k >= U && k < P, before = k >= X && k < NV && M->s.phase < RUNNING;
+        if (!input && !before)
+            return refuse(M, "the variable with value reference %u cannot be set%s", k, k < NV ? " any more" : "");
+        M->s.v[k] = value[i];
+    }
+    return fmi2OK;
+}
+#define NONE(NAME, TYPE, KIND)                                                                        \
+    fmi2Status NAME(fmi2Component c, const fmi2ValueReference vr[], size_t n, TYPE value[]) { \
+        (void)vr;                                                                                     \
+        (void)value;                                                                                  \
+        return n ? refuse(M, #NAME ": there are no " KIND " variables") : fmi2OK;                     \
+    }
+NONE(fmi2GetInteger, fmi2Integer, "Integer")
+NONE(fmi2GetBoolean, fmi2Boolean, "Boolean")
+NONE(fmi2GetString, fmi2String, "String")
+NONE(fmi2SetInteger, const fmi2Integer, "Integer")
+NONE(fmi2SetBoolean, const fmi2Boolean, "Boolean")
+NONE(fmi2SetString, const fmi2String, "String")
+
+/* ---- FMU state: one copy ---- */
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    if (!*state && !(*state = malloc(sizeof(State)))) return refuse(M, "fmi2GetFMUstate: out of memory");
+    memcpy(*state, &M->s, sizeof(State));
+    return fmi2OK;
+}
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    if (!state) return refuse(M, "fmi2SetFMUstate: no state given");
+    memcpy(&M->s, state, sizeof(State));
+    return fmi2OK;
+}
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    (void)c;
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return fmi2OK;
+}
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
+    (void)c;
+    (void)state;
+    *size = sizeof(State);
+    return fmi2OK;
+}
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+    if (size < sizeof(State)) return refuse(M, "fmi2SerializeFMUstate: the buffer is too small");
+    memcpy(bytes, state, sizeof(State));
+    return fmi2OK;
+}
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
+    if (size != sizeof(State)) return refuse(M, "fmi2DeSerializeFMUstate: these bytes are not a state of this FMU");
+    if (!*state && !(*state = malloc(size))) return refuse(M, "fmi2DeSerializeFMUstate: out of memory");
+    memcpy(*state, bytes, size);
+    return fmi2OK;
+}
+
+/* ---- not offered ---- */
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
+                                        const fmi2ValueReference known[], size_t n_known, const fmi2Real along[],
+                                        fmi2Real result[]) {
+    (void)unknown;
+    (void)n_unknown;
+    (void)known;
+    (void)n_known;
+    (void)along;
+    (void)result;
+    return refuse(M, "fmi2GetDirectionalDerivative: not offered");
+}
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                       const fmi2Real value[]) {
+    (void)vr;
+    (void)order;
+    (void)value;
+    return n ? refuse(M, "fmi2SetRealInputDerivatives: inputs are samples") : fmi2OK;
+}
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                        fmi2Real value[]) {
+    (void)vr;
+    (void)order;
+    (void)value;
+    return n ? refuse(M, "fmi2GetRealOutputDerivatives: outputs are samples") : fmi2OK;
+}
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
+    (void)c;
+    (void)kind;
+    (void)value;
+    return fmi2Discard;
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+    if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
+    *value = M->s.v[TIME];
+    return fmi2OK;
+}
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
+    (void)c;
+    (void)kind;
+    (void)value;
+    return fmi2Discard;
+}
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    if (kind != fmi2Terminated) return fmi2Discard;
+    *value = M->s.phase == TERMINATED ? fmi2True : fmi2False;
+    return fmi2OK;
+}
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
+    (void)c;
+    (void)kind;
+    (void)value;
+    return fmi2Discard;
+}

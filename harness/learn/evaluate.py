@@ -1,0 +1,186 @@
+"""How good is it? The paper's split, and the splits that tell recognition of a run from estimation of friction."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.learned.ensemble import Ensemble
+from estimators.learned.network import Bias, Network, train
+from estimators.learned.preprocessing import Scale
+from harness.learn.gather import Run, spectral_features
+from harness.scenario.seed import generator
+
+Array = NDArray[np.float64]
+
+HIDDEN: Final = 6
+TRAINED: Final = 0.8
+CHANNELS: Final[Mapping[str, slice]] = {"longitudinal": slice(0, 4), "lateral": slice(4, 8), "yaw": slice(8, 12)}
+"""Columns of `Run.blocks` by motion."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Score:
+    """Errors over one set of samples.
+
+    Attributes:
+        rmse, mae: Of the estimator, means over its random starts.
+        best: Lowest mae of them.
+        spread: Standard deviation of mae over them.
+        rmse_of_mean, mae_of_mean: Of the predictor that always says the mean label of what was trained on.
+        coverage: Share of labels inside the 90 % interval, where the estimator gives one.
+        width: Mean width of that interval.
+    """
+
+    rmse: float
+    mae: float
+    best: float
+    spread: float
+    rmse_of_mean: float
+    mae_of_mean: float
+    coverage: float | None = None
+    width: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fitted:
+    """A network with the scaling in front of it."""
+
+    network: Network
+    scale: Scale
+
+    def __call__(self, blocks: Array) -> Array:
+        """Return friction for block means, shape (n, channels) → (n,)."""
+        return self.network(self.scale(blocks))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recipe:
+    """How the paper's networks are trained.
+
+    Attributes:
+        motions: Of `CHANNELS`.
+        bias: Reading of equation (4).
+        settled: Whether the high-pass starts at the mean of the first second instead of the first sample.
+        starts: Random initialisations.
+        steps: Of Levenberg-Marquardt.
+    """
+
+    motions: tuple[str, ...] = ("longitudinal",)
+    bias: Bias = "inside"
+    settled: bool = False
+    starts: int = 15
+    steps: int = 100
+
+    def blocks(self, run: Run) -> Array:
+        """Return what the network sees of a run, before scaling."""
+        whole = run.settled if self.settled else run.blocks
+        return np.hstack([whole[:, CHANNELS[motion]] for motion in self.motions])
+
+    def fit(self, data: Sequence[tuple[Array, Array]], purpose: str) -> list[Fitted]:
+        """Return one network for each random start, trained on (blocks, labels) of several runs linked together."""
+        x, y = np.vstack([d[0] for d in data]), np.concatenate([d[1] for d in data])
+        scale = Scale.over(x)
+        draws = generator(0, f"learn.start.{purpose}").spawn(self.starts)
+        return [
+            Fitted(
+                network=train(scale(x), y, hidden=HIDDEN, bias=self.bias, generator=draw, steps=self.steps), scale=scale
+            )
+            for draw in draws
+        ]
+
+
+def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float] | None = None) -> Score:
+    """Train on the first 80 % of every run, judge on the last 20 %: the paper's split.
+
+    Args:
+        runs: Of one speed.
+        labels: By name of the run, instead of its own.
+    """
+    given = [run.friction if labels is None else labels[run.name] for run in runs]
+    parts = [(recipe.blocks(run), label) for run, label in zip(runs, given, strict=True)]
+    early = [_labelled(blocks[: _cut(blocks)], label) for blocks, label in parts]
+    late = [_labelled(blocks[_cut(blocks) :], label) for blocks, label in parts]
+    return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
+
+
+def within_exchanged(runs: Sequence[Run], recipe: Recipe) -> Score:
+    """Judge by the paper's split, with every run under the label of another."""
+    return within_runs(runs, recipe, exchanged(runs))
+
+
+def exchanged(runs: Sequence[Run]) -> dict[str, float]:
+    """Return labels handed on from run to run: half of the runs away, so that friction no longer fits the run."""
+    frictions = [run.friction for run in runs]
+    shift = max(1, len(runs) // 2)
+    return {run.name: frictions[(k + shift) % len(runs)] for k, run in enumerate(runs)}
+
+
+def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
+    """Leave one run out at a time and judge on it."""
+    scores: list[Score] = []
+    for left in runs:
+        seen = [_labelled(recipe.blocks(run), run.friction) for run in runs if run is not left]
+        new = [_labelled(recipe.blocks(left), left.friction)]
+        scores.append(score(recipe.fit(seen, f"without.{left.name}"), seen, new))
+    return average(scores)
+
+
+def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Recipe) -> dict[str, Score]:
+    """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
+    seen = [_labelled(recipe.blocks(run), run.friction) for run in home]
+    fitted = recipe.fit(seen, f"home.{home[0].group}")
+    return {
+        name: score(fitted, seen, [_labelled(recipe.blocks(run), run.friction) for run in runs])
+        for name, runs in away.items()
+    }
+
+
+def judge(ensemble: Ensemble, mean_label: float, runs: Iterable[Run]) -> Score:
+    """Judge the estimator for all speeds on runs it has not seen; one estimate every 20 m."""
+    estimates, truth = [], []
+    for run in runs:
+        made = ensemble(spectral_features(run))
+        estimates.append(np.column_stack([made.friction, made.lower, made.upper]))
+        truth.append(np.full(len(made.friction), run.friction))
+    whole, y = np.vstack(estimates), np.concatenate(truth)
+    error = whole[:, 0] - y
+    return Score(
+        rmse=_rms(error), mae=float(np.abs(error).mean()), best=float(np.abs(error).mean()), spread=0.0,
+        rmse_of_mean=_rms(y - mean_label), mae_of_mean=float(np.abs(y - mean_label).mean()),
+        coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()), width=float((whole[:, 2] - whole[:, 1]).mean()),
+    )  # fmt: skip
+
+
+def score(
+    fitted: Sequence[Callable[[Array], Array]], seen: Sequence[tuple[Array, Array]], new: Sequence[tuple[Array, Array]]
+) -> Score:
+    """Return the errors of several networks, beside those of the mean label of what they have seen."""
+    x, y = np.vstack([d[0] for d in new]), np.concatenate([d[1] for d in new])
+    mean = np.concatenate([d[1] for d in seen]).mean()
+    errors = [one(x) - y for one in fitted]
+    absolute = [float(np.abs(e).mean()) for e in errors]
+    return Score(
+        rmse=float(np.mean([_rms(e) for e in errors])), mae=float(np.mean(absolute)), best=min(absolute),
+        spread=float(np.std(absolute)), rmse_of_mean=_rms(y - mean), mae_of_mean=float(np.abs(y - mean).mean()),
+    )  # fmt: skip
+
+
+def average(scores: Sequence[Score]) -> Score:
+    """Return the mean of every figure over several scores without intervals."""
+    names = ("rmse", "mae", "best", "spread", "rmse_of_mean", "mae_of_mean")
+    return Score(**{name: float(np.mean([getattr(s, name) for s in scores])) for name in names})
+
+
+def _labelled(blocks: Array, label: float) -> tuple[Array, Array]:
+    return blocks, np.full(len(blocks), label)
+
+
+def _cut(blocks: Array) -> int:
+    return int(TRAINED * len(blocks))
+
+
+def _rms(error: Array) -> float:
+    return float(np.sqrt(np.mean(error**2)))

@@ -1,0 +1,32 @@
+"""A trained estimator as an FMU."""
+
+from estimators.learned.online import Edge, Online
+from fmus.native import Variable
+from fmus.native.discrete import Discrete, sources
+from fmus.native.package import Source
+
+
+def as_fmu(built: Online) -> Source:
+    """Return C code and modelDescription.xml of an online estimator, for `fmus.native.package.pack`."""
+    states, inputs, outputs = (tuple(map(_variable, edges)) for edges in (_apart(built), built.inputs, built.outputs))
+    return sources(
+        Discrete(
+            name=built.name, description="Friction between wheel and rail from accelerations of the axle boxes",
+            period=1 / built.rate, states=states, inputs=inputs, parameters=(), outputs=outputs, step=built.step,
+        )
+    )  # fmt: skip
+
+
+def _apart(built: Online) -> tuple[Edge, ...]:
+    """Return the states under names that no input or output has."""
+    return tuple(
+        Edge(name=f"memory.{edge.name}", unit=edge.unit, start=edge.start, description=edge.description)
+        for edge in built.states
+    )
+
+
+def _variable(edge: Edge) -> Variable:
+    return Variable(
+        name=edge.name, unit=edge.unit, start=edge.start, description=edge.description,
+        minimum=None, maximum=None, nominal=1.0,
+    )  # fmt: skip

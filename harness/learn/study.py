@@ -1,0 +1,172 @@
+"""The whole study: gather runs, train, judge; a value that tables and figures are made from."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from estimators.learned.ensemble import Ensemble, fit
+from harness.learn.evaluate import Recipe, Score, average, elsewhere, judge, within_exchanged, within_runs, without_each
+from harness.learn.gather import Run, gather, spectral_features
+from harness.learn.runs import SPEEDS, abroad, campaign, design
+from harness.learn.workers import workers as processes
+from harness.scenario.seed import generator
+from harness.twins.instrumented_car import Pass
+
+PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
+    16: (0.0053, 0.0041), 26: (0.0038, 0.0028), 40: (0.0141, 0.0083), 60: (0.0080, 0.0063),
+}  # fmt: skip
+"""Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
+
+Rows = Mapping[str, Mapping[int, Score]]
+"""What was judged → speed [mph] → score."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Size:
+    """How much is simulated and trained.
+
+    Attributes:
+        speeds: mph.
+        starts: Random starts of the paper's networks; honest_starts: where every run is left out once.
+        design: Runs for the estimator for all speeds; members: its networks.
+        length: m of the campaign's runs; away: of all others.
+    """
+
+    speeds: tuple[int, ...]
+    starts: int
+    honest_starts: int
+    design: int
+    members: int
+    length: float
+    away: float
+
+
+FULL: Final = Size(speeds=SPEEDS, starts=15, honest_starts=3, design=80, members=20, length=400.0, away=200.0)
+QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3, length=200.0, away=200.0)
+"""Shows that everything works; its figures mean nothing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Study:
+    """What came out.
+
+    Attributes:
+        split: Rows of the paper's split, among them what takes the paper's networks apart.
+        inputs: The paper's split with the other combinations of motions.
+        honest: Rows of the paper's networks on runs they have not seen.
+        general: Rows of the estimator for all speeds on the same runs.
+        ensemble: That estimator.
+        runs: The campaign, by speed.
+    """
+
+    split: Rows
+    inputs: Rows
+    honest: Rows
+    general: Rows
+    ensemble: Ensemble
+    runs: Mapping[int, Sequence[Run]]
+
+
+def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
+    """Return every run of the study by set; `campaign` and `design` are what estimators are trained on."""
+    home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
+    return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
+
+
+def study(size: Size, *, workers: int = 2, tell: Callable[[str], None] = lambda _: None) -> Study:
+    """Simulate what is not in the cache, train and judge.
+
+    Args:
+        workers: Processes.
+        tell: Told each run that is there and each piece that is judged; `pieces` says how often.
+    """
+    wanted = passes(size)
+    with processes(workers) as pool:
+        everything = iter(gather([p for part in wanted.values() for p in part], pool, tell=tell))
+        named = {name: [next(everything) for _ in part] for name, part in wanted.items()}
+        by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
+        away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
+        # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
+        all_speeds = pool.submit(general, named["design"], size.members)
+        submitted = {
+            (table, name, s): pool.submit(one, by_speed[s])
+            for table, rows in _pieces(size).items()
+            for name, one in rows.items()
+            for s in size.speeds
+        }
+        abroad_of = {
+            s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, Recipe(starts=size.starts))
+            for s in size.speeds
+        }
+        for done in as_completed([all_speeds, *submitted.values(), *abroad_of.values()]):
+            done.result()
+            tell("training and judging")
+    tables: dict[str, dict[str, dict[int, Score]]] = {}
+    for (table, name, s), found in submitted.items():
+        tables.setdefault(table, {}).setdefault(name, {})[s] = found.result()
+    for s, found in abroad_of.items():
+        for name, score in found.result().items():
+            tables["honest"].setdefault(name, {})[s] = score
+    ensemble, mean = all_speeds.result()
+    sets = {"campaign": named["campaign"], **away}
+    return Study(
+        split=tables["split"],
+        inputs=tables["inputs"],
+        honest=tables["honest"],
+        general={name: {s: judge(ensemble, mean, _at(runs, s)) for s in size.speeds} for name, runs in sets.items()},
+        ensemble=ensemble,
+        runs=by_speed,
+    )
+
+
+def pieces(size: Size) -> int:
+    """Return how many runs and pieces `study` tells of."""
+    runs = sum(len(part) for part in passes(size).values())
+    return runs + 1 + len(size.speeds) * (1 + sum(len(rows) for rows in _pieces(size).values()))
+
+
+def _pieces(size: Size) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
+    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed."""
+    recipe = Recipe(starts=size.starts)
+    few = replace(recipe, starts=size.honest_starts)
+    motions = (("lateral",), ("yaw",), ("longitudinal", "yaw"), ("longitudinal", "lateral", "yaw"))
+    return {
+        "split": {
+            "bias inside": partial(within_runs, recipe=recipe),
+            "bias outside": partial(within_runs, recipe=replace(recipe, bias="outside")),
+            "labels exchanged": partial(within_exchanged, recipe=recipe),
+            "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
+        },
+        "inputs": {", ".join(m): partial(within_runs, recipe=replace(few, motions=m)) for m in motions},
+        "honest": {"a run left out": partial(without_each, recipe=few)},
+    }
+
+
+def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
+    """Train the estimator for all speeds; return it and the mean label of its training."""
+    features = [spectral_features(run) for run in runs]
+    labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
+    number = np.concatenate([np.full(len(f), k, dtype=np.int64) for k, f in enumerate(features)])
+    made = fit(np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), members=members)
+    return made, float(labels.mean())
+
+
+def over_speeds(row: Mapping[int, Score]) -> Score:
+    """Return the mean over speeds; coverage and width too where every speed has them."""
+    scores = list(row.values())
+    mean = average(scores)
+    if any(s.coverage is None for s in scores):
+        return mean
+    return replace(
+        mean,
+        coverage=float(np.mean([s.coverage for s in scores if s.coverage is not None])),
+        width=float(np.mean([s.width for s in scores if s.width is not None])),
+    )
+
+
+def _at(runs: Sequence[Run], speed: int) -> list[Run]:
+    return [run for run in runs if run.group == speed]

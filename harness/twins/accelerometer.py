@@ -1,0 +1,97 @@
+"""Axle-box accelerometers: what a logger writes of a true acceleration.
+
+Offset, drift and noise of the sensor, the resonance of the keeper plate it stands on, and the vibration of rolling
+wheels that no rigid-body vehicle has. Values are estimates for a DC-coupled sensor of the 7533A4's class; the range of
+offsets is that which Abduraxman et al. (2024) report.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, lfilter, sosfilt
+
+Array = NDArray[np.float64]
+
+RATE: Final = 5120
+"""Samples a second of the paper's loggers."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Accelerometer:
+    """One kind of accelerometer on its plate.
+
+    Attributes:
+        offset: Lowest and highest offset, m/s².
+        drift: Standard deviation of the drift within a run, m/s² a second.
+        walk: Random walk of the offset, m/s² a square root of a second.
+        noise: Density of white noise, m/s²/√Hz.
+        gain_error: Relative standard deviation of the gain.
+        plate_frequency: Resonance of the plate, Hz; plate_damping: its damping ratio.
+        rolling: Vibration of rolling wheels above 50 Hz, m/s² a m/s of speed.
+    """
+
+    offset: tuple[float, float]
+    drift: float
+    walk: float
+    noise: float
+    gain_error: float
+    plate_frequency: float
+    plate_damping: float
+    rolling: float
+
+
+AXLE_BOX: Final = Accelerometer(
+    offset=(266.0, 272.0), drift=5e-3, walk=2e-3, noise=5e-3, gain_error=0.01,
+    plate_frequency=640.0, plate_damping=0.05, rolling=0.1,
+)  # fmt: skip
+
+
+def measure(
+    true: Array, true_rate: int, speed: float, sensor: Accelerometer, vehicle: np.random.Generator, run: np.random.Generator
+) -> Array:  # fmt: skip
+    """Return what the loggers write at `RATE`, m/s².
+
+    Args:
+        true: Accelerations, m/s², shape (n, channels).
+        true_rate: Of `true`, samples a second; `RATE` is a multiple of it.
+        speed: m/s.
+        vehicle: Draws what belongs to the sensors: offsets and gains.
+        run: Draws what differs from run to run: drift and noise.
+    """
+    seen = _fine(true, true_rate)
+    count, channels = seen.shape
+    rolling = run.standard_normal(seen.shape) * sensor.rolling * speed
+    seen += sosfilt(butter(2, 50, "highpass", fs=RATE, output="sos"), rolling, axis=0)
+    seen = _plate(seen, sensor)
+    seen *= 1 + sensor.gain_error * vehicle.standard_normal(channels)
+    seen += vehicle.uniform(*sensor.offset, channels)
+    time = np.arange(count) / RATE
+    seen += time[:, None] * (sensor.drift * run.standard_normal(channels))
+    seen += np.cumsum(run.standard_normal(seen.shape), axis=0) * (sensor.walk / np.sqrt(RATE))
+    seen += run.standard_normal(seen.shape) * (sensor.noise * np.sqrt(RATE / 2))
+    return seen
+
+
+def _fine(true: Array, rate: int) -> Array:
+    if RATE % rate:
+        raise ValueError(f"accelerometers sample {RATE} times a second, which is no multiple of {rate}.")
+    fine = np.arange((len(true) - 1) * (RATE // rate) + 1) / (RATE // rate)
+    return np.asarray(CubicSpline(np.arange(len(true)), true)(fine), dtype=np.float64)
+
+
+def _plate(seen: Array, sensor: Accelerometer) -> Array:
+    """Return the acceleration of a plate that follows with one resonance; gain 1 at rest (bilinear transform)."""
+    w = np.tan(np.pi * sensor.plate_frequency / RATE)
+    a = np.array([1 + 2 * sensor.plate_damping * w + w**2, 2 * (w**2 - 1), 1 - 2 * sensor.plate_damping * w + w**2])
+    b = np.array([1.0, 2.0, 1.0]) * w**2
+    settled = _initial(b / a[0], a / a[0])[:, None] * seen[0]
+    return np.asarray(lfilter(b / a[0], a / a[0], seen, axis=0, zi=settled)[0], dtype=np.float64)
+
+
+def _initial(b: Array, a: Array) -> Array:
+    """Return the state of a filter at rest on an input of 1 with gain 1."""
+    last = b[2] - a[2]
+    return np.array([b[1] - a[1] + last, last])

@@ -1,0 +1,219 @@
+"""Runs of the instrumented car over a friction-modified stretch of straight track, after Abduraxman et al. (2024).
+
+A run is one pass over 400 m at a held speed. What decides it is a `Pass`; what comes back are the accelerations of
+the axle boxes as they are, before any accelerometer (see `accelerometer`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from harness.scenario.seed import generator
+from harness.twins.irregularity import KINDS, TRACKS, Irregularity, realise
+from harness.twins.plant import plant
+
+Array = NDArray[np.float64]
+
+RATE: Final = 1280
+"""Samples a second. Irregularities end at 21 Hz and the wheelsets bounce at 42 Hz: four times as many samples change
+no acceleration below 100 Hz by more than the solver's own tolerance, and take twice as long. Accelerometers
+interpolate to the rate of their loggers."""
+LENGTH: Final = 400.0
+"""m, the straight section of the test track."""
+LEAD_IN: Final = 40.0
+"""m before the section: the car settles on the irregularities."""
+PIVOTS: Final = 14.2
+WHEELBASE: Final = 2.1
+BEHIND: Final = (0.0, WHEELBASE, PIVOTS, PIVOTS + WHEELBASE)
+"""m, each wheelset behind the leading one."""
+MPH: Final = 0.44704
+FMU: Final = "MultiPurposeVehicle"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """What a rail-head treatment does to the slope of the creep curve.
+
+    Attributes:
+        k_A, k_S, A, B: Polach's parameters.
+    """
+
+    k_A: float
+    k_S: float
+    A: float
+    B: float
+
+
+SURFACES: Final[Mapping[str, Surface]] = {
+    # Dry and wet are Polach's (2005) published sets. Of the others only the friction is known; their slopes are
+    # estimates: third-body layers are taken as soft as water, the solid film of a friction modifier as stiffer.
+    "dry": Surface(k_A=1.0, k_S=0.4, A=0.4, B=0.6),
+    "friction modifier": Surface(k_A=0.5, k_S=0.2, A=0.4, B=0.2),
+    "wet": Surface(k_A=0.3, k_S=0.1, A=0.4, B=0.2),
+    "detergent": Surface(k_A=0.3, k_S=0.1, A=0.4, B=0.2),
+    "paper tape": Surface(k_A=0.25, k_S=0.1, A=0.4, B=0.2),
+}
+
+SLOPE_SPREAD: Final = 0.15
+"""Standard deviation of the logarithm of k_A and k_S from run to run: contamination is never applied twice alike (estimate)."""
+FRICTION_SPREAD: Final = 0.05
+"""Relative standard deviation of friction along the section; two readings of the tribometer differ by that much (estimate)."""
+FRICTION_LENGTH: Final = 10.0
+"""m, over which friction changes along the section (estimate)."""
+SPEED_SPREAD: Final = 0.01
+"""Relative standard deviation of the held speed from the nominal one (estimate)."""
+RADII: Final = (0.4200, 0.4196, 0.4203, 0.4198)
+"""m: wheels of one vehicle are never equal (estimate)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pass:
+    """Everything that decides one run.
+
+    Attributes:
+        name: Unique; random streams of the run hang on it.
+        speed: Nominal, m/s.
+        condition: Key of `SURFACES`.
+        friction: Mean maximum friction over the section, the label.
+        track: Key of `irregularity.TRACKS`.
+        track_seed: Of the irregularities; runs over the same track share it.
+        seed: Of everything that changes from run to run.
+        backwards: Whether the car runs the other way, its fourth wheelset leading.
+        length: m.
+    """
+
+    name: str
+    speed: float
+    condition: str
+    friction: float
+    track: str
+    track_seed: int
+    seed: int
+    backwards: bool = False
+    length: float = LENGTH
+
+    def __post_init__(self) -> None:
+        if self.condition not in SURFACES:
+            raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
+        if self.track not in TRACKS:
+            raise ValueError(f"{self.name}: track '{self.track}' is unknown; there are {', '.join(TRACKS)}.")
+        if not 0 < self.friction < 1:
+            raise ValueError(f"{self.name}: friction lies between 0 and 1, got {self.friction}.")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ride:
+    """True motion of the axle boxes on the section, in axes fixed to the car: wheelset 1 at its front.
+
+    Attributes:
+        longitudinal: m/s², shape (n, 4 wheelsets, 2: left and right).
+        lateral: m/s², shape (n, 4), to the left.
+        speed: m/s, shape (n,).
+        friction: At each wheelset, shape (n, 4).
+        offset: Lateral position of the wheelsets on the track, m, shape (n, 4).
+        creep: Total creepage of the left wheels, shape (n, 4).
+    """
+
+    longitudinal: Array
+    lateral: Array
+    speed: Array
+    friction: Array
+    offset: Array
+    creep: Array
+
+
+def ride(run: Pass, *, rate: int = RATE) -> Ride:
+    """Simulate a run, sampled at `rate` a second.
+
+    Raises:
+        PlantFailed: The FMU failed.
+        fmus.errors.FmuError: It cannot be built.
+    """
+    speed, surface = _held_speed(run), _surface(run)
+    inputs, skipped = _inputs(run, speed, rate)
+    outputs = {
+        "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
+        "offset": ("m", 4), "creep": ("1", 4), "speed": "m/s",
+    }  # fmt: skip
+    parameters = {
+        "speed_set": speed,
+        "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
+        "wheelbase": WHEELBASE, "pivots": PIVOTS,
+    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
+    # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
+    edge = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
+    with plant(FMU, inputs=edge, outputs=outputs, period=1 / rate, parameters=parameters) as car:
+        seen = np.empty((len(inputs), 21))
+        seen[0] = car.start(inputs[0])
+        step = car.step
+        for k in range(1, len(inputs)):
+            seen[k] = step(inputs[k])
+    seen, friction = seen[skipped:], inputs[skipped:, 16:]
+    made = Ride(
+        longitudinal=np.stack([seen[:, 0:4], seen[:, 4:8]], axis=-1),
+        lateral=seen[:, 8:12], offset=seen[:, 12:16], creep=seen[:, 16:20], speed=seen[:, 20], friction=friction,
+    )  # fmt: skip
+    return _turned(made) if run.backwards else made
+
+
+def _turned(made: Ride) -> Ride:
+    """Return a ride in the axes of a car whose rear led: the whole car is rotated by half a turn."""
+    return Ride(
+        longitudinal=-made.longitudinal[:, ::-1, ::-1],
+        lateral=-made.lateral[:, ::-1],
+        offset=-made.offset[:, ::-1],
+        creep=made.creep[:, ::-1],
+        friction=made.friction[:, ::-1],
+        speed=made.speed,
+    )
+
+
+def _held_speed(run: Pass) -> float:
+    return run.speed * (1 + SPEED_SPREAD * generator(run.seed, f"{run.name}.speed").standard_normal())
+
+
+def _surface(run: Pass) -> Surface:
+    own = SURFACES[run.condition]
+    scale = float(np.exp(SLOPE_SPREAD * generator(run.seed, f"{run.name}.surface").standard_normal()))
+    return Surface(k_A=min(own.k_A * scale, 1.0), k_S=min(own.k_S * scale, 1.0), A=own.A, B=own.B)
+
+
+def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
+    """Return what the FMU is sent, shape (n, 20), and how many samples lie before the section.
+
+    Positions are those of a car at exactly the held speed: the controller keeps it within some hundredths of a
+    metre a second, which shifts the irregularities by centimetres.
+    """
+    before = int(LEAD_IN / speed * rate)
+    count = before + int(run.length / speed * rate)
+    ahead = BEHIND[-1] + LEAD_IN
+    travelled = np.arange(count) * (speed / rate)
+    position = ahead + travelled[:, None] - np.array(BEHIND)
+    whole = ahead + LEAD_IN + run.length
+    track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
+    # The car starts on even track: irregularities grow over the first half of the lead-in.
+    grown = np.clip(travelled / (LEAD_IN / 2), 0, 1) ** 2 * (3 - 2 * np.clip(travelled / (LEAD_IN / 2), 0, 1))
+    columns = [_seen(track, kind, position, whole, run.backwards) * grown[:, None] for kind in KINDS]
+    columns.append(_friction(run, position, whole))
+    return np.hstack(columns), before
+
+
+def _seen(track: Irregularity, kind: str, position: Array, whole: float, backwards: bool) -> Array:
+    """Return irregularities as a car meets them; to a car that runs the other way, left is right."""
+    if not backwards:
+        return track.at(kind, position)  # pyright: ignore[reportArgumentType] - one of KINDS
+    mirrored = track.at(kind, whole - position)  # pyright: ignore[reportArgumentType]
+    return -mirrored if kind in ("alignment", "cross_level") else mirrored
+
+
+def _friction(run: Pass, position: Array, whole: float) -> Array:
+    spacing = 0.5
+    grid = np.arange(0.0, whole + LEAD_IN, spacing)
+    white = generator(run.seed, f"{run.name}.friction").standard_normal(grid.size)
+    smooth = gaussian_filter1d(white, FRICTION_LENGTH / spacing / 2, mode="wrap")
+    smooth = (smooth - smooth.mean()) / smooth.std()
+    return np.asarray(run.friction * (1 + FRICTION_SPREAD * np.interp(position, grid, smooth)), dtype=np.float64)

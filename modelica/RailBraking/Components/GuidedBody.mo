@@ -1,0 +1,76 @@
+within RailBraking.Components;
+model GuidedBody "Car body with six motions on two bogies"
+  parameter Types.Mass m(start=39000) "Mass";
+  parameter Types.Inertia I_roll(start=6e4) "Inertia about the track";
+  parameter Types.Inertia I_pitch(start=1.2e6) "Inertia across the track";
+  parameter Types.Inertia I_yaw(start=1.2e6) "Inertia about the vertical axis";
+  parameter Types.Length pivots(start=14.2) "Distance of the bogie pivots";
+  parameter Types.Length h(start=0.9) "Height of the centre of gravity over the secondary suspension";
+  parameter Types.Length h_frame(start=0.3) "Height of the secondary suspension over the centre of gravity of the frames";
+  parameter Types.Length b_secondary(start=1.0) "Half the distance of the secondary springs";
+  parameter Types.Stiffness k_rod(start=5e6) "Stiffness of one traction rod";
+  parameter Types.Damping c_rod(start=5e4) "Damping of one traction rod";
+  parameter Types.Stiffness k_y(start=1.6e5) "Lateral stiffness of one secondary spring";
+  parameter Types.Stiffness k_z(start=4.3e5) "Vertical stiffness of one secondary spring";
+  parameter Types.Damping c_y(start=3e4) "Lateral damping of one side";
+  parameter Types.Damping c_z(start=3e4) "Vertical damping of one side";
+  parameter Types.Damping c_yaw(start=1e5) "Longitudinal damping of one yaw damper";
+  final parameter Types.Length arm[2] = {pivots/2, -pivots/2} "Pivots ahead of the centre";
+  Interfaces.RealInput frame[2, 12] "x, dv, y, vy, z, vz, phi, wx, theta, wy, psi, wz of both frames";
+  Interfaces.RealInput resistance(final unit="N") "Drag, positive when it slows the car";
+  Interfaces.RealOutput F[2, 3](each final unit="N") "Force on both frames";
+  Interfaces.RealOutput M[2, 3](each final unit="N.m") "Torque on both frames";
+  Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run";
+  Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from the start";
+  Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
+  Types.Velocity vy(start=0, fixed=true, nominal=1e-2) "Lateral speed";
+  Types.Length z(start=0, fixed=true, nominal=1e-3) "Height, change from static";
+  Types.Velocity vz(start=0, fixed=true, nominal=1e-2) "Vertical speed";
+  Real phi(final unit="rad", start=0, fixed=true, nominal=1e-3) "Roll angle, left side up";
+  Types.AngularVelocity wx(start=0, fixed=true, nominal=1e-2) "Roll rate";
+  Real theta(final unit="rad", start=0, fixed=true, nominal=1e-3) "Pitch angle, nose down";
+  Types.AngularVelocity wy(start=0, fixed=true, nominal=1e-2) "Pitch rate";
+  Real psi(final unit="rad", start=0, fixed=true, nominal=1e-3) "Yaw angle, to the left";
+  Types.AngularVelocity wz(start=0, fixed=true, nominal=1e-2) "Yaw rate";
+protected
+  Types.Force rod[2] "Force of both traction rods on their frames, forward";
+  Types.Force lateral[2] "Force of the secondary suspension on both frames, to the left";
+  Types.Force lift[2] "Force of the secondary suspension on both frames, upwards, change from static";
+  Types.Torque roll[2] "Torque of the secondary suspension on both frames about the track";
+  Types.Torque yaw[2] "Torque of the secondary suspension on both frames about the vertical axis";
+equation
+  for i in 1:2 loop
+    rod[i] = k_rod*(x - h*theta - frame[i, 1] - h_frame*frame[i, 9]) + c_rod*(dv - h*wy - frame[i, 2] - h_frame*frame[i, 10]);
+    lateral[i] = 2*k_y*(y + arm[i]*psi + h*phi - frame[i, 3] + h_frame*frame[i, 7])
+      + 2*c_y*(vy + arm[i]*wz + h*wx - frame[i, 4] + h_frame*frame[i, 8]);
+    lift[i] = 2*k_z*(z - arm[i]*theta - frame[i, 5]) + 2*c_z*(vz - arm[i]*wy - frame[i, 6]);
+    roll[i] = b_secondary^2*(2*k_z*(phi - frame[i, 7]) + 2*c_z*(wx - frame[i, 8]));
+    yaw[i] = b_secondary^2*(2*k_y*(psi - frame[i, 11]) + 2*c_yaw*(wz - frame[i, 12]));
+    F[i, 1] = rod[i];
+    F[i, 2] = lateral[i];
+    F[i, 3] = lift[i];
+    M[i, 1] = roll[i] - h_frame*lateral[i];
+    M[i, 2] = h_frame*rod[i];
+    M[i, 3] = yaw[i];
+  end for;
+  der(x) = dv;
+  der(y) = vy;
+  der(z) = vz;
+  der(phi) = wx;
+  der(theta) = wy;
+  der(psi) = wz;
+  m*der(dv) = -rod[1] - rod[2] - resistance;
+  m*der(vy) = -lateral[1] - lateral[2];
+  m*der(vz) = -lift[1] - lift[2];
+  I_roll*der(wx) = -roll[1] - roll[2] - h*(lateral[1] + lateral[2]);
+  I_pitch*der(wy) = h*(rod[1] + rod[2]) + arm[1]*lift[1] + arm[2]*lift[2];
+  I_yaw*der(wz) = -yaw[1] - yaw[2] - arm[1]*lateral[1] - arm[2]*lateral[2];
+  annotation (Documentation(info="<html>
+<p>
+Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Traction rods, springs and dampers act at
+the height of the secondary suspension.
+</p>
+<h4>Limitations</h4>
+<p>Rigid body, linear springs and dampers, no bump stops. Gravity of the leaning body is left to its springs.</p>
+</html>"));
+end GuidedBody;

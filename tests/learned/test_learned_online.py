@@ -1,0 +1,112 @@
+"""The trained chain runs sample by sample as it does offline, in CasADi and inside an FMU."""
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from fmpy.validation import validate_fmu
+
+from estimators.learned import online
+from estimators.learned.antialias import AntiAlias
+from estimators.learned.channels import motions
+from estimators.learned.ensemble import Ensemble
+from estimators.learned.network import Network
+from estimators.learned.preprocessing import Chain, Scale
+from estimators.learned.spectral import Spectral
+from fmus.native.package import pack
+from harness.learn.export import as_fmu
+
+ROUNDING = 1e-9
+"""Relative: tens of thousands of recursive filter steps in another order of additions, behind a network of slope about 1."""
+
+
+def network(generator, inputs, hidden=6, bias="inside"):
+    draw = generator.standard_normal
+    return Network(
+        hidden_weights=draw((hidden, inputs)), hidden_bias=draw(hidden), output_weights=draw(hidden),
+        output_bias=0.1, bias=bias,
+    )  # fmt: skip
+
+
+def samples(generator, seconds, rate):
+    """Offset, drift and coloured noise on twelve channels."""
+    count = int(seconds * rate)
+    slow = np.cumsum(generator.standard_normal((count, 12)), axis=0) / rate**0.5
+    return 269 + slow + generator.standard_normal((count, 12))
+
+
+@pytest.mark.parametrize("combination", ["longitudinal", "lateral, yaw"])
+@pytest.mark.parametrize("bias", ["inside", "outside"])
+def test_the_papers_chain_is_the_same_online(combination, bias):
+    draw = np.random.default_rng(3)
+    raw = samples(draw, 2, 5120)
+    chain = Chain(rate=5120, block=50)
+    blocks = chain.process(motions(raw[:, :4], raw[:, 4:8], raw[:, 8:], combination))
+    scale, net = Scale.over(blocks), network(draw, blocks.shape[1], bias=bias)
+    offline = net(scale(blocks))
+    said = online.paper(chain, scale, [net], combination).run(raw)
+    np.testing.assert_allclose(said[49::50, 0], offline, rtol=ROUNDING)
+    assert np.all(said[:49, 1] == 0)
+    assert np.all(said[49:, 1] == 1)
+    assert np.all(said[49:99, 0] == said[49, 0])  # held between blocks
+
+
+def general_pair(direction):
+    draw = np.random.default_rng(4)
+    slow = AntiAlias(rate=1280, keep=10)
+    spectral = Spectral(rate=slow.slow_rate, settling=0.5, metres=30.0)
+    raw, speed = samples(draw, 4, slow.rate), 22.0
+    made = slow(np.hstack([raw[:, 8:], raw[:, 4:8] - raw[:, :4]]))
+    lateral, yaw = made[:, :4], made[:, 4:]
+    if direction < 0:
+        lateral, yaw = -lateral[:, ::-1], yaw[:, ::-1]
+    features = spectral.features(lateral, yaw, speed)
+    known = features[2 * spectral.settled :]
+    ensemble = Ensemble(
+        centre=known.mean(axis=0), spread=known.std(axis=0) + 1e-3, half_width=1.7,
+        networks=tuple(network(draw, features.shape[1]) for _ in range(3)),
+    )  # fmt: skip
+    entry = np.hstack([raw, np.full((len(raw), 1), speed), np.full((len(raw), 1), direction)])
+    return online.general(slow, spectral, ensemble), ensemble(known), entry, slow, spectral
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_general_estimator_is_the_same_online(direction):
+    built, offline, entry, slow, spectral = general_pair(direction)
+    said = built.run(entry)
+    first = slow.keep * (2 * spectral.settled + 1) - 1
+    np.testing.assert_allclose(said[first :: slow.keep, 0], offline.friction, rtol=ROUNDING)
+    np.testing.assert_allclose(said[first :: slow.keep, 1], offline.lower, rtol=ROUNDING, atol=1e-12)
+    np.testing.assert_allclose(said[first :: slow.keep, 2], offline.upper, rtol=ROUNDING)
+    assert said[first - 1, 3] == 0
+    assert said[first, 3] == 1
+
+
+def test_the_fmu_says_what_the_estimator_says(tmp_path):
+    draw = np.random.default_rng(5)
+    raw = samples(draw, 0.2, 5120)
+    chain = Chain(rate=5120, block=100)
+    blocks = chain.process(motions(raw[:, :4], raw[:, 4:8], raw[:, 8:], "longitudinal"))
+    built = online.paper(chain, Scale.over(blocks), [network(draw, 4)])
+    packed = pack(as_fmu(built), tmp_path / "friction.fmu")
+    assert validate_fmu(str(packed)) == []
+    time = np.arange(len(raw)) / 5120
+    names = [edge.name for edge in built.inputs]
+    signals = np.array(list(zip(time, *raw.T, strict=True)), dtype=[("time", float), *((n, float) for n in names)])
+    result = simulate_fmu(
+        str(packed),
+        stop_time=time[-1],
+        step_size=1 / 5120,
+        output_interval=1 / 5120,
+        input=signals,
+        output=["friction"],
+    )
+    # The FMU's value at the end of a step is that of the sample at its beginning.
+    expected = built.run(raw)[:, 0]
+    np.testing.assert_allclose(result["friction"][1:], expected[: len(result) - 1], rtol=1e-12)
+
+
+def test_a_start_that_is_not_causal_is_refused():
+    chain = Chain(rate=5120, block=50, start="first second")
+    scale = Scale(lowest=np.zeros(4), highest=np.ones(4))
+    with pytest.raises(ValueError, match="first sample only"):
+        online.paper(chain, scale, [network(np.random.default_rng(0), 4)])

@@ -1,0 +1,156 @@
+"""Filters, networks and judgements that must hold whatever the data."""
+
+import numpy as np
+import pytest
+from scipy.optimize import approx_fprime, least_squares
+
+from estimators.learned import network as nn
+from estimators.learned.channels import COMBINATIONS, motions
+from estimators.learned.ensemble import fit
+from estimators.learned.preprocessing import BLOCKS, Chain, Scale
+from estimators.learned.spectral import Spectral
+from harness.learn.evaluate import Recipe, exchanged, within_exchanged, within_runs, without_each
+from harness.learn.gather import Run
+
+
+def test_the_high_pass_keeps_what_came_first():
+    """Time constant 1/(2π 1e-4 Hz) = 1592 s: over a run it subtracts the first sample and little else."""
+    chain = Chain(rate=512, block=8)
+    raw = np.full((512 * 20, 1), 270.0)
+    raw[0] = 268.5  # vibration at the first sample
+    settled = chain.filtered(raw)[-1, 0]
+    assert settled == pytest.approx(1.5 * np.exp(-20 * 2 * np.pi * 1e-4), rel=1e-3)
+
+
+def test_the_low_pass_is_half_power_at_1_hz():
+    chain = Chain(rate=512, block=8)
+    time = np.arange(0, 40, 1 / 512)
+    for frequency, gain in ((0.1, 1.0), (1.0, np.sqrt(0.5)), (10.0, 0.01)):
+        out = chain.filtered(np.sin(2 * np.pi * frequency * time)[:, None])[512 * 20 :, 0]
+        assert np.ptp(out) / 2 == pytest.approx(gain, rel=0.02)
+
+
+def test_blocks_give_the_papers_rates():
+    assert {mph: 5120 / block for mph, block in BLOCKS.items()} == pytest.approx(
+        {60: 102.4, 40: 51.2, 26: 34.13, 16: 25.6}, rel=1e-3
+    )
+    raw = np.random.default_rng(0).standard_normal((1007, 4))
+    assert Chain(rate=5120, block=50).process(raw).shape == (20, 4)
+
+
+def test_the_eight_combinations_have_the_papers_sizes():
+    one = np.ones((3, 4))
+    sizes = [motions(one, one, one, name).shape[1] for name in COMBINATIONS]
+    assert sizes == [12, 8, 8, 8, 8, 4, 4, 4]
+
+
+def test_scaling_ends_at_plus_and_minus_one():
+    data = np.random.default_rng(0).uniform(3, 9, (50, 4))
+    scaled = Scale.over(data)(data)
+    assert scaled.min(axis=0) == pytest.approx(-np.ones(4))
+    assert scaled.max(axis=0) == pytest.approx(np.ones(4))
+
+
+@pytest.mark.parametrize("bias", ["inside", "outside"])
+def test_the_network_of_the_paper_has_37_parameters_and_a_right_jacobian(bias):
+    draw = np.random.default_rng(1)
+    x = draw.uniform(-1, 1, (5, 4))
+    p = draw.standard_normal(37)
+    own = nn._jacobian(p, x, 6, bias)
+    for k in range(5):
+        numeric = approx_fprime(p, lambda q, k=k: nn._unpack(q, 4, 6, bias)(x)[k], 1e-7)
+        assert own[k] == pytest.approx(numeric, abs=1e-6)  # forward differences of step 1e-7
+    assert nn._unpack(p, 4, 6, bias).size == 37
+
+
+def test_training_finds_the_minimum_that_minpack_finds():
+    draw = np.random.default_rng(2)
+    target = draw.standard_normal(3)
+
+    def residuals(p):
+        return np.array([10 * (p[1] - p[0] ** 2), 1 - p[0], p[2] - target[2]])
+
+    def jacobian(p):
+        return np.array([[-20 * p[0], 10, 0], [-1, 0, 0], [0, 0, 1.0]])
+
+    start = np.array([-1.2, 1.0, 0.0])
+    found = nn.levenberg_marquardt(residuals, jacobian, start, 200)
+    assert found == pytest.approx(least_squares(residuals, start, jac=jacobian, method="lm").x, abs=1e-6)
+
+
+def test_a_network_learns_a_smooth_function():
+    draw = np.random.default_rng(3)
+    x = draw.uniform(-1, 1, (400, 4))
+    y = 0.2 + 0.1 * np.tanh(x @ [1.0, -1.0, 0.5, 0.0])
+    made = nn.train(x, y, hidden=6, bias="inside", generator=draw)
+    assert np.abs(made(x) - y).max() < 2e-3
+
+
+def run(name, friction, blocks, generator, slow=None):
+    return Run(
+        name=name, group=60, speed=26.8, friction=friction, blocks=np.abs(np.tile(blocks, (100, 3)) + 0.05 * generator.standard_normal((100, 12))),
+        settled=np.abs(generator.standard_normal((100, 12))), slow=np.zeros((3, 8)) if slow is None else slow,
+    )  # fmt: skip
+
+
+def test_the_papers_split_cannot_tell_recognition_from_estimation():
+    """Each run has an offset that has nothing to do with friction: the split is passed, also with exchanged labels, and a
+    run that was left out is not."""
+    draw = np.random.default_rng(4)
+    frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
+    runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
+    recipe = Recipe(starts=2, steps=60)
+    own, other = within_runs(runs, recipe), within_exchanged(runs, recipe)
+    assert own.best < 0.005
+    assert other.best < 0.005
+    assert without_each(runs, recipe).mae > 0.5 * own.mae_of_mean
+
+
+def test_exchanged_labels_belong_to_other_runs():
+    draw = np.random.default_rng(4)
+    runs = [run(f"run {k}", mu, np.ones(4), draw) for k, mu in enumerate([0.1, 0.2, 0.3])]
+    given = exchanged(runs)
+    assert sorted(given.values()) == [0.1, 0.2, 0.3]
+    assert all(given[one.name] != one.friction for one in runs)
+
+
+def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
+    """Runs of a known law with noise from run to run; 60 new ones: 90 % within three binomial deviations of 4 %."""
+    draw = np.random.default_rng(5)
+
+    def made(count):
+        x = draw.uniform(-1, 1, (count, 3))
+        y = 0.25 + 0.1 * np.tanh(x[:, 0]) + 0.02 * draw.standard_normal(count)
+        rows = np.repeat(np.arange(count), 4)
+        return x[rows] + 0.02 * draw.standard_normal((4 * count, 3)), y[rows], rows
+
+    x, y, number = made(60)
+    ensemble = fit(x, y, number, generator=draw, members=12)
+    x, y, _ = made(60)
+    said = ensemble(x)
+    covered = np.mean((said.lower <= y) & (y <= said.upper))
+    assert 0.78 <= covered <= 1.0
+    assert np.abs(said.friction - y).mean() < 0.6 * np.abs(y - y.mean()).mean()
+
+
+def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():
+    draw = np.random.default_rng(6)
+    lateral, yaw = draw.standard_normal((2, 2000, 4))
+    spectral = Spectral(rate=128.0)
+    one, two = spectral.features(lateral, yaw, 20.0), spectral.features(3 * lateral, 3 * yaw, 20.0)
+    level = np.array(["level" in name for name in spectral.names])
+    after = slice(2 * spectral.settled, None)
+    assert two[after][:, ~level] == pytest.approx(one[after][:, ~level], abs=1e-9)
+    assert two[after][:, level] - one[after][:, level] == pytest.approx(np.log(9), abs=1e-9)
+
+
+def test_two_signals_a_quarter_apart_show_it():
+    """Lateral as the integral of yaw: quadrature 1, in phase 0, at the centre of a band."""
+    time = np.arange(0, 60, 1 / 128)
+    yaw = np.repeat(np.cos(2 * np.pi * 4 * time)[:, None], 4, axis=1)
+    lateral = np.repeat(-np.sin(2 * np.pi * 4 * time)[:, None], 4, axis=1)
+    spectral = Spectral(rate=128.0)
+    found = dict(zip(spectral.names, spectral.features(lateral, yaw, 20.0)[-1], strict=True))
+    # The bilinear transform moves 4 Hz by a third of a per cent at 128 Hz.
+    assert abs(found["quadrature leading, 4 Hz"]) == pytest.approx(1.0, abs=0.02)
+    assert found["in phase leading, 4 Hz"] == pytest.approx(0.0, abs=0.02)
