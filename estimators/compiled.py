@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from estimators.belief import Estimate, Matrix, Vector, sealed
 from estimators.design import Design
+from estimators.discretisation import ORDER, Order
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
 from estimators.generated import generate
@@ -37,6 +38,7 @@ class CompiledFilter:
         period: Seconds between two steps.
         gate: States to freeze and when, or None.
         outlier_limit: Standard deviations beyond which a reading is left out, or None.
+        order: 1 for forward Euler, 4 for RK4; see `discretisation`.
         directory: Where compiled filters are kept and found again.
 
     Attributes:
@@ -60,10 +62,11 @@ class CompiledFilter:
         period: float,
         gate: Gate | None = None,
         outlier_limit: float | None = None,
+        order: Order = ORDER,
         directory: Path = Path("build/estimators"),
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
-        self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit)
+        self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
         code = generate(prediction, design)
         n, m = len(design.states), len(design.outputs)
         # From the allocator of numpy and never replaced: C keeps working on this very memory.
@@ -80,7 +83,8 @@ class CompiledFilter:
         self.parameters = part("PARAMETERS")
         self._squared = part("SQUARED")
         self.parameters[:] = prediction.parameters
-        by_states("SPREAD")[:] = design.spread
+        self._spread = by_states("SPREAD")
+        self._spread[:] = design.spread
         part("READING_NOISE").reshape(m, m)[:] = design.reading_noise
         part("PERIOD")[:] = design.period
         part("THRESHOLD")[:] = design.gate_threshold
@@ -99,6 +103,27 @@ class CompiledFilter:
     def squared_innovation(self) -> float:
         """Normalised innovation squared of the last step, of `used.sum()` degrees."""
         return float(self._squared[0])
+
+    @property
+    def entry(self) -> tuple[int, int, int]:
+        """Addresses for a caller in C: `int step(double *block)`, its block, and the squared innovation.
+
+        They and the arrays of this filter are valid as long as it lives.
+        """
+        step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
+        return step, self._block.ctypes.data, self._squared.ctypes.data
+
+    def change_process_noise(self, process_noise: ArrayLike) -> None:
+        """Trust the model otherwise from the next step on.
+
+        Args:
+            process_noise: Density in (unit of the state)²/s, shape (n,) or (n, n).
+
+        Raises:
+            EstimatorError: Wrong shape, or no covariance.
+        """
+        self.design = self.design.with_process_noise(process_noise)
+        self._spread[:] = self.design.spread
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.design import Design
-from estimators.discretisation import ORDER
 from estimators.prediction import CasadiPrediction
 
 LANES = 4
@@ -83,12 +82,12 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
-    phi = _transition_pattern(slopes.sparsity())
+    phi = _transition_pattern(slopes.sparsity(), design.order)
     numbers = {
         "N": len(design.states),
         "M": len(design.outputs),
         "WIDTH": width,
-        "ORDER": ORDER,
+        "ORDER": design.order,
         "GATES": len(design.gated_states),
         "ARGUMENTS": max(function.sz_arg() for function in functions),
         "RESULTS": max(function.sz_res() for function in functions),
@@ -124,13 +123,13 @@ def _table(name: str, values: Iterable[int]) -> str:
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
 
 
-def _transition_pattern(columns: ca.Sparsity) -> NDArray[np.bool_]:
+def _transition_pattern(columns: ca.Sparsity, order: int) -> NDArray[np.bool_]:
     """Return where Φ may differ from zero, shape (n, n), from the pattern of A transposed."""
     n = columns.size1()
     pattern = np.zeros((n, n), dtype=bool)
     row, column = columns.get_triplet()
     pattern[column, row] = True
     reach = np.eye(n, dtype=bool)
-    for _ in range(ORDER):
+    for _ in range(order):
         reach |= pattern @ reach
     return reach

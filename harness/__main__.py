@@ -23,7 +23,11 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from harness.bench.command import add_to as add_bench
+from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
+from harness.lateral.command import add_to as add_lateral
+from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
 
 if TYPE_CHECKING:
@@ -177,6 +181,10 @@ def accept(
 
 
 add_estimate(app)
+add_calibrate(app)
+add_bench(app)
+add_lateral(app)
+add_monitor(app)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -29,7 +29,7 @@ def observability(file: File, out: Out = None) -> None:
     specification = load_specification(file)
     folder = out or OUT / specification.name
     with _err.status(f"{specification.name}: recording"):
-        recording = recording_for(specification.source)
+        recording = recording_for(specification.twin())
     with _err.status(f"{specification.name}: windows"):
         observed = observe(specification, recording)
     table = Table(
@@ -59,9 +59,13 @@ def estimate(
     out: Out = None,
     scenario: Annotated[str | None, typer.Option(help="Another scenario of the same source.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")] = None,
+    data: Annotated[
+        Path | None, typer.Option(metavar="RUN", help="Recorded csv, parquet, mat or mf4 file, read by [data].")
+    ] = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
     from harness.estimate.judge import judge
+    from harness.estimate.recorded.specified import taken_for
     from harness.estimate.recording import TRUTH
     from harness.estimate.run import estimate as run_filter
     from harness.estimate.run import units_of
@@ -70,11 +74,17 @@ def estimate(
     from harness.record.atomic import replacing
 
     specification = load_specification(file)
-    changed = {"scenario": scenario or specification.source.scenario, "seed": seed}
-    source = specification.source.model_copy(update={k: v for k, v in changed.items() if v is not None})
     folder = out or OUT / specification.name
-    with _err.status(f"{specification.name}: recording"):
-        recording = recording_for(source)
+    if data is not None:
+        recording = taken_for(specification, data).recording
+        for sentence in recording.attrs["flags"]:
+            _out.print(f"{data.name}: {sentence}", highlight=False, markup=False, soft_wrap=True)
+    else:
+        twin = specification.twin()
+        changed = {"scenario": scenario or twin.scenario, "seed": seed}
+        source = twin.model_copy(update={k: v for k, v in changed.items() if v is not None})
+        with _err.status(f"{specification.name}: recording"):
+            recording = recording_for(source)
     with _err.status(f"{specification.name}: filter"):
         told = run_filter(
             recording,

@@ -66,7 +66,9 @@ def rows_of(results: Results) -> tuple[Row, ...]:
 def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
     """Write NAME.json and NAME.md of a campaign and return their paths."""
     rows = rows_of(results)
-    content = {"campaign": results.name, "rows": [asdict(row) for row in rows], "missing": list(results.missing)}
+    # JSON has no NaN: a figure that does not exist (the air of the ideal bound) is null.
+    plain = [{key: None if value != value else value for key, value in asdict(row).items()} for row in rows]
+    content = {"campaign": results.name, "rows": plain, "missing": list(results.missing)}
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     write_text(as_json, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     write_text(as_markdown, markdown(results.name, results.description, rows, results.missing))
@@ -113,7 +115,7 @@ def _markdown_row(row: Row) -> str:
 
 def _cell(value: float | None, form: str, *, negate: bool = False) -> str:
     """Return a number for people; a reduction is shown as the change it is: −12.9 %."""
-    if value is None:
+    if value is None or math.isnan(value):
         return ""
     return form.format(-value if negate else value).replace("-", "−").replace("%", " %")
 

@@ -54,8 +54,8 @@ def test_both_ways_to_the_prediction_give_the_same_estimates():
     [
         ("full_brake", 5e-4),
         ("slip_two_state", 5e-4),
-        # The seeker reverses at the zero of a product of noisy derivatives: which millisecond that happens in depends on
-        # the last digits, and a reversal earlier or later moves the stop by some 0.1 %. It is the law, not the plant.
+        # The seeker reverses at the zero of a product of derivatives: in which millisecond that happens depends on the
+        # last digits, and a reversal earlier or later moves the stop by some 0.1 %. It is the law, not the plant.
         ("adhesion_based", 3e-3),
     ],
 )
