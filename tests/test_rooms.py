@@ -16,11 +16,12 @@ ALLOWED = {
     "harness": ("harness", "controllers", "estimators", "fmus"),
     # The loop knows protocols and the values that pass between parties, no party.
     "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.record.signals",
-                     "controllers.sight", "estimators.belief"),
+                     "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
     "harness.scenario": ("harness.scenario",),
     "harness.record": ("harness.record", "harness.scenario"),
     "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario"),
-    "harness.fmu": ("harness.fmu", "estimators.prediction", "fmus.native.toolchain"),
+    # What the compiled loop calls is described where it is called.
+    "harness.fmu": ("harness.fmu", "estimators.prediction", "fmus.native.toolchain", "harness.loop.compiled.Calls"),
 }  # fmt: skip
 
 

@@ -58,9 +58,17 @@ class Ensemble:
 
 
 def fit(
-    features: Array, friction: Array, run: NDArray[np.int64], *, generator: np.random.Generator, members: int = 20,
-    hidden: int = 6, decay: float = 1e-4, steps: int = 40, confidence: float = 0.9,
-) -> Ensemble:  # fmt: skip
+    features: Array,
+    friction: Array,
+    run: NDArray[np.int64],
+    *,
+    generator: np.random.Generator,
+    members: int = 20,
+    hidden: int = 6,
+    decay: float = 1e-4,
+    steps: int = 40,
+    confidence: float = 0.9,
+) -> Ensemble:
     """Train an ensemble, each member on runs drawn with replacement.
 
     Args:

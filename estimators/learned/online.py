@@ -23,8 +23,10 @@ Array = NDArray[np.float64]
 SX = ca.SX
 
 BOXES: Final = (
-    *(f"left[{k}]" for k in range(1, 5)), *(f"right[{k}]" for k in range(1, 5)), *(f"lateral[{k}]" for k in range(1, 5)),
-)  # fmt: skip
+    *(f"left[{k}]" for k in range(1, 5)),
+    *(f"right[{k}]" for k in range(1, 5)),
+    *(f"lateral[{k}]" for k in range(1, 5)),
+)
 """Accelerations of the axle boxes: longitudinal left and right, lateral."""
 
 
@@ -185,8 +187,11 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
     outputs: list[SX] = []
     ready = ca.logic_and(tick, ticks >= 2 * spectral.settled)
     for name, value in (
-        ("friction", mean), ("lower", ca.fmax(mean - half, 0)), ("upper", ca.fmin(mean + half, 1)), ("known", SX(1)),
-    ):  # fmt: skip
+        ("friction", mean),
+        ("lower", ca.fmax(mean - half, 0)),
+        ("upper", ca.fmin(mean + half, 1)),
+        ("known", SX(1)),
+    ):
         at, held = memory.new(f"held_{name}")
         memory.following[at] = ca.if_else(ready, value, held)
         outputs.append(ca.if_else(ready, value, held))

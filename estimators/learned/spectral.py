@@ -67,9 +67,18 @@ class Spectral:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the features, in order."""
-        one = ("yaw level leading", "yaw level trailing", "lateral over yaw leading", "lateral over yaw trailing",
-               "in phase leading", "quadrature leading", "in phase trailing", "quadrature trailing",
-               "yaw in phase", "yaw quadrature")  # fmt: skip
+        one = (
+            "yaw level leading",
+            "yaw level trailing",
+            "lateral over yaw leading",
+            "lateral over yaw trailing",
+            "in phase leading",
+            "quadrature leading",
+            "in phase trailing",
+            "quadrature trailing",
+            "yaw in phase",
+            "yaw quadrature",
+        )
         return (*(f"{name}, {centre:g} Hz" for centre in self.centres for name in one), "log speed")
 
     def means(self, lateral: Array, yaw: Array, speed: float) -> Array:
@@ -89,9 +98,11 @@ class Spectral:
             for bogie in range(2):
                 lead, trail = 2 * bogie, 2 * bogie + 1
                 own = products(
-                    (swing[0][:, lead], swing[1][:, lead]), (swing[0][:, trail], swing[1][:, trail]),
-                    (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
-                )  # fmt: skip
+                    (swing[0][:, lead], swing[1][:, lead]),
+                    (swing[0][:, trail], swing[1][:, trail]),
+                    (turn[0][:, lead], turn[1][:, lead]),
+                    (turn[0][:, trail], turn[1][:, trail]),
+                )
                 made[:, k, bogie] = np.stack(own, axis=-1)
         made[: self.settled] = 0.0
         mean = lfilter([weight], [1, weight - 1], made, axis=0)

@@ -148,10 +148,15 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Iterable[Run]) -> Score:
     whole, y = np.vstack(estimates), np.concatenate(truth)
     error = whole[:, 0] - y
     return Score(
-        rmse=_rms(error), mae=float(np.abs(error).mean()), best=float(np.abs(error).mean()), spread=0.0,
-        rmse_of_mean=_rms(y - mean_label), mae_of_mean=float(np.abs(y - mean_label).mean()),
-        coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()), width=float((whole[:, 2] - whole[:, 1]).mean()),
-    )  # fmt: skip
+        rmse=_rms(error),
+        mae=float(np.abs(error).mean()),
+        best=float(np.abs(error).mean()),
+        spread=0.0,
+        rmse_of_mean=_rms(y - mean_label),
+        mae_of_mean=float(np.abs(y - mean_label).mean()),
+        coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()),
+        width=float((whole[:, 2] - whole[:, 1]).mean()),
+    )
 
 
 def score(
@@ -163,9 +168,13 @@ def score(
     errors = [one(x) - y for one in fitted]
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
-        rmse=float(np.mean([_rms(e) for e in errors])), mae=float(np.mean(absolute)), best=min(absolute),
-        spread=float(np.std(absolute)), rmse_of_mean=_rms(y - mean), mae_of_mean=float(np.abs(y - mean).mean()),
-    )  # fmt: skip
+        rmse=float(np.mean([_rms(e) for e in errors])),
+        mae=float(np.mean(absolute)),
+        best=min(absolute),
+        spread=float(np.std(absolute)),
+        rmse_of_mean=_rms(y - mean),
+        mae_of_mean=float(np.abs(y - mean).mean()),
+    )
 
 
 def average(scores: Sequence[Score]) -> Score:

@@ -45,9 +45,13 @@ VEHICLE: Final = 7
 """Seed of the sensors' own properties: one car carries the same accelerometers on every run."""
 
 _CODE: Final = (
-    estimators.learned.channels, estimators.learned.preprocessing, estimators.learned.antialias,
-    harness.twins.accelerometer, harness.twins.instrumented_car, harness.twins.irregularity,
-)  # fmt: skip
+    estimators.learned.channels,
+    estimators.learned.preprocessing,
+    estimators.learned.antialias,
+    harness.twins.accelerometer,
+    harness.twins.instrumented_car,
+    harness.twins.irregularity,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,13 +101,21 @@ def readings(run: Pass) -> Readings:
     made = ride(run)
     true = np.hstack([made.longitudinal[:, :, 0], made.longitudinal[:, :, 1], made.lateral])
     written = measure(
-        true, harness.twins.instrumented_car.RATE, float(made.speed.mean()), AXLE_BOX,
-        vehicle=generator(VEHICLE, "sensors"), run=generator(run.seed, f"{run.name}.sensors"),
-    )  # fmt: skip
+        true,
+        harness.twins.instrumented_car.RATE,
+        float(made.speed.mean()),
+        AXLE_BOX,
+        vehicle=generator(VEHICLE, "sensors"),
+        run=generator(run.seed, f"{run.name}.sensors"),
+    )
     return Readings(
-        left=written[:, :4], right=written[:, 4:8], lateral=written[:, 8:],
-        speed=float(made.speed.mean()), backwards=run.backwards, rate=RATE,
-    )  # fmt: skip
+        left=written[:, :4],
+        right=written[:, 4:8],
+        lateral=written[:, 8:],
+        speed=float(made.speed.mean()),
+        backwards=run.backwards,
+        rate=RATE,
+    )
 
 
 def reduce(name: str, friction: float, seen: Readings) -> Run:
@@ -113,9 +125,14 @@ def reduce(name: str, friction: float, seen: Readings) -> Run:
     chain = Chain(rate=seen.rate, block=BLOCKS[group])
     settled = Chain(rate=seen.rate, block=BLOCKS[group], start="first second")
     return Run(
-        name=name, group=group, speed=seen.speed, friction=friction,
-        blocks=chain.process(raw), settled=settled.process(raw), slow=forward(seen).astype(np.float32),
-    )  # fmt: skip
+        name=name,
+        group=group,
+        speed=seen.speed,
+        friction=friction,
+        blocks=chain.process(raw),
+        settled=settled.process(raw),
+        slow=forward(seen).astype(np.float32),
+    )
 
 
 def spectral_features(run: Run, spectral: Spectral = SPECTRAL) -> Array:
@@ -169,9 +186,14 @@ def _make(run: Pass, file: Path) -> None:
 def _read(file: Path) -> Run:
     with np.load(file) as held:
         return Run(
-            name=str(held["name"]), group=int(held["group"]), speed=float(held["speed"]), friction=float(held["friction"]),
-            blocks=held["blocks"], settled=held["settled"], slow=held["slow"].astype(np.float64),
-        )  # fmt: skip
+            name=str(held["name"]),
+            group=int(held["group"]),
+            speed=float(held["speed"]),
+            friction=float(held["friction"]),
+            blocks=held["blocks"],
+            settled=held["settled"],
+            slow=held["slow"].astype(np.float64),
+        )
 
 
 def _common() -> str:

@@ -101,9 +101,13 @@ def _reduced(file: Path, label: Label) -> Run:
     rate = _rate(file, held["time"])
     boxes = np.column_stack([held[name] for name in BOXES])
     seen = Readings(
-        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:],
-        speed=float(np.mean(np.abs(held["speed"]))), backwards=label.backwards, rate=rate,
-    )  # fmt: skip
+        left=boxes[:, :4],
+        right=boxes[:, 4:8],
+        lateral=boxes[:, 8:],
+        speed=float(np.mean(np.abs(held["speed"]))),
+        backwards=label.backwards,
+        rate=rate,
+    )
     return reduce(file.name, label.friction, seen)
 
 

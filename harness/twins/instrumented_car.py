@@ -136,14 +136,22 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
     speed, surface = _held_speed(run), _surface(run)
     inputs, skipped = _inputs(run, speed, rate)
     outputs = {
-        "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
-        "offset": ("m", 4), "creep": ("1", 4), "speed": "m/s",
-    }  # fmt: skip
+        "longitudinal_left": ("m/s2", 4),
+        "longitudinal_right": ("m/s2", 4),
+        "lateral": ("m/s2", 4),
+        "offset": ("m", 4),
+        "creep": ("1", 4),
+        "speed": "m/s",
+    }
     parameters = {
         "speed_set": speed,
-        "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
-        "wheelbase": WHEELBASE, "pivots": PIVOTS,
-    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
+        "k_A": surface.k_A,
+        "k_S": surface.k_S,
+        "A_falling": surface.A,
+        "B_falling": surface.B,
+        "wheelbase": WHEELBASE,
+        "pivots": PIVOTS,
+    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}
     # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
     edge = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
     with plant(FMU, inputs=edge, outputs=outputs, period=1 / rate, parameters=parameters) as car:
@@ -155,8 +163,12 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
     seen, friction = seen[skipped:], inputs[skipped:, 16:]
     made = Ride(
         longitudinal=np.stack([seen[:, 0:4], seen[:, 4:8]], axis=-1),
-        lateral=seen[:, 8:12], offset=seen[:, 12:16], creep=seen[:, 16:20], speed=seen[:, 20], friction=friction,
-    )  # fmt: skip
+        lateral=seen[:, 8:12],
+        offset=seen[:, 12:16],
+        creep=seen[:, 16:20],
+        speed=seen[:, 20],
+        friction=friction,
+    )
     return _turned(made) if run.backwards else made
 
 

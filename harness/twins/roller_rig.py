@@ -85,9 +85,13 @@ def run_rig(scenario: RigScenario, seed: int | None = None) -> xarray.Dataset:
     signals = {name: (readings[:, i], OUTPUTS[name]) for i, name in enumerate(READINGS)}
     signals |= {"demand": (demand[kept], "Pa"), "protecting": (protecting[kept], "1")}
     told = {
-        "w": "wheelset_speed", "v": "speed", "mu_b": "pad_friction", "alpha": "adhesion",
-        "slip": "slip", "disc_temperature": "disc_temperature",
-    }  # fmt: skip
+        "w": "wheelset_speed",
+        "v": "speed",
+        "mu_b": "pad_friction",
+        "alpha": "adhesion",
+        "slip": "slip",
+        "disc_temperature": "disc_temperature",
+    }
     return recording_of(
         signals,
         period=scenario.period,

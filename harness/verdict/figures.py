@@ -21,6 +21,9 @@ _CONTROLLER_COLOURS = {
 }
 
 
+_DARK = {"full_brake", "slip_two_state", "ideal_bound"}
+
+
 def friction_figure(stops: Sequence[Result]) -> Figure:
     """Return the maximum friction over time at each wheelset, a panel for each stop (one of each scenario).
 
@@ -106,8 +109,8 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
             )
             for place, length, (_, row) in zip(places, lengths, found, strict=True):
                 panel.annotate(
-                    f"{length:.0f}", (place, length), ha="center", va="bottom", fontsize=8, xytext=(0, 1),
-                    textcoords="offset points",
+                    f"{length:.0f}", (place, length), ha="center", va="top", fontsize=8, xytext=(0, -3),
+                    textcoords="offset points", color="white" if controller in _DARK else style.BLACK,
                 )  # fmt: skip
                 if row.paper_distance_m is not None:
                     half = 0.46 * width
@@ -123,7 +126,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
-    panels[0].legend(ncols=6, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
+    panels[0].legend(ncols=7, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
     return made
 
 
@@ -173,8 +176,12 @@ def stop_figure(stop: Result) -> Figure:
         row[0].set_ylabel(label)
         row[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     panels[0, 0].set_xlim(0, time[-1])
-    panels[1, 0].set_ylim(-2, 102 if np.nanmax(trace["slip"].values) > 0.5 else 52)
+    # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
+    panels[1, 0].set_yscale("log")
+    panels[1, 0].set_ylim(0.1, 120)
+    panels[1, 0].set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
     panels[2, 0].set_ylim(0, None)
+    panels[4, 0].set_ylim(0, None)
     # The belief before the first brake application may be wide open; it must not squeeze what follows.
     panels[3, 0].set_ylim(0.2, 0.6)
     metrics, scenario = stop.record.metrics, stop.record.scenario

@@ -14,7 +14,7 @@ REFERENCE_CONTROLLER = "slip_two_state"
 """The controller that reductions are counted from: the paper's SBC."""
 
 CONTROLLERS = {
-    "full_brake": "full brake, no protection",
+    "full_brake": "full brake",
     "slip_two_state": "SBC, two-state",
     "slip_three_state": "SBC, three-state",
     "adhesion_based": "ABC",
@@ -35,7 +35,7 @@ class Row:
         paper_reduction: The published reduction against the published SBC.
         outcome: How the stop ended.
         longest_lock_s: Of any ω-group.
-        air_l: Free air used, litres.
+        air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
         stop: Name of the stop in the campaign.
     """
 
@@ -52,8 +52,8 @@ class Row:
     paper_distance_m: float | None
     paper_reduction: float | None
     outcome: str
-    longest_lock_s: float
-    air_l: float
+    longest_lock_s: float | None
+    air_l: float | None
     stop: str
 
 
@@ -84,7 +84,7 @@ def markdown(name: str, description: str, rows: Sequence[Row], missing: Sequence
         lines += [
             f"## Actuation {actuation}, sensors {sensors}, creep curve {polach}",
             "",
-            "| scenario | controller | estimator | distance | paper | reduction vs SBC | paper | duration "
+            "| scenario | controller | estimator | distance | paper | against SBC | paper | duration "
             "| adhesion used | longest lock | air |",
             "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|",
             *(_markdown_row(row) for row in here),
@@ -136,12 +136,12 @@ def _row(result: Result, sbc: Result | None) -> Row:
         distance_m=metrics.distance if stands else None,
         duration_s=metrics.duration if stands else None,
         reduction_vs_sbc=None if is_sbc else _reduction(_distance(result), _distance(sbc) if sbc else None),
-        utilisation=metrics.utilisation if math.isfinite(metrics.utilisation) else None,
+        utilisation=_number(metrics.utilisation),
         paper_distance_m=result.paper_distance,
         paper_reduction=None if is_sbc else _reduction(result.paper_distance, paper_sbc),
         outcome=record.outcome.value,
-        longest_lock_s=max(metrics.longest_lock),
-        air_l=1000 * metrics.air_used,
+        longest_lock_s=_number(max(metrics.longest_lock)),
+        air_l=_number(1000 * metrics.air_used),
         stop=result.name,
     )
 
@@ -166,6 +166,11 @@ def _polach(result: Result) -> str:
 
 def _distance(result: Result) -> float | None:
     return result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None
+
+
+def _number(value: float) -> float | None:
+    """Return a figure, or None where it does not exist."""
+    return value if math.isfinite(value) else None
 
 
 def _reduction(distance: float | None, reference: float | None) -> float | None:

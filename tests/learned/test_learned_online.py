@@ -22,9 +22,12 @@ ROUNDING = 1e-9
 def network(generator, inputs, hidden=6, bias="inside"):
     draw = generator.standard_normal
     return Network(
-        hidden_weights=draw((hidden, inputs)), hidden_bias=draw(hidden), output_weights=draw(hidden),
-        output_bias=0.1, bias=bias,
-    )  # fmt: skip
+        hidden_weights=draw((hidden, inputs)),
+        hidden_bias=draw(hidden),
+        output_weights=draw(hidden),
+        output_bias=0.1,
+        bias=bias,
+    )
 
 
 def samples(generator, seconds, rate):
@@ -62,9 +65,11 @@ def general_pair(direction):
     features = spectral.features(lateral, yaw, speed)
     known = features[2 * spectral.settled :]
     ensemble = Ensemble(
-        centre=known.mean(axis=0), spread=known.std(axis=0) + 1e-3, half_width=1.7,
+        centre=known.mean(axis=0),
+        spread=known.std(axis=0) + 1e-3,
+        half_width=1.7,
         networks=tuple(network(draw, features.shape[1]) for _ in range(3)),
-    )  # fmt: skip
+    )
     entry = np.hstack([raw, np.full((len(raw), 1), speed), np.full((len(raw), 1), direction)])
     return online.general(slow, spectral, ensemble), ensemble(known), entry, slow, spectral
 

@@ -88,9 +88,14 @@ def test_a_network_learns_a_smooth_function():
 
 def run(name, friction, blocks, generator, slow=None):
     return Run(
-        name=name, group=60, speed=26.8, friction=friction, blocks=np.abs(np.tile(blocks, (100, 3)) + 0.05 * generator.standard_normal((100, 12))),
-        settled=np.abs(generator.standard_normal((100, 12))), slow=np.zeros((3, 8)) if slow is None else slow,
-    )  # fmt: skip
+        name=name,
+        group=60,
+        speed=26.8,
+        friction=friction,
+        blocks=np.abs(np.tile(blocks, (100, 3)) + 0.05 * generator.standard_normal((100, 12))),
+        settled=np.abs(generator.standard_normal((100, 12))),
+        slow=np.zeros((3, 8)) if slow is None else slow,
+    )
 
 
 def test_the_papers_split_cannot_tell_recognition_from_estimation():

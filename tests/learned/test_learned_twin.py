@@ -15,8 +15,13 @@ CHECKED = Band(lowest=0.024, highest=0.333, lines=4000)
 
 @pytest.mark.parametrize(
     ("track", "kind", "millimetres"),
-    [("fra-5", "alignment", 3.06), ("fra-5", "vertical", 5.08), ("fra-6", "alignment", 2.04), ("fra-6", "vertical", 2.04)],
-)  # fmt: skip
+    [
+        ("fra-5", "alignment", 3.06),
+        ("fra-5", "vertical", 5.08),
+        ("fra-6", "alignment", 2.04),
+        ("fra-6", "vertical", 2.04),
+    ],
+)
 def test_spectra_have_the_published_rms(track, kind, millimetres):
     """Root mean squares published for wavelengths from 3 to 42 m, given to 0.01 mm."""
     assert 1e3 * rms(track, kind, CHECKED) == pytest.approx(millimetres, abs=0.005)

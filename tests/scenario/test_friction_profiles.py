@@ -17,13 +17,16 @@ PLAIN = ["adhesion.conditioning.fraction=0"]
 
 
 def profile(name, *overrides):
-    """Return a profile as its file describes it: `soap` is a shape without a calibrated factor."""
+    # The soap curve is not calibrated: friction is what the file says, whatever `make calibrate` has found.
     return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]))
 
 
-def test_the_calibrated_factor_of_a_shape_scales_the_friction():
-    plain, wet = profile("sine_sweep"), profile("sine_sweep", "adhesion.polach=wet", "adhesion.calibrated.wet=0.5")
-    assert wet.mu0_at[:, 0] == pytest.approx(0.5 * plain.mu0_at[:, 0])
+def test_calibration_scales_the_shape_it_is_for_and_no_other():
+    plain, scaled = (
+        profile("trapezoid", *PLAIN, "adhesion.calibrated.leaf=1.25", f"adhesion.polach={shape}")
+        for shape in ("soap", "leaf")
+    )
+    assert scaled.mu0_at == pytest.approx(1.25 * plain.mu0_at)
 
 
 def test_a_trapezoid_is_high_falls_stays_low_and_rises():

@@ -1,7 +1,9 @@
 """The table of distances: rows, reductions and what the paper says beside them."""
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from synthetic_runner import DECELERATION
 
@@ -42,6 +44,15 @@ def test_json_has_the_rows_that_were_asked_for(folder):
     assert "## Actuation ideal, sensors ideal, creep curve" in text
     assert "## Actuation pneumatic, sensors service" in text
     assert "−12.9 %" in text
+
+
+def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
+    results = read_results(folder)
+    without_air = replace(results.stops[0].record, metrics=replace(results.stops[0].record.metrics, air_used=np.nan))
+    results = replace(results, stops=(replace(results.stops[0], record=without_air), *results.stops[1:]))
+    as_json, as_markdown = write_table(results, folder)
+    assert json.loads(as_json.read_text(encoding="utf-8"))["rows"][0]["air_l"] is None
+    assert as_markdown.read_text(encoding="utf-8").splitlines()[8].endswith(" s |  |")
 
 
 def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, write_campaign):
