@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate lateral monitor clean
+.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate tune lateral monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -62,6 +62,11 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	$(RUN) -m harness observability harness/estimate/library/rig_own.toml
 	$(RUN) -m harness observability harness/estimate/library/wagon.toml
 	$(RUN) -m harness estimate harness/estimate/library/wagon.toml
+	$(RUN) -m harness field
+
+tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library
+	$(RUN) -m harness tune paper --out harness/field/library/paper.toml
+	$(RUN) -m harness tune consistent --out harness/field/library/consistent.toml
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
 	$(RUN) -m harness lateral

@@ -87,12 +87,7 @@ class Design:
                 "Filter: outlier_limit is a positive number of standard deviations, "
                 f"got {outlier_limit}; None uses every reading."
             )
-        reading = noise_matrix("reading_noise", reading_noise, outputs)
-        if not positive_definite(reading):
-            raise EstimatorError(
-                "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
-                "a small floor for a perfect sensor."
-            )
+        reading = _reading_covariance(reading_noise, outputs)
         return cls(
             states=states,
             inputs=inputs,
@@ -106,6 +101,15 @@ class Design:
             outlier_limit=math.inf if outlier_limit is None else outlier_limit,
             order=order,
         )
+
+    def retuned(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> Self:
+        """Return the same filter with other noises; see `of`.
+
+        Raises:
+            EstimatorError: They do not fit.
+        """
+        reading = _reading_covariance(reading_noise, self.outputs)
+        return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
 
     def with_process_noise(self, process_noise: ArrayLike) -> Self:
         """Return the same filter with another process noise; see `of`."""
@@ -145,6 +149,17 @@ class Design:
                 f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
                 f"got shape {seen.shape}; write NaN for a reading that is not there."
             )
+
+
+def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> Matrix:
+    """Return the covariance of the readings, shape (m, m)."""
+    reading = noise_matrix("reading_noise", reading_noise, outputs)
+    if not positive_definite(reading):
+        raise EstimatorError(
+            "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
+            "a small floor for a perfect sensor."
+        )
+    return reading
 
 
 def _spread(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:

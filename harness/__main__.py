@@ -26,6 +26,7 @@ from rich.table import Table
 from harness.bench.command import add_to as add_bench
 from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
+from harness.field.command import add_to as add_field
 from harness.lateral.command import add_to as add_lateral
 from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
@@ -185,6 +186,7 @@ add_calibrate(app)
 add_bench(app)
 add_lateral(app)
 add_monitor(app)
+add_field(app)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -186,6 +186,7 @@ static int condition(double *block, const double *free, const double *mean, cons
     for (int i = 0; i < M; i++) {
         const int first = H_ROW[i], count = H_ROW[i + 1] - first;
         block[USED + i] = 0.0;
+        block[EXPECTED + i] = expectation[i];
         if (isnan(seen[i]))
             continue;
         combine(PH[r], zero, count, H + first, H_COLUMN + first, P);

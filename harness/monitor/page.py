@@ -48,8 +48,8 @@ def draw(history: History, design: Design, path: Path) -> Path:
             if alarm.group == g:
                 for part in (left, right):
                     part.axvline(alarm.stop + 1, color=VERMILION, lw=1.0, ls="--")
-                left.annotate(alarm.kind, (alarm.stop + 1, 0.55), color=VERMILION, fontsize=8, ha="right")
-        left.set_ylim(0.5, 1.4)
+                left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=VERMILION, fontsize=8, ha="right")
+        left.set_ylim(0.3, 1.4)
         # Steps after an alarm go on; what matters is what led to it.
         right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)
         dress(left, y="friction / nominal", title=f"{g + 1} {GROUP_NAMES[g]}")

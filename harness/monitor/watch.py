@@ -16,6 +16,12 @@ Matrix = NDArray[np.float64]
 
 Kind = Literal["friction lost", "does not release"]
 
+_UNKNOWN = 0.2
+"""Deviation of health of which nothing is known: lots and units of pads, and the faults that are looked for."""
+
+_TOGETHER = 0.05
+"""Scatter that all groups share, taken while there are no reference stops: the load of a train."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Design:
@@ -104,13 +110,14 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
     count = len(stops)
     health = np.array([stop.health for stop in stops]).reshape(count, GROUPS)
     deviation = np.array([stop.deviation for stop in stops]).reshape(count, GROUPS)
-    index, index_sd = _followed(stops, design)
-    apart = (deviation < design.told_apart).all(axis=1)
+    apart = np.asarray((deviation < design.told_apart).all(axis=1), dtype=np.bool_)
+    reference = np.flatnonzero(apart)[: design.reference]
+    # Load, wet pads and wind: what all groups share from stop to stop, seen in the mean over groups.
+    together = float(np.var(health[reference].mean(axis=1))) if reference.size > 2 else _TOGETHER**2
     ratio = np.full((count, GROUPS), np.nan)
     for g in range(GROUPS):
         others = [o for o in range(GROUPS) if o != g]
         ratio[apart, g] = health[apart, g] / np.median(health[apart][:, others], axis=1)
-    reference = np.flatnonzero(apart)[: design.reference]
     deficit, chart = np.full((count, GROUPS), np.nan), np.zeros((count, GROUPS))
     threshold = np.full(GROUPS, np.nan)
     alarms: list[Alarm] = []
@@ -122,7 +129,8 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
         scatter = np.maximum(mad, design.least_scatter)
         threshold = np.array([threshold_for(float(s), design) for s in scatter])
         alarms = _charted(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
-    trend, trend_sd = _trend(index, index_sd, design)
+    index, index_sd = _followed(stops, together, alarms, design)
+    trend, trend_sd = _trend(health, apart, design)
     return History(
         evidence=health,
         deviation=deviation,
@@ -190,13 +198,25 @@ def _charted(
     return alarms
 
 
-def _followed(stops: Sequence[Evidence], design: Design) -> tuple[Matrix, Matrix]:
-    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4)."""
-    mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * 0.2**2
-    scatter = np.eye(GROUPS) * design.least_scatter**2
+def _followed(
+    stops: Sequence[Evidence], together: float, alarms: Sequence[Alarm], design: Design
+) -> tuple[Matrix, Matrix]:
+    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
+
+    An alarm says that health has jumped, so that the index of its group begins anew there.
+
+    Args:
+        stops: Oldest first.
+        together: Variance from stop to stop that all groups share.
+        alarms: Of these stops.
+        design: For drift and scatter.
+    """
+    mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
+    scatter = np.eye(GROUPS) * design.least_scatter**2 + together
     index, spread = np.empty((len(stops), GROUPS)), np.empty((len(stops), GROUPS))
     for k, stop in enumerate(stops):
-        covariance = covariance + np.eye(GROUPS) * design.drift**2
+        jumped = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(GROUPS)])
+        covariance = covariance + np.diag(np.where(jumped, _UNKNOWN**2, design.drift**2))
         gain = np.linalg.solve(covariance + stop.covariance + scatter, covariance).T
         mean = mean + gain @ (stop.health - mean)
         kept = np.eye(GROUPS) - gain
@@ -205,13 +225,18 @@ def _followed(stops: Sequence[Evidence], design: Design) -> tuple[Matrix, Matrix
     return index, spread
 
 
-def _trend(index: Matrix, index_sd: Matrix, design: Design) -> tuple[Vector, Vector]:
-    """Return the slope of the index over the last stops and its deviation, share a stop, each shape (4,)."""
-    last = min(design.trend, len(index))
-    if last < 3:
+def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Vector, Vector]:
+    """Return the slope of health over the last stops and its deviation, share a stop, each shape (4,).
+
+    A straight line by least squares through the stops that told groups apart; its deviation comes from what they
+    scatter about it.
+    """
+    number = np.flatnonzero(apart)
+    number = number[number >= len(health) - design.trend]
+    if number.size < 5:
         return np.full(GROUPS, np.nan), np.full(GROUPS, np.nan)
-    time = np.arange(last) - 0.5 * (last - 1)
-    slope = time @ index[-last:] / (time @ time)
-    # The index is smooth: its ends are as uncertain as it says, and nearly independent of each other.
-    spread = np.sqrt(index_sd[-1] ** 2 + index_sd[-last] ** 2) / last
-    return slope, spread
+    time = number - number.mean()
+    chosen = health[number] - health[number].mean(axis=0)
+    slope = time @ chosen / (time @ time)
+    scatter = np.sqrt(np.sum((chosen - np.outer(time, slope)) ** 2, axis=0) / (number.size - 2))
+    return slope, scatter / np.sqrt(time @ time)
