@@ -60,8 +60,8 @@ def write_report(
                 "## Detected condition",
                 "",
                 f"Announced when {DETECTOR.confidence:.0%} probable for {DETECTOR.hold:g} s, with "
-                f"{DETECTOR.model_deviation:g} added to the filter's σ(μ0). A delay of 0.001 s is a condition that had "
-                "been announced, wrongly, before it came.",
+                f"{DETECTOR.model_deviation:g} added to the filter's σ(μ0). A delay of 0.001 s is a condition that "
+                "had been announced, wrongly, before it came.",
                 "",
                 *detection_lines(results),
                 "## The five tests",

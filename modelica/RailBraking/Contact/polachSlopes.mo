@@ -25,8 +25,8 @@ algorithm
     Inline=true,
     Documentation(info="<html>
 <p>
-Both partial derivatives of <a href=\"modelica://RailBraking.Contact.polach\">polach</a> times the load, for a filter that
-integrates force and friction instead of computing them.
+Both partial derivatives of <a href=\"modelica://RailBraking.Contact.polach\">polach</a> times the load, for a filter
+that integrates force and friction instead of computing them.
 </p>
 <h4>Syntax</h4>
 <blockquote><pre>

@@ -42,8 +42,8 @@ equation
     experiment(StopTime=3, Tolerance=1e-8, Interval=0.001),
     Documentation(info="<html>
 <p>
-<code>known</code> follows the plant, whose creepages are those of lateral and yaw motion alone; <code>unknown</code> stays where it is:
-without readings it knows of no irregularity.
+<code>known</code> follows the plant, whose creepages are those of lateral and yaw motion alone; <code>unknown</code>
+stays where it is: without readings it knows of no irregularity.
 </p>
 </html>"));
 end WanderingWheelset;

@@ -19,8 +19,8 @@ equation
   friction = Contact.fallingFriction(creep*speed, mu0, A_falling, B_falling);
   annotation (Documentation(info="<html>
 <p>
-What the states of <a href=\"modelica://RailBraking.FMUs.LateralPrediction\">LateralPrediction</a> say about the contact, for programs that
-report it; they never model the contact a second time.
+What the states of <a href=\"modelica://RailBraking.FMUs.LateralPrediction\">LateralPrediction</a> say about the
+contact, for programs that report it; they never model the contact a second time.
 </p>
 <h4>Limitations</h4>
 <p>Those of the prediction. Without states: the outputs answer at once.</p>

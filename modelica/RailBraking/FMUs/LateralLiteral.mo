@@ -8,14 +8,16 @@ block LateralLiteral "Lateral dynamics as five states, creep, friction and creep
   Interfaces.RealInput track_rate(final unit="m/s", start=0) "Derivative of track";
   Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track";
   Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient, known";
-  Interfaces.RealInput A_falling(final unit="1", start=0.4) "Polach: friction at infinite creep speed over maximum friction";
+  Interfaces.RealInput A_falling(final unit="1", start=0.4)
+    "Polach: friction at infinite creep speed over maximum friction";
   Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed";
   Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Reading of the accelerometer";
   Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope";
   Types.Velocity dy(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral velocity";
   Types.AngularVelocity dpsi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw rate";
   Types.Ratio gamma(start=creep_small, fixed=true, stateSelect=StateSelect.always) "Total creep of each wheel";
-  Types.Ratio U(start=friction_start, fixed=true, stateSelect=StateSelect.always) "Friction coefficient at the present creep";
+  Types.Ratio U(start=friction_start, fixed=true, stateSelect=StateSelect.always)
+    "Friction coefficient at the present creep";
   Types.Force F(start=0, fixed=true, stateSelect=StateSelect.always) "Total creep force of each wheel";
 protected
   Types.Ratio creep_x "Longitudinal creep of the right wheel";
@@ -45,14 +47,14 @@ equation
   der(F) = F_by_creep*creep_rate + F_by_friction*friction_rate;
   annotation (Documentation(info="<html>
 <p>
-Mal et al. (2020), equations (20) to (24). Lateral position and yaw angle are needed but are no states there: whoever runs
-this model integrates its two velocities and hands the integrals back as inputs.
+Mal et al. (2020), equations (20) to (24). Lateral position and yaw angle are needed but are no states there: whoever
+runs this model integrates its two velocities and hands the integrals back as inputs.
 </p>
 <h4>Limitations</h4>
 <p>
-Creep, friction and force are tied to one another only through their derivatives: an error in one of them, or a change of
-the surface, stays until a reading takes it away. Where the creep passes zero its derivative is singular; the rounding
-<code>creep_small</code> keeps it finite, not right.
+Creep, friction and force are tied to one another only through their derivatives: an error in one of them, or a change
+of the surface, stays until a reading takes it away. Where the creep passes zero its derivative is singular; the
+rounding <code>creep_small</code> keeps it finite, not right.
 </p>
 </html>"));
 end LateralLiteral;

@@ -8,9 +8,9 @@ equation
 <p>Five states: y, dy, psi, dpsi, log_mu0, in this order.</p>
 <h4>Limitations</h4>
 <p>
-A vehicle seldom knows its track to fractions of a millimetre; see
-<a href=\"modelica://RailBraking.FMUs.LateralPredictionUnknownTrack\">LateralPredictionUnknownTrack</a>. Otherwise those of
-<a href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
+A vehicle seldom knows its track to fractions of a millimetre; see <a
+href=\"modelica://RailBraking.FMUs.LateralPredictionUnknownTrack\">LateralPredictionUnknownTrack</a>. Otherwise those
+of <a href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
 </p>
 </html>"));
 end LateralPrediction;

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
-block LateralPredictionUnknownTrack "Lateral dynamics with unknown friction, on a track of which only the spectrum is known"
+block LateralPredictionUnknownTrack
+  "Lateral dynamics with unknown friction, on a track of which only the spectrum is known"
   extends Vehicles.PartialLateralPrediction;
   parameter Types.Frequency track_frequency = 2 "Corner frequency of the track irregularity at the present speed";
   parameter Types.Ratio track_damping = 0.70710678118654752 "Damping of the irregularity's low-pass";
@@ -13,13 +14,13 @@ equation
   der(track_rate) = -w_track^2*track - 2*track_damping*w_track*track_rate;
   annotation (Documentation(info="<html>
 <p>
-Seven states: y, dy, psi, dpsi, log_mu0, track, track_rate, in this order. The irregularity is white noise through a low-pass of second order;
-the noise enters as process noise of <code>track_rate</code>.
+Seven states: y, dy, psi, dpsi, log_mu0, track, track_rate, in this order. The irregularity is white noise through a
+low-pass of second order; the noise enters as process noise of <code>track_rate</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Readings tell of <code>y - track</code>, hardly of the two by themselves. Otherwise those of
-<a href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
+Readings tell of <code>y - track</code>, hardly of the two by themselves. Otherwise those of <a
+href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
 </p>
 </html>"));
 end LateralPredictionUnknownTrack;

@@ -9,7 +9,8 @@ block LateralWheelset "Conical wheelset on two halves of a torsional axle, distu
     "1 for creepages that follow the rotation of each wheel, 0 for those of lateral and yaw motion alone";
   Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track";
   Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient";
-  Interfaces.RealInput A_falling(final unit="1", start=0.4) "Polach: friction at infinite creep speed over maximum friction";
+  Interfaces.RealInput A_falling(final unit="1", start=0.4)
+    "Polach: friction at infinite creep speed over maximum friction";
   Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed";
   Interfaces.RealInput motor_torque(final unit="N.m", start=0) "Torque of the motor on the right half";
   Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Lateral acceleration of the wheelset";
@@ -22,14 +23,16 @@ block LateralWheelset "Conical wheelset on two halves of a torsional axle, distu
   Interfaces.RealOutput twist(final unit="rad") = theta "Angle by which the right half of the axle leads";
   Interfaces.RealOutput creep[2](each final unit="1") "Total creep of right and left wheel";
   Interfaces.RealOutput creep_force[2](each final unit="N") "Total creep force of right and left wheel";
-  Interfaces.RealOutput friction[2](each final unit="1") "Friction coefficient of right and left wheel at their creep speed";
+  Interfaces.RealOutput friction[2](each final unit="1")
+    "Friction coefficient of right and left wheel at their creep speed";
 protected
   Types.Length y(start=0, fixed=true) "Lateral position";
   Types.Velocity dy(start=0, fixed=true) "Lateral velocity";
   Types.Angle psi(start=0, fixed=true) "Yaw angle";
   Types.AngularVelocity dpsi(start=0, fixed=true) "Yaw rate";
   Types.Velocity v(start=speed_start, fixed=true) "Speed along the track";
-  Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true) "Angular velocity of right and left wheel";
+  Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true)
+    "Angular velocity of right and left wheel";
   Types.Angle theta(start=0, fixed=true) "Twist of the axle";
   Types.Ratio steering "Longitudinal creep by yaw rate and conicity, of the right wheel";
   Types.Ratio creep_x[2] "Longitudinal creep of right and left wheel";
@@ -61,18 +64,19 @@ equation
   der(theta) = w[1] - w[2];
   annotation (Documentation(info="<html>
 <p>
-Mal et al. (2020), equations (1) to (17): Polach's force at the total creep of each wheel, shared out along its components.
-The surface comes in as <code>mu0</code>, <code>A_falling</code> and <code>B_falling</code>, so that it may change while
-the wheelset runs; the paper's four are in <a href=\"modelica://RailBraking.Contact.Surfaces\">Surfaces</a>.
+Mal et al. (2020), equations (1) to (17): Polach's force at the total creep of each wheel, shared out along its
+components. The surface comes in as <code>mu0</code>, <code>A_falling</code> and <code>B_falling</code>, so that it
+may change while the wheelset runs; the paper's four are in <a
+href=\"modelica://RailBraking.Contact.Surfaces\">Surfaces</a>.
 </p>
 <p>
-With <code>rolling_creep</code> = 0 the longitudinal creepages are the simplified equations (3) and (4) that the paper runs its
-filter on. The rotation of the wheels then answers to the contact but does not act back on it.
+With <code>rolling_creep</code> = 0 the longitudinal creepages are the simplified equations (3) and (4) that the paper
+runs its filter on. The rotation of the wheels then answers to the contact but does not act back on it.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of <a href=\"modelica://RailBraking.Vehicles.PartialLateralWheelset\">PartialLateralWheelset</a>. A wheelset that moves: the
-speed must stay positive. The rounding of the total creep keeps the forces smooth at no creep.
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialLateralWheelset\">PartialLateralWheelset</a>. A wheelset
+that moves: the speed must stay positive. The rounding of the total creep keeps the forces smooth at no creep.
 </p>
 </html>"));
 end LateralWheelset;

@@ -33,14 +33,14 @@ equation
   der(log_mu0) = 0;
   annotation (Documentation(info="<html>
 <p>
-Creep and creep force are algebraic; friction moves only when a reading moves it. Its logarithm is the state, because the force is the
-same for a friction of either sign: a filter that overshoots zero would stay on the wrong side, sure of itself. Free of events. An edition says what it knows of
-<code>displacement</code>.
+Creep and creep force are algebraic; friction moves only when a reading moves it. Its logarithm is the state, because
+the force is the same for a friction of either sign: a filter that overshoots zero would stay on the wrong side, sure
+of itself. Free of events. An edition says what it knows of <code>displacement</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Without traction, braking and torsion of the axle: both wheels creep alike. A and B of the falling friction are fixed: at the creeps of
-running on straight track, up to 0.003, they change the friction by less than 4 %.
+Without traction, braking and torsion of the axle: both wheels creep alike. A and B of the falling friction are fixed:
+at the creeps of running on straight track, up to 0.003, they change the friction by less than 4 %.
 </p>
 </html>"));
 end PartialLateralPrediction;

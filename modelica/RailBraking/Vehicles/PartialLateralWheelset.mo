@@ -13,18 +13,19 @@ partial block PartialLateralWheelset "A conical wheelset free to move sideways a
   parameter Types.Modulus E_steel = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu_steel = 0.28 "Poisson's ratio of wheel and rail";
 protected
-  final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel) "Slope of epsilon, see creepFactor";
+  final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel)
+    "Slope of epsilon, see creepFactor";
   final parameter Types.Force Q = m_wheelset*g/2 "Load of a wheel";
   constant Types.Ratio creep_small = 1e-7 "Rounding of the total creep about zero: a force of about 1 N";
   annotation (Documentation(info="<html>
 <p>
-Parameters of Mal et al. (2020), Table 1; loads and contact geometry are not in the paper: half of the mass on each wheel,
-and the rail head of the other vehicles of this library.
+Parameters of Mal et al. (2020), Table 1; loads and contact geometry are not in the paper: half of the mass on each
+wheel, and the rail head of the other vehicles of this library.
 </p>
 <h4>Limitations</h4>
 <p>
-Straight track, constant conicity, no flange, no spin, equal loads. Kalker's c11 stands for the lateral direction too, as in the
-paper.
+Straight track, constant conicity, no flange, no spin, equal loads. Kalker's c11 stands for the lateral direction too,
+as in the paper.
 </p>
 </html>"));
 end PartialLateralWheelset;
