@@ -9,7 +9,7 @@ apart, products of them, and their mean over the last metres travelled, weighted
 """
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,8 @@ class Spectral:
         b = np.array([[0.0], [1.0]])
         c = np.array([[0.0, w / self.quality], [w**2 / self.quality, 0.0]])
         made = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
-        return made[0], made[1], made[2], made[3]
+        a_d, b_d, c_d, d_d = (np.asarray(matrix, dtype=np.float64) for matrix in cast("tuple[Any, ...]", made)[:4])
+        return a_d, b_d, c_d, d_d
 
     def weight(self, speed: Any, library: Any) -> Any:
         """Return the weight of a new sample at a speed, m/s; `library` is `numpy` or `casadi`."""

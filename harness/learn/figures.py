@@ -1,11 +1,12 @@
 """Figures of a study."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from harness.learn.evaluate import Fitted, Recipe
+from harness.learn.evaluate import Fitted, Recipe, Score
 from harness.learn.gather import Run, spectral_features
 from harness.learn.study import PUBLISHED, Study, over_speeds
 from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, save
@@ -22,7 +23,10 @@ def draw(made: Study, folder: Path) -> list[Path]:
 
 def errors(made: Study) -> Figure:
     """Mean absolute error of each way of judging, beside always saying the mean."""
-    rows = [("paper, its split", None, float(np.mean([PUBLISHED[s][1] for s in made.runs])), None, GREY)]
+    published = float(np.mean([PUBLISHED[speed][1] for speed in made.runs]))
+    rows: list[tuple[str, Mapping[int, Score] | None, float, float | None, str]] = [
+        ("paper, its split", None, published, None, GREY)
+    ]
     for name, row, colour in (
         *((f"4-6-1: {k}", v, BLUE) for k, v in made.split.items()),
         *((f"4-6-1: {k}", v, VERMILION) for k, v in made.honest.items()),
@@ -75,7 +79,7 @@ def over_time(made: Study) -> Figure:
     return sheet
 
 
-def _late(runs: list[Run] | tuple[Run, ...], given: list[float], recipe: Recipe):
+def _late(runs: Sequence[Run], given: list[float], recipe: Recipe):
     blocks = [recipe.blocks(run) for run in runs]
     cuts = [int(0.8 * len(b)) for b in blocks]
     early = [(b[:c], np.full(c, y)) for b, c, y in zip(blocks, cuts, given, strict=True)]

@@ -131,7 +131,7 @@ def reduce(name: str, friction: float, seen: Readings) -> Run:
         friction=friction,
         blocks=chain.process(raw),
         settled=settled.process(raw),
-        slow=forward(seen).astype(np.float32),
+        slow=forward(seen).astype(np.float32).astype(np.float64),
     )
 
 

@@ -42,8 +42,8 @@ class Surface:
         k_A, k_S, A, B: Polach's parameters.
     """
 
-    k_A: float
-    k_S: float
+    k_A: float  # noqa: N815 (the name in the literature)
+    k_S: float  # noqa: N815 (the name in the literature)
     A: float
     B: float
 
@@ -59,9 +59,11 @@ SURFACES: Final[Mapping[str, Surface]] = {
 }
 
 SLOPE_SPREAD: Final = 0.15
-"""Standard deviation of the logarithm of k_A and k_S from run to run: contamination is never applied twice alike (estimate)."""
+"""Standard deviation of the logarithm of k_A and k_S from run to run: contamination is never applied twice alike
+(estimate)."""
 FRICTION_SPREAD: Final = 0.05
-"""Relative standard deviation of friction along the section; two readings of the tribometer differ by that much (estimate)."""
+"""Relative standard deviation of friction along the section; two readings of the tribometer differ by that much
+(estimate)."""
 FRICTION_LENGTH: Final = 10.0
 """m, over which friction changes along the section (estimate)."""
 SPEED_SPREAD: Final = 0.01
@@ -97,6 +99,7 @@ class Pass:
     length: float = LENGTH
 
     def __post_init__(self) -> None:
+        """Refuse a run of an unknown condition or track."""
         if self.condition not in SURFACES:
             raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
         if self.track not in TRACKS:
@@ -203,7 +206,7 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     before = int(LEAD_IN / speed * rate)
     count = before + int(run.length / speed * rate)
     ahead = BEHIND[-1] + LEAD_IN
-    travelled = np.arange(count) * (speed / rate)
+    travelled = np.arange(count, dtype=np.float64) * (speed / rate)
     position = ahead + travelled[:, None] - np.array(BEHIND)
     whole = ahead + LEAD_IN + run.length
     track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))

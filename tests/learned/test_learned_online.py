@@ -16,7 +16,8 @@ from fmus.native.package import pack
 from harness.learn.export import as_fmu
 
 ROUNDING = 1e-9
-"""Relative: tens of thousands of recursive filter steps in another order of additions, behind a network of slope about 1."""
+"""Relative: tens of thousands of recursive filter steps in another order of additions, behind a network of slope
+about 1."""
 
 
 def network(generator, inputs, hidden=6, bias="inside"):

@@ -99,8 +99,8 @@ def run(name, friction, blocks, generator, slow=None):
 
 
 def test_the_papers_split_cannot_tell_recognition_from_estimation():
-    """Each run has an offset that has nothing to do with friction: the split is passed, also with exchanged labels, and a
-    run that was left out is not."""
+    """Each run has an offset that has nothing to do with friction: the split is passed, also with exchanged labels,
+    and a run that was left out is not."""
     draw = np.random.default_rng(4)
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]

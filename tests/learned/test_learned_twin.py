@@ -66,7 +66,8 @@ def test_an_accelerometer_shows_offset_and_nothing_lost():
     fine = np.arange(len(seen)) / RATE
     expected = np.sin(2 * np.pi * 3 * fine)
     # Resonance at 640 Hz: 3 Hz is raised by (3/640)² and delayed by 2 ζ f/f0².
-    # Compared once the plate has forgotten how it was set in motion, 640 Hz and 5 % damping: 50 ms are ten time constants.
+    # Compared once the plate has forgotten how it was set in motion, 640 Hz and 5 %
+    # damping: 50 ms are ten time constants.
     assert np.abs(swing - (expected - expected.mean()))[RATE // 20 :].max() < 1e-3
 
 
