@@ -50,7 +50,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-_out = Console()
+# Where nobody watches, a table is not cut to a screen that is not there.
+_out = Console(width=None if sys.stdout.isatty() else 140)
 _err = Console(stderr=True)
 
 File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
