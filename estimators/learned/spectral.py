@@ -52,7 +52,7 @@ class Spectral:
         a = np.array([[0.0, 1.0], [-(w**2), -w / self.quality]])
         b = np.array([[0.0], [1.0]])
         c = np.array([[0.0, w / self.quality], [w**2 / self.quality, 0.0]])
-        made = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
+        made: Any = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
         return made[0], made[1], made[2], made[3]
 
     def weight(self, speed: Any, library: Any) -> Any:

@@ -1,11 +1,14 @@
 """`railgrip learn`: the study of the paper, or a user's own runs."""
 
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from estimators.learned.ensemble import Ensemble
 
 OUT: Final = Path("build/learn")
 
@@ -75,7 +78,7 @@ def own(runs: Path, labels: Path, out: Path) -> Path:
     return page
 
 
-def _export(ensemble, out: Path) -> Path:  # noqa: ANN001
+def _export(ensemble: "Ensemble", out: Path) -> Path:
     from estimators.learned.online import general
     from fmus.native.package import pack
     from harness.learn.export import as_fmu

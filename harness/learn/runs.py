@@ -17,8 +17,10 @@ LABELS: Final[Mapping[int, tuple[tuple[str, float], ...]]] = {
          ("detergent", 0.18), ("paper tape", 0.16)),
     26: (("dry", 0.29), ("friction modifier", 0.19), ("wet", 0.191), ("detergent", 0.21),
          ("paper tape", 0.16), ("paper tape", 0.22)),
-    40: (("dry", 0.31), ("dry", 0.37), ("friction modifier", 0.17), ("wet", 0.24), ("detergent", 0.22), ("paper tape", 0.10)),
-    60: (("dry", 0.30), ("dry", 0.35), ("friction modifier", 0.16), ("wet", 0.27), ("detergent", 0.24), ("paper tape", 0.11)),
+    40: (("dry", 0.31), ("dry", 0.37), ("friction modifier", 0.17), ("wet", 0.24), ("detergent", 0.22),
+         ("paper tape", 0.10)),
+    60: (("dry", 0.30), ("dry", 0.35), ("friction modifier", 0.16), ("wet", 0.27), ("detergent", 0.24),
+         ("paper tape", 0.11)),
 }  # fmt: skip
 """Table 2 of Abduraxman et al. (2024): measured friction of the six runs at each speed."""
 

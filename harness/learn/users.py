@@ -1,9 +1,9 @@
 """Somebody's own runs: a folder of recordings and a table of labels.
 
-Each recording is a CSV file with a header: `time` [s], `speed` [m/s], `left[1]` … `left[4]` and `right[1]` … `right[4]`, the
-longitudinal accelerations of the axle boxes, and `lateral[1]` … `lateral[4]` [m/s²], on an even time grid. The table of
-labels is a CSV file with the columns `file`, `friction` and, where it was not always wheelset 1 that led,
-`direction` (1 or -1).
+Each recording is a CSV file with a header: `time` [s], `speed` [m/s], `left[1]` … `left[4]` and `right[1]` …
+`right[4]`, the longitudinal accelerations of the axle boxes, and `lateral[1]` … `lateral[4]` [m/s²], on an even time
+grid. The table of labels is a CSV file with the columns `file`, `friction` and, where it was not always wheelset 1
+that led, `direction` (1 or -1).
 """
 
 import csv

@@ -50,8 +50,13 @@ AXLE_BOX: Final = Accelerometer(
 
 
 def measure(
-    true: Array, true_rate: int, speed: float, sensor: Accelerometer, vehicle: np.random.Generator, run: np.random.Generator
-) -> Array:  # fmt: skip
+    true: Array,
+    true_rate: int,
+    speed: float,
+    sensor: Accelerometer,
+    vehicle: np.random.Generator,
+    run: np.random.Generator,
+) -> Array:
     """Return what the loggers write at `RATE`, m/s².
 
     Args:

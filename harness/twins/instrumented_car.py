@@ -42,8 +42,8 @@ class Surface:
         k_A, k_S, A, B: Polach's parameters.
     """
 
-    k_A: float
-    k_S: float
+    k_A: float  # noqa: N815 - Polach's names
+    k_S: float  # noqa: N815
     A: float
     B: float
 
@@ -59,9 +59,9 @@ SURFACES: Final[Mapping[str, Surface]] = {
 }
 
 SLOPE_SPREAD: Final = 0.15
-"""Standard deviation of the logarithm of k_A and k_S from run to run: contamination is never applied twice alike (estimate)."""
+"""Standard deviation of the logarithm of k_A and k_S from run to run: no film is applied twice alike (estimate)."""
 FRICTION_SPREAD: Final = 0.05
-"""Relative standard deviation of friction along the section; two readings of the tribometer differ by that much (estimate)."""
+"""Relative standard deviation of friction along the section, of the size between two readings (estimate)."""
 FRICTION_LENGTH: Final = 10.0
 """m, over which friction changes along the section (estimate)."""
 SPEED_SPREAD: Final = 0.01
@@ -97,6 +97,7 @@ class Pass:
     length: float = LENGTH
 
     def __post_init__(self) -> None:
+        """Check what a run can be."""
         if self.condition not in SURFACES:
             raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
         if self.track not in TRACKS:
@@ -172,6 +173,12 @@ def _turned(made: Ride) -> Ride:
     )
 
 
+def slope(run: Pass) -> float:
+    """Return the slope of the creep curve over that of a clean contact, (k_A + k_S)/2, of a run."""
+    own = _surface(run)
+    return (own.k_A + own.k_S) / 2
+
+
 def _held_speed(run: Pass) -> float:
     return run.speed * (1 + SPEED_SPREAD * generator(run.seed, f"{run.name}.speed").standard_normal())
 
@@ -192,7 +199,7 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     count = before + int(run.length / speed * rate)
     ahead = BEHIND[-1] + LEAD_IN
     travelled = np.arange(count) * (speed / rate)
-    position = ahead + travelled[:, None] - np.array(BEHIND)
+    position = np.asarray(ahead + travelled[:, None] - np.array(BEHIND), dtype=np.float64)
     whole = ahead + LEAD_IN + run.length
     track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
     # The car starts on even track: irregularities grow over the first half of the lead-in.
