@@ -1,11 +1,15 @@
 """One estimator for all speeds: networks trained on resampled runs, with an interval that was right nine times in ten.
 
+Where a twin knows the slope of the creep curve of every training run, networks estimate that slope, which is what
+motions of wheelsets below saturation show, and a second stage says which friction goes with it. Without slopes, the
+networks estimate friction directly.
+
 The interval is conformal: each training run is estimated by the networks that did not see it, and the half-width, in
 units of the networks' disagreement, is the quantile of those errors. It promises coverage for runs like those of the
 training; on others its coverage is measured, not promised.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,8 +19,11 @@ from estimators.learned.network import Network, train
 
 Array = NDArray[np.float64]
 
-LEAST_SPREAD: Final = 0.01
-"""Friction; disagreement below what a tribometer resolves says nothing."""
+LEAST_SPREAD: Final = 0.03
+"""Friction added to the disagreement: networks that agree know no more than the spread of friction at one slope."""
+SLOPE_CENTRE: Final = 0.3
+SLOPE_HALF: Final = 0.5
+"""Slopes from 0 to 0.8, clean contacts to the softest films, are scaled to about [−1, 1] for the second stage."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,41 +41,43 @@ class Ensemble:
 
     Attributes:
         centre, spread: Of the features in training, shape (features,).
-        networks: Their mean is the estimate.
+        networks: From features to slope, or to friction where there is no second stage.
+        second: From slope to friction; their mean counts. Empty for none.
         half_width: Of the interval, in units of √(disagreement² + LEAST_SPREAD²).
     """
 
     centre: Array
     spread: Array
     networks: tuple[Network, ...]
+    second: tuple[Network, ...]
     half_width: float
 
     def scaled(self, features: Array) -> Array:
         """Return standardised features, clipped to ±4 standard deviations: nothing is known beyond."""
         return np.clip((features - self.centre) / self.spread, -4, 4) / 2
 
+    def friction_of(self, first: Array) -> Array:
+        """Return the friction of what the first stage says, any shape."""
+        if not self.second:
+            return first
+        flat = ((first.ravel() - SLOPE_CENTRE) / SLOPE_HALF)[:, None]
+        return np.mean([network(flat) for network in self.second], axis=0).reshape(first.shape)
+
     def __call__(self, features: Array) -> Estimates:
         """Return estimates for features of shape (n, features)."""
-        each = np.stack([network(self.scaled(features)) for network in self.networks])
-        friction = each.mean(axis=0)
-        half = self.half_width * _disagreement(each)
+        first = np.stack([network(self.scaled(features)) for network in self.networks])
+        friction = self.friction_of(first.mean(axis=0))
+        half = self.half_width * np.sqrt(self.friction_of(first).var(axis=0) + LEAST_SPREAD**2)
         return Estimates(
             friction=friction, lower=np.maximum(friction - half, 0.0), upper=np.minimum(friction + half, 1.0)
         )
 
 
 def fit(
-    features: Array,
-    friction: Array,
-    run: NDArray[np.int64],
-    *,
-    generator: np.random.Generator,
-    members: int = 20,
-    hidden: int = 6,
-    decay: float = 1e-4,
-    steps: int = 40,
+    features: Array, friction: Array, run: NDArray[np.int64], *, generator: np.random.Generator,
+    slope: Array | None = None, members: int = 20, hidden: int = 4, decay: float = 1e-4, steps: int = 40,
     confidence: float = 0.9,
-) -> Ensemble:
+) -> Ensemble:  # fmt: skip
     """Train an ensemble, each member on runs drawn with replacement.
 
     Args:
@@ -76,28 +85,40 @@ def fit(
         friction: Labels, shape (n,).
         run: Number of the run each sample belongs to, shape (n,): samples of one run are never split.
         generator: Draws runs and starts.
+        slope: Of the creep curve, shape (n,), where it is known; asks for two stages.
         decay: Weight of the squared weights, see `network.train`.
         confidence: Of the interval.
     """
     centre, spread = features.mean(axis=0), features.std(axis=0) + 1e-12
-    bare = Ensemble(centre=centre, spread=spread, networks=(), half_width=0.0)
-    x, runs = bare.scaled(features), np.unique(run)
+    made = Ensemble(centre=centre, spread=spread, networks=(), second=(), half_width=0.0)
+    x, runs, target = made.scaled(features), np.unique(run), friction if slope is None else slope
     networks: list[Network] = []
     said = np.full((members, len(friction)), np.nan)
     for k, draw in enumerate(generator.spawn(members)):
         drawn = draw.choice(runs, runs.size)
         rows = np.concatenate([np.flatnonzero(run == one) for one in drawn])
-        network = train(x[rows], friction[rows], hidden=hidden, bias="inside", generator=draw, decay=decay, steps=steps)
+        network = train(x[rows], target[rows], hidden=hidden, bias="inside", generator=draw, decay=decay, steps=steps)
         networks.append(network)
         out = ~np.isin(run, drawn)
         said[k, out] = network(x[out])
-    judged = (~np.isnan(said)).sum(axis=0) >= 3  # fewer say nothing about disagreement
+    made = replace(made, networks=tuple(networks))
+    # Only what networks say of runs they have not seen is like what they will say of new ones.
+    judged = (~np.isnan(said)).sum(axis=0) >= FEWEST_OPINIONS
     mean = np.nanmean(said[:, judged], axis=0)
-    ratio = np.abs(mean - friction[judged]) / np.sqrt(np.nanvar(said[:, judged], axis=0) + LEAST_SPREAD**2)
-    return Ensemble(
-        centre=centre, spread=spread, networks=tuple(networks), half_width=float(np.quantile(ratio, confidence))
-    )
+    if slope is not None:
+        inner = ((mean - SLOPE_CENTRE) / SLOPE_HALF)[:, None]
+        made = replace(
+            made,
+            second=tuple(
+                train(inner, friction[judged], hidden=3, bias="inside", generator=draw, decay=1e-5, steps=60)
+                for draw in generator.spawn(3)
+            ),
+        )
+    error = np.abs(made.friction_of(mean) - friction[judged])
+    disagreement = np.nanvar(made.friction_of(said[:, judged]), axis=0)
+    ratio = error / np.sqrt(disagreement + LEAST_SPREAD**2)
+    return replace(made, half_width=float(np.quantile(ratio, confidence)))
 
 
-def _disagreement(each: Array) -> Array:
-    return np.sqrt(each.var(axis=0) + LEAST_SPREAD**2)
+FEWEST_OPINIONS: Final = 3
+"""Networks that must not have seen a run for it to count; fewer say nothing about disagreement."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from estimators.learned.antialias import AntiAlias
 from estimators.learned.channels import COMBINATIONS
-from estimators.learned.ensemble import LEAST_SPREAD, Ensemble
+from estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
 from estimators.learned.network import Network
 from estimators.learned.preprocessing import Chain, Scale
 from estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
@@ -23,10 +23,9 @@ Array = NDArray[np.float64]
 SX = ca.SX
 
 BOXES: Final = (
-    *(f"left[{k}]" for k in range(1, 5)),
-    *(f"right[{k}]" for k in range(1, 5)),
+    *(f"left[{k}]" for k in range(1, 5)), *(f"right[{k}]" for k in range(1, 5)),
     *(f"lateral[{k}]" for k in range(1, 5)),
-)
+)  # fmt: skip
 """Accelerations of the axle boxes: longitudinal left and right, lateral."""
 
 
@@ -181,17 +180,15 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
         ca.fmin(ca.fmax((f - c) / s, -4), 4) / 2
         for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)
     ]
-    each = [_network(network, x) for network in ensemble.networks]
-    mean = sum(each) / len(each)
-    half = ensemble.half_width * ca.sqrt(sum((e - mean) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)
+    first_stage = [_network(network, x) for network in ensemble.networks]
+    each = [_friction(ensemble, one) for one in first_stage]
+    mean, centre = _friction(ensemble, _mean(first_stage)), _mean(each)
+    half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)
     outputs: list[SX] = []
     ready = ca.logic_and(tick, ticks >= 2 * spectral.settled)
     for name, value in (
-        ("friction", mean),
-        ("lower", ca.fmax(mean - half, 0)),
-        ("upper", ca.fmin(mean + half, 1)),
-        ("known", SX(1)),
-    ):
+        ("friction", mean), ("lower", ca.fmax(mean - half, 0)), ("upper", ca.fmin(mean + half, 1)), ("known", SX(1)),
+    ):  # fmt: skip
         at, held = memory.new(f"held_{name}")
         memory.following[at] = ca.if_else(ready, value, held)
         outputs.append(ca.if_else(ready, value, held))
@@ -267,6 +264,18 @@ def _band(
         memory.following[at] = ca.if_else(tick, new, old)
     low, high = (c[row, 0] * x0 + c[row, 1] * x1 + d[row, 0] * value for row in range(2))
     return low, high
+
+
+def _friction(ensemble: Ensemble, first: SX) -> SX:
+    """Return the friction of what the first stage says."""
+    if not ensemble.second:
+        return first
+    inner = (first - SLOPE_CENTRE) / SLOPE_HALF
+    return _mean([_network(network, [inner]) for network in ensemble.second])
+
+
+def _mean(values: Sequence[SX]) -> SX:
+    return ca.sum1(ca.vertcat(*values)) / len(values)
 
 
 def _network(network: Network, x: Iterable[SX]) -> SX:

@@ -9,7 +9,7 @@ apart, products of them, and their mean over the last metres travelled, weighted
 """
 
 from dataclasses import dataclass
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,9 +52,8 @@ class Spectral:
         a = np.array([[0.0, 1.0], [-(w**2), -w / self.quality]])
         b = np.array([[0.0], [1.0]])
         c = np.array([[0.0, w / self.quality], [w**2 / self.quality, 0.0]])
-        made = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
-        a_d, b_d, c_d, d_d = (np.asarray(matrix, dtype=np.float64) for matrix in cast("tuple[Any, ...]", made)[:4])
-        return a_d, b_d, c_d, d_d
+        made: Any = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
+        return made[0], made[1], made[2], made[3]
 
     def weight(self, speed: Any, library: Any) -> Any:
         """Return the weight of a new sample at a speed, m/s; `library` is `numpy` or `casadi`."""
@@ -68,18 +67,9 @@ class Spectral:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the features, in order."""
-        one = (
-            "yaw level leading",
-            "yaw level trailing",
-            "lateral over yaw leading",
-            "lateral over yaw trailing",
-            "in phase leading",
-            "quadrature leading",
-            "in phase trailing",
-            "quadrature trailing",
-            "yaw in phase",
-            "yaw quadrature",
-        )
+        one = ("yaw level leading", "yaw level trailing", "lateral over yaw leading", "lateral over yaw trailing",
+               "in phase leading", "quadrature leading", "in phase trailing", "quadrature trailing",
+               "yaw in phase", "yaw quadrature")  # fmt: skip
         return (*(f"{name}, {centre:g} Hz" for centre in self.centres for name in one), "log speed")
 
     def means(self, lateral: Array, yaw: Array, speed: float) -> Array:
@@ -99,11 +89,9 @@ class Spectral:
             for bogie in range(2):
                 lead, trail = 2 * bogie, 2 * bogie + 1
                 own = products(
-                    (swing[0][:, lead], swing[1][:, lead]),
-                    (swing[0][:, trail], swing[1][:, trail]),
-                    (turn[0][:, lead], turn[1][:, lead]),
-                    (turn[0][:, trail], turn[1][:, trail]),
-                )
+                    (swing[0][:, lead], swing[1][:, lead]), (swing[0][:, trail], swing[1][:, trail]),
+                    (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
+                )  # fmt: skip
                 made[:, k, bogie] = np.stack(own, axis=-1)
         made[: self.settled] = 0.0
         mean = lfilter([weight], [1, weight - 1], made, axis=0)

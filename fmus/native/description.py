@@ -56,9 +56,8 @@ class Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-        self.rows.append(
-            f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
-        )
+        value = f"<{type_}{attributes_text(inner)}/>"
+        self.rows.append(f"    <ScalarVariable{attributes_text(head)}>{value}</ScalarVariable>")
 
 
 def attributes_text(values: dict[str, str]) -> str:

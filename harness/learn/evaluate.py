@@ -148,19 +148,17 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Iterable[Run]) -> Score:
     whole, y = np.vstack(estimates), np.concatenate(truth)
     error = whole[:, 0] - y
     return Score(
-        rmse=_rms(error),
-        mae=float(np.abs(error).mean()),
-        best=float(np.abs(error).mean()),
-        spread=0.0,
-        rmse_of_mean=_rms(y - mean_label),
-        mae_of_mean=float(np.abs(y - mean_label).mean()),
+        rmse=_rms(error), mae=float(np.abs(error).mean()), best=float(np.abs(error).mean()), spread=0.0,
+        rmse_of_mean=_rms(y - mean_label), mae_of_mean=float(np.abs(y - mean_label).mean()),
         coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()),
         width=float((whole[:, 2] - whole[:, 1]).mean()),
-    )
+    )  # fmt: skip
 
 
 def score(
-    fitted: Sequence[Callable[[Array], Array]], seen: Sequence[tuple[Array, Array]], new: Sequence[tuple[Array, Array]]
+    fitted: Sequence[Callable[[Array], Array]],
+    seen: Sequence[tuple[Array, Array]],
+    new: Sequence[tuple[Array, Array]],
 ) -> Score:
     """Return the errors of several networks, beside those of the mean label of what they have seen."""
     x, y = np.vstack([d[0] for d in new]), np.concatenate([d[1] for d in new])
@@ -168,13 +166,9 @@ def score(
     errors = [one(x) - y for one in fitted]
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
-        rmse=float(np.mean([_rms(e) for e in errors])),
-        mae=float(np.mean(absolute)),
-        best=min(absolute),
-        spread=float(np.std(absolute)),
-        rmse_of_mean=_rms(y - mean),
-        mae_of_mean=float(np.abs(y - mean).mean()),
-    )
+        rmse=float(np.mean([_rms(e) for e in errors])), mae=float(np.mean(absolute)), best=min(absolute),
+        spread=float(np.std(absolute)), rmse_of_mean=_rms(y - mean), mae_of_mean=float(np.abs(y - mean).mean()),
+    )  # fmt: skip
 
 
 def average(scores: Sequence[Score]) -> Score:

@@ -1,15 +1,18 @@
 """Figures of a study."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from harness.learn.evaluate import Fitted, Recipe, Score
+from harness.learn.evaluate import Fitted, Recipe
 from harness.learn.gather import Run, spectral_features
 from harness.learn.study import PUBLISHED, Study, over_speeds
 from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, save
+
+Array = NDArray[np.float64]
 
 
 def draw(made: Study, folder: Path) -> list[Path]:
@@ -23,20 +26,18 @@ def draw(made: Study, folder: Path) -> list[Path]:
 
 def errors(made: Study) -> Figure:
     """Mean absolute error of each way of judging, beside always saying the mean."""
-    published = float(np.mean([PUBLISHED[speed][1] for speed in made.runs]))
-    rows: list[tuple[str, Mapping[int, Score] | None, float, float | None, str]] = [
-        ("paper, its split", None, published, None, GREY)
-    ]
+    published = float(np.mean([PUBLISHED[s][1] for s in made.runs]))
+    rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, GREY)]
     for name, row, colour in (
         *((f"4-6-1: {k}", v, BLUE) for k, v in made.split.items()),
         *((f"4-6-1: {k}", v, VERMILION) for k, v in made.honest.items()),
         *((f"all speeds: {k}", v, GREEN) for k, v in made.general.items()),
     ):
         mean = over_speeds(row)
-        rows.append((name, row, mean.mae, mean.mae_of_mean, colour))
+        rows.append((name, mean.mae, mean.mae_of_mean, colour))
     sheet = figure(8.0, 0.33 * len(rows) + 1.0)
     axes = sheet.subplots()
-    for k, (_, _, mae, of_mean, colour) in enumerate(rows):
+    for k, (_, mae, of_mean, colour) in enumerate(rows):
         axes.barh(-k, mae, color=colour, height=0.65)
         if of_mean is not None:
             axes.plot([of_mean, of_mean], [-k - 0.42, -k + 0.42], color="black", linewidth=1.6)
@@ -79,7 +80,7 @@ def over_time(made: Study) -> Figure:
     return sheet
 
 
-def _late(runs: Sequence[Run], given: list[float], recipe: Recipe):
+def _late(runs: Sequence[Run], given: list[float], recipe: Recipe) -> tuple[Array, Array]:
     blocks = [recipe.blocks(run) for run in runs]
     cuts = [int(0.8 * len(b)) for b in blocks]
     early = [(b[:c], np.full(c, y)) for b, c, y in zip(blocks, cuts, given, strict=True)]

@@ -30,7 +30,7 @@ from fmus.build import fmu
 from harness.record.atomic import replacing
 from harness.scenario.seed import generator
 from harness.twins.accelerometer import AXLE_BOX, RATE, measure
-from harness.twins.instrumented_car import FMU, MPH, Pass, ride
+from harness.twins.instrumented_car import FMU, MPH, Pass, ride, slope
 
 Array = NDArray[np.float64]
 
@@ -45,13 +45,9 @@ VEHICLE: Final = 7
 """Seed of the sensors' own properties: one car carries the same accelerometers on every run."""
 
 _CODE: Final = (
-    estimators.learned.channels,
-    estimators.learned.preprocessing,
-    estimators.learned.antialias,
-    harness.twins.accelerometer,
-    harness.twins.instrumented_car,
-    harness.twins.irregularity,
-)
+    estimators.learned.channels, estimators.learned.preprocessing, estimators.learned.antialias,
+    harness.twins.accelerometer, harness.twins.instrumented_car, harness.twins.irregularity,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +81,7 @@ class Run:
         blocks: Of the paper's chain, 12 channels (longitudinal, lateral, yaw), m/s², shape (n, 12).
         settled: The same with the high-pass started at the mean of the first second.
         slow: Lateral and yaw acceleration at the rate of `SLOW`, in axes that point forwards, m/s², shape (m, 8).
+        slope: Of the creep curve over that of a clean contact, which only a twin knows.
     """
 
     name: str
@@ -94,6 +91,7 @@ class Run:
     blocks: Array
     settled: Array
     slow: Array
+    slope: float | None = None
 
 
 def readings(run: Pass) -> Readings:
@@ -101,21 +99,13 @@ def readings(run: Pass) -> Readings:
     made = ride(run)
     true = np.hstack([made.longitudinal[:, :, 0], made.longitudinal[:, :, 1], made.lateral])
     written = measure(
-        true,
-        harness.twins.instrumented_car.RATE,
-        float(made.speed.mean()),
-        AXLE_BOX,
-        vehicle=generator(VEHICLE, "sensors"),
-        run=generator(run.seed, f"{run.name}.sensors"),
-    )
+        true, harness.twins.instrumented_car.RATE, float(made.speed.mean()), AXLE_BOX,
+        vehicle=generator(VEHICLE, "sensors"), run=generator(run.seed, f"{run.name}.sensors"),
+    )  # fmt: skip
     return Readings(
-        left=written[:, :4],
-        right=written[:, 4:8],
-        lateral=written[:, 8:],
-        speed=float(made.speed.mean()),
-        backwards=run.backwards,
-        rate=RATE,
-    )
+        left=written[:, :4], right=written[:, 4:8], lateral=written[:, 8:],
+        speed=float(made.speed.mean()), backwards=run.backwards, rate=RATE,
+    )  # fmt: skip
 
 
 def reduce(name: str, friction: float, seen: Readings) -> Run:
@@ -125,14 +115,9 @@ def reduce(name: str, friction: float, seen: Readings) -> Run:
     chain = Chain(rate=seen.rate, block=BLOCKS[group])
     settled = Chain(rate=seen.rate, block=BLOCKS[group], start="first second")
     return Run(
-        name=name,
-        group=group,
-        speed=seen.speed,
-        friction=friction,
-        blocks=chain.process(raw),
-        settled=settled.process(raw),
-        slow=forward(seen).astype(np.float32).astype(np.float64),
-    )
+        name=name, group=group, speed=seen.speed, friction=friction,
+        blocks=chain.process(raw), settled=settled.process(raw), slow=forward(seen),
+    )  # fmt: skip
 
 
 def spectral_features(run: Run, spectral: Spectral = SPECTRAL) -> Array:
@@ -173,27 +158,23 @@ def gather(
     for done in as_completed(running):
         done.result()
         tell(running[done].name)
-    return [_read(files[p.name + str(p.seed)]) for p in wanted]
+    return [_read(files[p.name + str(p.seed)], slope(p)) for p in wanted]
 
 
 def _make(run: Pass, file: Path) -> None:
     made = reduce(run.name, run.friction, readings(run))
     file.parent.mkdir(parents=True, exist_ok=True)
     with replacing(file) as partial, partial.open("wb") as stream:
-        np.savez_compressed(stream, **asdict(made))
+        np.savez_compressed(stream, **{k: v for k, v in asdict(made).items() if v is not None})
 
 
-def _read(file: Path) -> Run:
+def _read(file: Path, known_slope: float) -> Run:
     with np.load(file) as held:
         return Run(
-            name=str(held["name"]),
-            group=int(held["group"]),
-            speed=float(held["speed"]),
+            name=str(held["name"]), group=int(held["group"]), speed=float(held["speed"]),
             friction=float(held["friction"]),
-            blocks=held["blocks"],
-            settled=held["settled"],
-            slow=held["slow"].astype(np.float64),
-        )
+            blocks=held["blocks"], settled=held["settled"], slow=held["slow"].astype(np.float64), slope=known_slope,
+        )  # fmt: skip
 
 
 def _common() -> str:

@@ -13,39 +13,15 @@ SPEEDS: Final = (16, 26, 40, 60)
 """mph."""
 
 LABELS: Final[Mapping[int, tuple[tuple[str, float], ...]]] = {
-    16: (
-        ("dry", 0.31),
-        ("friction modifier", 0.14),
-        ("friction modifier", 0.17),
-        ("wet", 0.161),
-        ("detergent", 0.18),
-        ("paper tape", 0.16),
-    ),
-    26: (
-        ("dry", 0.29),
-        ("friction modifier", 0.19),
-        ("wet", 0.191),
-        ("detergent", 0.21),
-        ("paper tape", 0.16),
-        ("paper tape", 0.22),
-    ),
-    40: (
-        ("dry", 0.31),
-        ("dry", 0.37),
-        ("friction modifier", 0.17),
-        ("wet", 0.24),
-        ("detergent", 0.22),
-        ("paper tape", 0.10),
-    ),
-    60: (
-        ("dry", 0.30),
-        ("dry", 0.35),
-        ("friction modifier", 0.16),
-        ("wet", 0.27),
-        ("detergent", 0.24),
-        ("paper tape", 0.11),
-    ),
-}
+    16: (("dry", 0.31), ("friction modifier", 0.14), ("friction modifier", 0.17), ("wet", 0.161),
+         ("detergent", 0.18), ("paper tape", 0.16)),
+    26: (("dry", 0.29), ("friction modifier", 0.19), ("wet", 0.191), ("detergent", 0.21),
+         ("paper tape", 0.16), ("paper tape", 0.22)),
+    40: (("dry", 0.31), ("dry", 0.37), ("friction modifier", 0.17), ("wet", 0.24), ("detergent", 0.22),
+         ("paper tape", 0.10)),
+    60: (("dry", 0.30), ("dry", 0.35), ("friction modifier", 0.16), ("wet", 0.27), ("detergent", 0.24),
+         ("paper tape", 0.11)),
+}  # fmt: skip
 """Table 2 of Abduraxman et al. (2024): measured friction of the six runs at each speed."""
 
 TRACK: Final = "erri-low"
@@ -53,12 +29,9 @@ HOME: Final = 1
 """Seed of the test track's irregularities; the 24 runs of the campaign share it."""
 
 RANGES: Final[Mapping[str, tuple[float, float]]] = {
-    "dry": (0.24, 0.45),
-    "friction modifier": (0.12, 0.25),
-    "wet": (0.14, 0.30),
-    "detergent": (0.10, 0.26),
+    "dry": (0.24, 0.45), "friction modifier": (0.12, 0.25), "wet": (0.14, 0.30), "detergent": (0.10, 0.26),
     "paper tape": (0.05, 0.24),
-}
+}  # fmt: skip
 """Friction that each condition spans in the design, around what Tables 1 and 2 of the paper report for it."""
 
 
@@ -67,17 +40,12 @@ def campaign(*, seed: int = 1, length: float = 400.0) -> tuple[Pass, ...]:
     return tuple(
         Pass(
             name=f"{speed} mph, {condition}, {friction:g}, {k + 1}",
-            speed=speed * MPH,
-            condition=condition,
-            friction=friction,
-            track=TRACK,
-            track_seed=HOME,
-            seed=seed,
-            length=length,
+            speed=speed * MPH, condition=condition, friction=friction,
+            track=TRACK, track_seed=HOME, seed=seed, length=length,
         )
         for speed in SPEEDS
         for k, (condition, friction) in enumerate(LABELS[speed])
-    )
+    )  # fmt: skip
 
 
 def abroad(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tuple[Pass, ...]]:
@@ -106,13 +74,9 @@ def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
                 name=f"design {k}",
                 # Even in the logarithm, because 16 to 26 mph is as large a change as 37 to 60.
                 speed=float(np.exp(draw.uniform(np.log(15.0), np.log(63.0)))) * MPH,
-                condition=condition,
-                friction=round(float(draw.uniform(low, high)), 3),
-                track=("erri-low", "fra-6")[k // len(conditions) % 2],
-                track_seed=100 + k,
-                seed=100 + k,
-                backwards=bool(draw.random() < 0.5),
-                length=length,
+                condition=condition, friction=round(float(draw.uniform(low, high)), 3),
+                track=("erri-low", "fra-6")[k // len(conditions) % 2], track_seed=100 + k, seed=100 + k,
+                backwards=bool(draw.random() < 0.5), length=length,
             )
-        )
+        )  # fmt: skip
     return tuple(made)

@@ -150,11 +150,18 @@ def _pieces(size: Size) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]
 
 
 def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
-    """Train the estimator for all speeds; return it and the mean label of its training."""
+    """Train the estimator for all speeds; return it and the mean label of its training.
+
+    It has two stages where every run comes from a twin, which knows the slope of its creep curve.
+    """
     features = [spectral_features(run) for run in runs]
     labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
     number = np.concatenate([np.full(len(f), k, dtype=np.int64) for k, f in enumerate(features)])
-    made = fit(np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), members=members)
+    known = [run.slope for run in runs if run.slope is not None]
+    slopes = np.array(known)[number] if len(known) == len(runs) else None
+    made = fit(
+        np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), slope=slopes, members=members
+    )
     return made, float(labels.mean())
 
 

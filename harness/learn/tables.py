@@ -27,11 +27,10 @@ def report(made: Study) -> str:
     lines += [*_table(["", *(f"{s} mph" for s in speeds)], rows), ""]
     lines += ["## What the networks of this split have learned", ""]
     lines += [
-        "*Labels exchanged*: the same data with the labels of other runs, so that friction is not in them any more. "
-        "A network "
-        "that does as well has learned to recognise runs. *First second is zero*: the high-pass starts at the mean of "
-        "the first second "
-        "instead of the first sample, whose vibration it otherwise keeps as an offset of the whole run.",
+        "*Labels exchanged*: the same data with the labels of other runs, so that friction is not in them any more. A "
+        "network that does as well has learned to recognise runs. *First second is zero*: the high-pass starts at the "
+        "mean of the first second instead of the first sample, whose vibration it otherwise keeps as an offset of the "
+        "whole run.",
         "",
     ]
     lines += [*_scores({k: v for k, v in made.split.items() if k not in ("bias outside",)}, speeds), ""]
@@ -41,10 +40,10 @@ def report(made: Study) -> str:
     lines += [*_scores(made.honest, speeds, beside=True), ""]
     lines += ["## One estimator for all speeds, on runs it has not seen", ""]
     lines += [
-        "Trained on simulated runs of its own (other seeds, tracks ERRI low and FRA 6), features of lateral and yaw "
-        "acceleration. "
-        "MAE, in brackets that of the mean label of its training; coverage and width of the 90 % interval over all "
-        "speeds.",
+        "Trained on 200 m runs of its own (other seeds, tracks ERRI low and FRA 6, friction spread within each "
+        "condition): networks estimate the slope of the creep curve from lateral and yaw acceleration, a second stage "
+        "says which friction goes with it. MAE, in brackets that of the mean label of its training; coverage and width "
+        "of the 90 % interval over all speeds.",
         "",
         *_general(made.general, speeds),
         "",

@@ -2,8 +2,8 @@
 
 Each recording is a CSV file with a header: `time` [s], `speed` [m/s], `left[1]` … `left[4]` and `right[1]` …
 `right[4]`, the longitudinal accelerations of the axle boxes, and `lateral[1]` … `lateral[4]` [m/s²], on an even time
-grid. The table of labels is a CSV file with the columns `file`, `friction` and, where it was not always wheelset 1 that
-led, `direction` (1 or -1).
+grid. The table of labels is a CSV file with the columns `file`, `friction` and, where it was not always wheelset 1
+that led, `direction` (1 or -1).
 """
 
 import csv
@@ -101,13 +101,9 @@ def _reduced(file: Path, label: Label) -> Run:
     rate = _rate(file, held["time"])
     boxes = np.column_stack([held[name] for name in BOXES])
     seen = Readings(
-        left=boxes[:, :4],
-        right=boxes[:, 4:8],
-        lateral=boxes[:, 8:],
-        speed=float(np.mean(np.abs(held["speed"]))),
-        backwards=label.backwards,
-        rate=rate,
-    )
+        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:],
+        speed=float(np.mean(np.abs(held["speed"]))), backwards=label.backwards, rate=rate,
+    )  # fmt: skip
     return reduce(file.name, label.friction, seen)
 
 

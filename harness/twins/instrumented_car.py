@@ -42,8 +42,8 @@ class Surface:
         k_A, k_S, A, B: Polach's parameters.
     """
 
-    k_A: float  # noqa: N815 (the name in the literature)
-    k_S: float  # noqa: N815 (the name in the literature)
+    k_A: float  # noqa: N815 - Polach's names
+    k_S: float  # noqa: N815
     A: float
     B: float
 
@@ -59,11 +59,9 @@ SURFACES: Final[Mapping[str, Surface]] = {
 }
 
 SLOPE_SPREAD: Final = 0.15
-"""Standard deviation of the logarithm of k_A and k_S from run to run: contamination is never applied twice alike
-(estimate)."""
+"""Standard deviation of the logarithm of k_A and k_S from run to run: no film is applied twice alike (estimate)."""
 FRICTION_SPREAD: Final = 0.05
-"""Relative standard deviation of friction along the section; two readings of the tribometer differ by that much
-(estimate)."""
+"""Relative standard deviation of friction along the section, of the size between two readings (estimate)."""
 FRICTION_LENGTH: Final = 10.0
 """m, over which friction changes along the section (estimate)."""
 SPEED_SPREAD: Final = 0.01
@@ -99,7 +97,7 @@ class Pass:
     length: float = LENGTH
 
     def __post_init__(self) -> None:
-        """Refuse a run of an unknown condition or track."""
+        """Check what a run can be."""
         if self.condition not in SURFACES:
             raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
         if self.track not in TRACKS:
@@ -139,22 +137,14 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
     speed, surface = _held_speed(run), _surface(run)
     inputs, skipped = _inputs(run, speed, rate)
     outputs = {
-        "longitudinal_left": ("m/s2", 4),
-        "longitudinal_right": ("m/s2", 4),
-        "lateral": ("m/s2", 4),
-        "offset": ("m", 4),
-        "creep": ("1", 4),
-        "speed": "m/s",
-    }
+        "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
+        "offset": ("m", 4), "creep": ("1", 4), "speed": "m/s",
+    }  # fmt: skip
     parameters = {
         "speed_set": speed,
-        "k_A": surface.k_A,
-        "k_S": surface.k_S,
-        "A_falling": surface.A,
-        "B_falling": surface.B,
-        "wheelbase": WHEELBASE,
-        "pivots": PIVOTS,
-    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}
+        "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
+        "wheelbase": WHEELBASE, "pivots": PIVOTS,
+    } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
     # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
     edge = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
     with plant(FMU, inputs=edge, outputs=outputs, period=1 / rate, parameters=parameters) as car:
@@ -166,12 +156,8 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
     seen, friction = seen[skipped:], inputs[skipped:, 16:]
     made = Ride(
         longitudinal=np.stack([seen[:, 0:4], seen[:, 4:8]], axis=-1),
-        lateral=seen[:, 8:12],
-        offset=seen[:, 12:16],
-        creep=seen[:, 16:20],
-        speed=seen[:, 20],
-        friction=friction,
-    )
+        lateral=seen[:, 8:12], offset=seen[:, 12:16], creep=seen[:, 16:20], speed=seen[:, 20], friction=friction,
+    )  # fmt: skip
     return _turned(made) if run.backwards else made
 
 
@@ -185,6 +171,12 @@ def _turned(made: Ride) -> Ride:
         friction=made.friction[:, ::-1],
         speed=made.speed,
     )
+
+
+def slope(run: Pass) -> float:
+    """Return the slope of the creep curve over that of a clean contact, (k_A + k_S)/2, of a run."""
+    own = _surface(run)
+    return (own.k_A + own.k_S) / 2
 
 
 def _held_speed(run: Pass) -> float:
@@ -206,8 +198,8 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     before = int(LEAD_IN / speed * rate)
     count = before + int(run.length / speed * rate)
     ahead = BEHIND[-1] + LEAD_IN
-    travelled = np.arange(count, dtype=np.float64) * (speed / rate)
-    position = ahead + travelled[:, None] - np.array(BEHIND)
+    travelled = np.arange(count) * (speed / rate)
+    position = np.asarray(ahead + travelled[:, None] - np.array(BEHIND), dtype=np.float64)
     whole = ahead + LEAD_IN + run.length
     track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
     # The car starts on even track: irregularities grow over the first half of the lead-in.

@@ -39,7 +39,7 @@ class Band:
     @property
     def frequencies(self) -> Vector:
         """Centres of the spectral lines, 1/m, shape (lines,)."""
-        return self.lowest + (np.arange(self.lines, dtype=np.float64) + 0.5) * self.spacing
+        return np.asarray(self.lowest + (np.arange(self.lines) + 0.5) * self.spacing, dtype=np.float64)
 
 
 RIDE: Final = Band(lowest=0.008, highest=0.8, lines=1600)

@@ -16,19 +16,15 @@ from fmus.native.package import pack
 from harness.learn.export import as_fmu
 
 ROUNDING = 1e-9
-"""Relative: tens of thousands of recursive filter steps in another order of additions, behind a network of slope
-about 1."""
+"""Relative: thousands of recursive filter steps in another order of additions, behind a network of slope about 1."""
 
 
 def network(generator, inputs, hidden=6, bias="inside"):
     draw = generator.standard_normal
     return Network(
-        hidden_weights=draw((hidden, inputs)),
-        hidden_bias=draw(hidden),
-        output_weights=draw(hidden),
-        output_bias=0.1,
-        bias=bias,
-    )
+        hidden_weights=draw((hidden, inputs)), hidden_bias=draw(hidden), output_weights=draw(hidden),
+        output_bias=0.1, bias=bias,
+    )  # fmt: skip
 
 
 def samples(generator, seconds, rate):
@@ -54,7 +50,7 @@ def test_the_papers_chain_is_the_same_online(combination, bias):
     assert np.all(said[49:99, 0] == said[49, 0])  # held between blocks
 
 
-def general_pair(direction):
+def general_pair(direction, stages):
     draw = np.random.default_rng(4)
     slow = AntiAlias(rate=1280, keep=10)
     spectral = Spectral(rate=slow.slow_rate, settling=0.5, metres=30.0)
@@ -66,18 +62,17 @@ def general_pair(direction):
     features = spectral.features(lateral, yaw, speed)
     known = features[2 * spectral.settled :]
     ensemble = Ensemble(
-        centre=known.mean(axis=0),
-        spread=known.std(axis=0) + 1e-3,
-        half_width=1.7,
+        centre=known.mean(axis=0), spread=known.std(axis=0) + 1e-3, half_width=1.7,
+        second=tuple(network(draw, 1, hidden=3) for _ in range(2 * (stages - 1))),
         networks=tuple(network(draw, features.shape[1]) for _ in range(3)),
-    )
+    )  # fmt: skip
     entry = np.hstack([raw, np.full((len(raw), 1), speed), np.full((len(raw), 1), direction)])
     return online.general(slow, spectral, ensemble), ensemble(known), entry, slow, spectral
 
 
-@pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_the_general_estimator_is_the_same_online(direction):
-    built, offline, entry, slow, spectral = general_pair(direction)
+@pytest.mark.parametrize(("direction", "stages"), [(1.0, 1), (-1.0, 2)])
+def test_the_general_estimator_is_the_same_online(direction, stages):
+    built, offline, entry, slow, spectral = general_pair(direction, stages)
     said = built.run(entry)
     first = slow.keep * (2 * spectral.settled + 1) - 1
     np.testing.assert_allclose(said[first :: slow.keep, 0], offline.friction, rtol=ROUNDING)

@@ -88,19 +88,15 @@ def test_a_network_learns_a_smooth_function():
 
 def run(name, friction, blocks, generator, slow=None):
     return Run(
-        name=name,
-        group=60,
-        speed=26.8,
-        friction=friction,
+        name=name, group=60, speed=26.8, friction=friction,
         blocks=np.abs(np.tile(blocks, (100, 3)) + 0.05 * generator.standard_normal((100, 12))),
-        settled=np.abs(generator.standard_normal((100, 12))),
-        slow=np.zeros((3, 8)) if slow is None else slow,
-    )
+        settled=np.abs(generator.standard_normal((100, 12))), slow=np.zeros((3, 8)) if slow is None else slow,
+    )  # fmt: skip
 
 
 def test_the_papers_split_cannot_tell_recognition_from_estimation():
-    """Each run has an offset that has nothing to do with friction: the split is passed, also with exchanged labels,
-    and a run that was left out is not."""
+    """Each run has an offset that has nothing to do with friction: the split is passed, also with exchanged
+    labels, and a run that was left out is not."""
     draw = np.random.default_rng(4)
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
@@ -136,6 +132,18 @@ def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
     covered = np.mean((said.lower <= y) & (y <= said.upper))
     assert 0.78 <= covered <= 1.0
     assert np.abs(said.friction - y).mean() < 0.6 * np.abs(y - y.mean()).mean()
+
+
+def test_a_second_stage_turns_slope_into_friction():
+    """Friction is a bent function of slope and slope of the features: two stages find both."""
+    draw = np.random.default_rng(7)
+    slope = draw.uniform(0.15, 0.75, 80)
+    number = np.repeat(np.arange(80), 3)
+    x = np.column_stack([np.log(slope)[number], draw.standard_normal(240)]) + 0.01 * draw.standard_normal((240, 2))
+    friction = 0.15 + 0.2 / (1 + np.exp(-20 * (slope - 0.45)))
+    ensemble = fit(x, friction[number], number, generator=draw, slope=slope[number], members=8, decay=1e-6)
+    said = ensemble(np.column_stack([np.log([0.2, 0.45, 0.7]), np.zeros(3)]))
+    assert said.friction == pytest.approx([0.151, 0.25, 0.349], abs=0.02)  # a tenth of the range
 
 
 def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():

@@ -6,7 +6,8 @@ model GuidedBody "Car body with six motions on two bogies"
   parameter Types.Inertia I_yaw(start=1.2e6) "Inertia about the vertical axis";
   parameter Types.Length pivots(start=14.2) "Distance of the bogie pivots";
   parameter Types.Length h(start=0.9) "Height of the centre of gravity over the secondary suspension";
-  parameter Types.Length h_frame(start=0.3) "Height of the secondary suspension over the centre of gravity of the frames";
+  parameter Types.Length h_frame(start=0.3)
+    "Height of the secondary suspension over the centre of gravity of the frames";
   parameter Types.Length b_secondary(start=1.0) "Half the distance of the secondary springs";
   parameter Types.Stiffness k_rod(start=5e6) "Stiffness of one traction rod";
   parameter Types.Damping c_rod(start=5e4) "Damping of one traction rod";
@@ -40,7 +41,8 @@ protected
   Types.Torque yaw[2] "Torque of the secondary suspension on both frames about the vertical axis";
 equation
   for i in 1:2 loop
-    rod[i] = k_rod*(x - h*theta - frame[i, 1] - h_frame*frame[i, 9]) + c_rod*(dv - h*wy - frame[i, 2] - h_frame*frame[i, 10]);
+    rod[i] = k_rod*(x - h*theta - frame[i, 1] - h_frame*frame[i, 9]) + c_rod*(dv - h*wy - frame[i, 2] -
+      h_frame*frame[i, 10]);
     lateral[i] = 2*k_y*(y + arm[i]*psi + h*phi - frame[i, 3] + h_frame*frame[i, 7])
       + 2*c_y*(vy + arm[i]*wz + h*wx - frame[i, 4] + h_frame*frame[i, 8]);
     lift[i] = 2*k_z*(z - arm[i]*theta - frame[i, 5]) + 2*c_z*(vz - arm[i]*wy - frame[i, 6]);
@@ -67,7 +69,8 @@ equation
   I_yaw*der(wz) = -yaw[1] - yaw[2] - arm[1]*lateral[1] - arm[2]*lateral[2];
   annotation (Documentation(info="<html>
 <p>
-Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Traction rods, springs and dampers act at
+Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Traction rods, springs and
+dampers act at
 the height of the secondary suspension.
 </p>
 <h4>Limitations</h4>

@@ -57,10 +57,12 @@ equation
   I_yaw*der(wz) = M[3] - M_yaw[1] - M_yaw[2] - arm[1]*Y[1] - arm[2]*Y[2];
   annotation (Documentation(info="<html>
 <p>
-Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Linear springs and dampers at
+Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Linear springs and dampers
+at
 the axle boxes, at the height of the axles. Angles are small.
 </p>
 <h4>Limitations</h4>
-<p>The roll of the track is not differentiated: dampers feel the roll rate of the frame alone. No bump stops, no dry friction.</p>
+<p>The roll of the track is not differentiated: dampers feel the roll rate of the frame alone. No bump stops, no dry
+friction.</p>
 </html>"));
 end GuidedFrame;

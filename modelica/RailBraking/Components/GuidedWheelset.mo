@@ -91,8 +91,10 @@ equation
   J*der(dw) = tau - r_rolling[1]*F_x[1] - r_rolling[2]*F_x[2];
   annotation (Documentation(info="<html>
 <p>
-Axes: x along the track, y to the left, z upwards; angles follow the right-hand rule. The wheels are cones: the rolling radii
-differ by 2 conicity times the lateral position on the track, and widening of the gauge makes both smaller. The rail pushes
+Axes: x along the track, y to the left, z upwards; angles follow the right-hand rule. The wheels are cones: the
+rolling radii
+differ by 2 conicity times the lateral position on the track, and widening of the gauge makes both smaller. The rail
+pushes
 the wheelset to the side of the lower rail with load times cross level over 2 b.
 </p>
 <h4>Limitations</h4>

@@ -15,7 +15,8 @@ block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed o
   parameter Types.Stiffness k_primary[3] = {4e6, 5e6, 1.22e6} "Stiffness of one axle box along, across, vertical";
   parameter Types.Damping c_primary[3] = {3e4, 3e4, 1.2e4} "Damping of one axle box along, across, vertical";
   parameter Types.Stiffness k_secondary[2] = {6e5, 4.3e5} "Stiffness of one secondary spring across, vertical";
-  parameter Types.Damping c_secondary[2] = {1e5, 3e4} "Damping of one side of the secondary suspension across, vertical";
+  parameter Types.Damping c_secondary[2] = {1e5, 3e4}
+    "Damping of one side of the secondary suspension across, vertical";
   parameter Types.Damping c_yaw = 1.5e6 "Damping of one yaw damper between frame and body";
   parameter Types.Stiffness k_track = 5e7 "Stiffness of the track under one wheel";
   parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
@@ -29,14 +30,20 @@ block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed o
   parameter Types.Damping gain_speed = 2e4 "Driving force over speed error";
   parameter Types.Time T_speed = 4 "Integration time of the speed controller";
   parameter Types.Time T_drive = 0.3 "Time constant of the drive";
-  Interfaces.RealInput alignment[4](each final unit="m", each start=0) "Lateral irregularity under each wheelset, to the left";
-  Interfaces.RealInput vertical[4](each final unit="m", each start=0) "Vertical irregularity under each wheelset, upwards";
-  Interfaces.RealInput cross_level[4](each final unit="m", each start=0) "Left rail above right rail under each wheelset";
+  Interfaces.RealInput alignment[4](each final unit="m", each start=0)
+    "Lateral irregularity under each wheelset, to the left";
+  Interfaces.RealInput vertical[4](each final unit="m", each start=0)
+    "Vertical irregularity under each wheelset, upwards";
+  Interfaces.RealInput cross_level[4](each final unit="m", each start=0)
+    "Left rail above right rail under each wheelset";
   Interfaces.RealInput gauge[4](each final unit="m", each start=0) "Widening of the gauge under each wheelset";
   Interfaces.RealInput mu0[4](each final unit="1", each start=0.3) "Maximum friction coefficient at each wheelset";
-  Interfaces.RealOutput longitudinal_left[4](each final unit="m/s2") "Acceleration of the left axle boxes along the track";
-  Interfaces.RealOutput longitudinal_right[4](each final unit="m/s2") "Acceleration of the right axle boxes along the track";
-  Interfaces.RealOutput lateral[4](each final unit="m/s2") "Acceleration of the axle boxes across the track, to the left";
+  Interfaces.RealOutput longitudinal_left[4](each final unit="m/s2")
+    "Acceleration of the left axle boxes along the track";
+  Interfaces.RealOutput longitudinal_right[4](each final unit="m/s2")
+    "Acceleration of the right axle boxes along the track";
+  Interfaces.RealOutput lateral[4](each final unit="m/s2")
+    "Acceleration of the axle boxes across the track, to the left";
   Interfaces.RealOutput vertical_acceleration[4](each final unit="m/s2") "Acceleration of the wheelsets, upwards";
   Interfaces.RealOutput speed(final unit="m/s") "Speed of the car body";
   Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") "Angular velocity of the wheelsets";
@@ -46,10 +53,12 @@ block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed o
 protected
   final parameter Types.Length b = 0.75 "Half the distance of the contacts";
   final parameter Types.Force load_nominal = g*((m_body + 2*m_frame)/4 + m_unsprung) "Load of each wheelset at rest";
-  final parameter Types.Force drag_start = resistance_rolling + resistance_drag*speed_set^2 "Resistance at the set speed";
+  final parameter Types.Force drag_start = resistance_rolling + resistance_drag*speed_set^2
+    "Resistance at the set speed";
   Components.GuidedBody body(
     m=m_body, I_roll=I_body[1], I_pitch=I_body[2], I_yaw=I_body[3], pivots=pivots, h=0.9, h_frame=0.3, b_secondary=1.0,
-    k_rod=5e6, c_rod=5e4, k_y=k_secondary[1], k_z=k_secondary[2], c_y=c_secondary[1], c_z=c_secondary[2], c_yaw=c_yaw) "Car body";
+    k_rod=5e6, c_rod=5e4, k_y=k_secondary[1], k_z=k_secondary[2], c_y=c_secondary[1], c_z=c_secondary[2], c_yaw=c_yaw)
+      "Car body";
   Components.GuidedFrame frame[2](
     each m=m_frame, each I_roll=I_frame[1], each I_pitch=I_frame[2], each I_yaw=I_frame[3], each wheelbase=wheelbase,
     each h=0.15, each b_primary=b_box, each k_x=k_primary[1], each k_y=k_primary[2], each k_z=k_primary[3],
@@ -120,20 +129,26 @@ equation
   tractive_force = drive;
   annotation (Documentation(info="<html>
 <p>
-The powered car of a multi-purpose vehicle as it ran over a friction-modified track (Abduraxman et al., 2024), for estimators of
-friction that listen to axle boxes. Inner wheelsets are driven, (1A)(A1); a PI controller holds the speed. Each wheelset moves along,
+The powered car of a multi-purpose vehicle as it ran over a friction-modified track (Abduraxman et al., 2024), for
+estimators of
+friction that listen to axle boxes. Inner wheelsets are driven, (1A)(A1); a PI controller holds the speed. Each
+wheelset moves along,
 across, about the vertical and about its axle, and bounces on the track; frames and body have six motions each.
 </p>
 <h4>Limitations</h4>
 <p>
-Masses are estimates, inertias of the running gear those of the ERRI coach; longitudinal primary, lateral secondary and yaw damping
-are chosen so that the car runs stably (all modes damped by 8 % and more) from 7 to 30 m/s on dry and on contaminated rail: data of
+Masses are estimates, inertias of the running gear those of the ERRI coach; longitudinal primary, lateral secondary
+and yaw damping
+are chosen so that the car runs stably (all modes damped by 8 % and more) from 7 to 30 m/s on dry and on contaminated
+rail: data of
 the vehicle itself are not published. The second
-car is left out. Those of <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>: cones for wheels, a simple flange.
+car is left out. Those of <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>: cones for
+wheels, a simple flange.
 </p>
 <h4>Notes</h4>
 <p>
-k_A, k_S, A_falling and B_falling hold for the whole run, <code>mu0</code> may change along the track. Below 1 Hz and at constant speed
+k_A, k_S, A_falling and B_falling hold for the whole run, <code>mu0</code> may change along the track. Below 1 Hz and
+at constant speed
 little of friction is left in the longitudinal accelerations.
 </p>
 </html>"));

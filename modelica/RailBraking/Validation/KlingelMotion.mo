@@ -28,10 +28,12 @@ equation
     experiment(StopTime=10, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
 <p>
-At low speed two wheels on one axle roll without sliding: y'' + conicity/(r b) y = 0 over the way, whatever the friction.
+At low speed two wheels on one axle roll without sliding: y'' + conicity/(r b) y = 0 over the way, whatever the
+friction.
 </p>
 <h4>Limitations</h4>
-<p>Holds within two hundredths over one wavelength: finite creep stiffness and the rounding of the flange spring, 0.03 MN/m, are in the
+<p>Holds within two hundredths over one wavelength: finite creep stiffness and the rounding of the flange spring, 0.03
+MN/m, are in the
 model and not in the formula. With speed, inertia makes the swing grow.</p>
 </html>"));
 end KlingelMotion;
