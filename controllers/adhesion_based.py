@@ -113,14 +113,14 @@ class AdhesionBased:
 
     Start: a wheel with slip below `slip_small` or adhesion below `adhesion_small` is braked as far as `adhesion_max`
     allows; it is the torque for this adhesion that is capped, with the estimated pad friction.
-    Standstill: below `speed_min` the slip is no longer known well enough to seek and the brake is applied.
+    Standstill: below `speed_min` the slip is no longer known well enough to seek, and the brake is applied as at the
+    start.
     """
 
     def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
         """Control `groups` with one `tuning`."""
         self._groups = tuple(groups)
         self._tuning = tuning
-        self._full = tuple(group.pressure_max for group in groups)
         count = range(len(self._groups))
         self._slip = [_Derivative(tuning.filter_time, tuning.period) for _ in count]
         self._adhesion = [_Derivative(tuning.filter_time, tuning.period) for _ in count]
@@ -135,8 +135,6 @@ class AdhesionBased:
         """
         if sight.adhesion is None or sight.pad_friction is None:
             raise ValueError("AdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario.")
-        if sight.speed < self._tuning.speed_min:
-            return self._full
         return tuple(
             self._demand(g, sight, sight.slip[g], sight.adhesion[g], sight.pad_friction[g])
             for g in range(len(self._groups))
@@ -150,10 +148,11 @@ class AdhesionBased:
         radius, speed = group.wheel_radius, sight.speed
         inertial = -group.inertia * (1.0 - slip) * sight.acceleration / radius
         ceiling = (tuning.adhesion_max - tuning.adhesion_guard) * group.load * radius + inertial
-        if slip > tuning.slip_vent:
+        if slip > tuning.slip_vent and sight.speed >= tuning.speed_min:
             self._upwards[g] = False
             return 0.0
-        if seen_slip < tuning.slip_small or seen_adhesion < tuning.adhesion_small:
+        rolling = seen_slip < tuning.slip_small or seen_adhesion < tuning.adhesion_small
+        if rolling or sight.speed < tuning.speed_min:
             self._upwards[g] = True
             return group.pressure(ceiling, pad_friction)
         self._turn(g, self._slip[g].rate / seen_slip, self._adhesion[g].rate / seen_adhesion)

@@ -137,5 +137,10 @@ def test_levels_that_cannot_switch_are_refused(low, high):
 
 
 def test_below_the_lowest_speed_the_brake_is_applied():
-    for law in (SlipBased([GROUP], SLIP_LEVELS), seeker(), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):
-        assert law.decide(Sight(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))) == (3.4e5,)
+    sight = Sight(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
+    for law in (SlipBased([GROUP], SLIP_LEVELS), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):
+        assert law.decide(sight) == (3.4e5,)
+    # The seeker's limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
+    torque = (0.15 - 0.003) * GROUP.load * 0.38
+    wanted = (torque / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
+    assert seeker().decide(sight)[0] == pytest.approx(wanted, rel=1e-9)

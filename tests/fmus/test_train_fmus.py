@@ -31,6 +31,20 @@ HELD = {
     "slip": 0.02,
     "speed": 20.0,
     "load": 1.0e5,
+    "track": 3e-3,
+    "track_rate": 5e-3,
+    "displacement": 2e-3,
+    "lateral_position": 2e-3,
+    "lateral_velocity": 1e-2,
+    "yaw_angle": 1e-3,
+    "yaw_rate": 1e-2,
+    "A_falling": 0.4,
+    "B_falling": 0.6,
+    "motor_torque": 50.0,
+    "alignment": 2e-3,
+    "vertical": 1e-3,
+    "cross_level": 1e-3,
+    "gauge": 1e-3,
 }
 
 
