@@ -4,7 +4,8 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install test test-omc check learn clean
+.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate tune lateral learn \
+        monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -19,6 +20,29 @@ $(READY): pyproject.toml
 
 install: $(READY)  ## make .venv with everything declared in pyproject.toml
 
+fmus: $(READY)  ## build the FMUs that are not up to date
+	$(RUN) -m fmus build
+
+simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
+	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml --out build/table1 --no-panels
+	$(RUN) -m harness campaign harness/scenario/campaigns/shapes.toml --out build/shapes --no-panels
+
+report: simulate  ## the same with the panels of every stop
+	$(RUN) -m harness report build/table1
+	$(RUN) -m harness report build/shapes
+
+regress: fmus  ## compare braking distances with tests/baselines
+	$(RUN) -m harness regress
+
+accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
+	$(RUN) -m harness accept --reason '$(REASON)'
+
+calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
+	$(RUN) -m harness calibrate
+
+bench: fmus  ## speed, as medians and ratios in one run
+	$(RUN) -m harness bench
+
 test: check  ## lint, types and tests
 	$(RUN) -m pytest
 
@@ -26,10 +50,27 @@ test-omc: $(READY)  ## compare the built-in compiler with OpenModelica, which mu
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
 	$(RUN) -m pytest -m omc tests/fmus
 
+monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
+	$(RUN) -m harness monitor-study
+
 check: $(READY)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright
+
+estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
+	$(RUN) -m harness rig
+	$(RUN) -m harness observability harness/estimate/library/rig_own.toml
+	$(RUN) -m harness observability harness/estimate/library/wagon.toml
+	$(RUN) -m harness estimate harness/estimate/library/wagon.toml
+	$(RUN) -m harness field
+
+tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library
+	$(RUN) -m harness tune paper --out harness/field/library/paper.toml
+	$(RUN) -m harness tune consistent --out harness/field/library/consistent.toml
+
+lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
+	$(RUN) -m harness lateral
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
 	$(RUN) -m harness learn

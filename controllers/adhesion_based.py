@@ -35,9 +35,9 @@ class SeekerTuning:
         slip_rate_max: Largest relative slip rate |ṡ|/s the added or missing torque may cause [1/s].
         slip_rate_min: Relative slip rate below which ṡ·α̇ says nothing and the seeker goes upwards [1/s].
         dwell: Shortest time between two changes of direction [s].
-        slip_small: Slip below which the wheel counts as rolling and is braked fully [1].
+        slip_small: Slip below which the wheel counts as rolling and there is no peak to seek [1].
         slip_vent: Slip above which the brake is released, whatever the adhesion [1].
-        adhesion_small: Estimated adhesion below which there is nothing to seek and the brake is applied [1].
+        adhesion_small: Estimated adhesion below which there is no peak to seek [1].
         adhesion_max: Highest adhesion that may be used (TSI: 0.15; 0.13 for short fixed formations) [1].
         adhesion_guard: Distance below `adhesion_max` at which the torque is capped [1].
         speed_min: Train speed below which the brake is simply applied [m/s].
@@ -111,7 +111,8 @@ class AdhesionBased:
     and 40 % slip. Dropped from eq. (12) are ∂α/∂v·v̇ and ∂α/∂μ0·μ̇0; a rising μ0 would drive the slip up without end,
     which `margin` (and at the last `slip_vent`) prevents.
 
-    Start: a wheel with slip below `slip_small` or adhesion below `adhesion_small` is braked fully.
+    Start: a wheel with slip below `slip_small` or adhesion below `adhesion_small` is braked as far as `adhesion_max`
+    allows; it is the torque for this adhesion that is capped, with the estimated pad friction.
     Standstill: below `speed_min` the slip is no longer known well enough to seek and the brake is applied.
     """
 
@@ -146,24 +147,23 @@ class AdhesionBased:
         self._slip[g].follow(slip)
         self._adhesion[g].follow(adhesion)
         seen_slip, seen_adhesion = self._slip[g].value, self._adhesion[g].value
+        radius, speed = group.wheel_radius, sight.speed
+        inertial = -group.inertia * (1.0 - slip) * sight.acceleration / radius
+        ceiling = (tuning.adhesion_max - tuning.adhesion_guard) * group.load * radius + inertial
         if slip > tuning.slip_vent:
             self._upwards[g] = False
             return 0.0
         if seen_slip < tuning.slip_small or seen_adhesion < tuning.adhesion_small:
             self._upwards[g] = True
-            return group.pressure_max
+            return group.pressure(ceiling, pad_friction)
         self._turn(g, self._slip[g].rate / seen_slip, self._adhesion[g].rate / seen_adhesion)
 
-        radius, speed = group.wheel_radius, sight.speed
-        inertial = -group.inertia * (1.0 - slip) * sight.acceleration / radius
         balance = seen_adhesion * group.load * radius + inertial
         reach = group.inertia * tuning.slip_rate_max * seen_slip * speed / radius
-        torque = (
-            balance + min(tuning.rise * balance, reach)
-            if self._upwards[g]
-            else balance - min(tuning.fall * balance, reach)
-        )
-        ceiling = (tuning.adhesion_max - tuning.adhesion_guard) * group.load * radius + inertial
+        if self._upwards[g]:
+            torque = balance + min(tuning.rise * balance, reach)
+        else:
+            torque = balance - min(tuning.fall * balance, reach)
         return group.pressure(min(torque, ceiling), pad_friction)
 
     def _turn(self, g: int, slip_rate: float, adhesion_rate: float) -> None:

@@ -2,6 +2,7 @@
 
 import ctypes
 import hashlib
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from estimators.belief import Estimate, Matrix, Vector, sealed
 from estimators.design import Design
-from estimators.errors import FilterDiverged
+from estimators.discretisation import ORDER, Order
+from estimators.errors import EstimatorError, FilterDiverged
 from estimators.gate import Gate
 from estimators.generated import generate
 from estimators.prediction import CasadiPrediction
@@ -21,6 +23,25 @@ DIVERGED = {
     3: "Filter: the readings threw the mean to a value that is not finite.",
 }
 """What the failures of `step.h` mean, mostly in the words of `ekf`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Followed:
+    """What a filter believed over many steps.
+
+    Attributes:
+        mean: After every step, shape (k, n).
+        variance: Of each state, shape (k, n).
+        expected: Readings, before they were seen, shape (k, m).
+        squared: Normalised innovation squared, shape (k,).
+        used: How many readings were used, its degrees, shape (k,).
+    """
+
+    mean: Matrix
+    variance: Matrix
+    expected: Matrix
+    squared: Vector
+    used: Vector
 
 
 class CompiledFilter:
@@ -37,6 +58,7 @@ class CompiledFilter:
         period: Seconds between two steps.
         gate: States to freeze and when, or None.
         outlier_limit: Standard deviations beyond which a reading is left out, or None.
+        order: 1 for forward Euler, 4 for RK4; see `discretisation`.
         directory: Where compiled filters are kept and found again.
 
     Attributes:
@@ -60,10 +82,11 @@ class CompiledFilter:
         period: float,
         gate: Gate | None = None,
         outlier_limit: float | None = None,
+        order: Order = ORDER,
         directory: Path = Path("build/estimators"),
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
-        self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit)
+        self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
         code = generate(prediction, design)
         n, m = len(design.states), len(design.outputs)
         # From the allocator of numpy and never replaced: C keeps working on this very memory.
@@ -80,8 +103,9 @@ class CompiledFilter:
         self.parameters = part("PARAMETERS")
         self._squared = part("SQUARED")
         self.parameters[:] = prediction.parameters
-        by_states("SPREAD")[:] = design.spread
-        part("READING_NOISE").reshape(m, m)[:] = design.reading_noise
+        self._spread, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
+        self._spread[:] = design.spread
+        self._reading_noise[:] = design.reading_noise
         part("PERIOD")[:] = design.period
         part("THRESHOLD")[:] = design.gate_threshold
         part("LIMIT_SQUARED")[:] = design.outlier_limit**2
@@ -89,8 +113,11 @@ class CompiledFilter:
         # The name tells filters apart, so that those of several models lie side by side.
         digest = hashlib.sha256("".join(code.sources.values()).encode()).hexdigest()[:16]
         library = shared_library(code.sources, directory, f"filter_{digest}", flags=("-O3",))
-        self._step = ctypes.CDLL(str(library.resolve())).step
+        loaded = ctypes.CDLL(str(library.resolve()))
+        self._step, self._run = loaded.step, loaded.run
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
+        self._run.argtypes = [ctypes.c_void_p, ctypes.c_int] + [ctypes.c_void_p] * 8
+        self._run.restype = ctypes.c_int
         self._address = ctypes.c_void_p(block.ctypes.data)
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
         self._last: Estimate | None = None
@@ -99,6 +126,27 @@ class CompiledFilter:
     def squared_innovation(self) -> float:
         """Normalised innovation squared of the last step, of `used.sum()` degrees."""
         return float(self._squared[0])
+
+    @property
+    def entry(self) -> tuple[int, int, int]:
+        """Addresses for a caller in C: `int step(double *block)`, its block, and the squared innovation.
+
+        They and the arrays of this filter are valid as long as it lives.
+        """
+        step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
+        return step, self._block.ctypes.data, self._squared.ctypes.data
+
+    def change_process_noise(self, process_noise: ArrayLike) -> None:
+        """Trust the model otherwise from the next step on.
+
+        Args:
+            process_noise: Density in (unit of the state)²/s, shape (n,) or (n, n).
+
+        Raises:
+            EstimatorError: Wrong shape, or no covariance.
+        """
+        self.design = self.design.with_process_noise(process_noise)
+        self._spread[:] = self.design.spread
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""
@@ -123,6 +171,61 @@ class CompiledFilter:
         outcome = self._step(self._address)
         if outcome:
             raise FilterDiverged(DIVERGED[outcome])
+
+    def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> None:
+        """Take other noises from the next step on, without compiling again.
+
+        Args:
+            process_noise: As the filter was made with.
+            reading_noise: Likewise.
+
+        Raises:
+            EstimatorError: They do not fit the model.
+        """
+        self.design = design = self.design.retuned(process_noise, reading_noise)
+        self._spread[:] = design.spread
+        self._reading_noise[:] = design.reading_noise
+
+    def follow(self, prior: Estimate, held: Matrix, seen: Matrix) -> Followed:
+        """Return the beliefs over many steps from `prior`, in one call to C.
+
+        Other threads run meanwhile; a filter must not be used by two at once.
+
+        Args:
+            prior: Belief before the first of them.
+            held: Inputs of every step, shape (k, nu).
+            seen: Readings of every step, shape (k, m).
+
+        Raises:
+            EstimatorError: Wrong shapes.
+            FilterDiverged: As `step`, saying after how many steps.
+        """
+        held_now, seen_now = (np.ascontiguousarray(rows, dtype=np.float64) for rows in (held, seen))
+        count, n = len(held_now), self.mean.size
+        if held_now.shape != (count, self.held.size) or seen_now.shape != (count, self.seen.size):
+            raise EstimatorError(
+                f"follow: wants k rows of {self.held.size} inputs and {self.seen.size} readings, "
+                f"got shapes {np.shape(held)} and {np.shape(seen)}."
+            )
+        self.hold(prior)
+        followed = Followed(
+            mean=np.empty((count, n)),
+            variance=np.empty((count, n)),
+            expected=np.empty((count, self.seen.size)),
+            squared=np.empty(count),
+            used=np.empty(count),
+        )
+        outcome = ctypes.c_int(0)
+        results = (followed.mean, followed.variance, followed.expected, followed.squared, followed.used)
+        done = self._run(
+            self._address,
+            count,
+            *(ctypes.c_void_p(rows.ctypes.data) for rows in (held_now, seen_now, *results)),
+            ctypes.byref(outcome),
+        )
+        if outcome.value:
+            raise FilterDiverged(f"{DIVERGED[outcome.value]} After {done} of {count} steps.")
+        return followed
 
     def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
         """Predict over one period, then condition on `seen`; see `ExtendedKalmanFilter.step`."""

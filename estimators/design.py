@@ -1,13 +1,14 @@
 """What a filter is made of, checked once."""
 
 import math
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, replace
+from typing import Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from estimators.belief import Estimate, Matrix, Vector, sealed
+from estimators.discretisation import Order
 from estimators.errors import EstimatorError
 from estimators.gate import Gate
 from estimators.prediction import Prediction
@@ -27,6 +28,7 @@ class Design:
         gated_states: Index of every state that a gate may freeze.
         gating_inputs: Index of the input that decides, one for each of `gated_states`.
         gate_threshold: Frozen below this value, in the unit of the gating inputs.
+        order: Of the discretisation.
         outlier_limit: A reading further than this many standard deviations from what was expected is left
             out; infinity if every reading counts.
     """
@@ -41,6 +43,7 @@ class Design:
     gating_inputs: tuple[int, ...]
     gate_threshold: float
     outlier_limit: float
+    order: Order
 
     @classmethod
     def of(
@@ -51,6 +54,7 @@ class Design:
         period: float,
         gate: Gate | None,
         outlier_limit: float | None,
+        order: Order,
     ) -> Self:
         """Check the parts of a filter against each other.
 
@@ -63,6 +67,7 @@ class Design:
             gate: What to freeze and when, or None.
             outlier_limit: Standard deviations beyond which a reading is left out, or None to use every
                 reading.
+            order: 1 for forward Euler, 4 for RK4.
 
         Raises:
             EstimatorError: One of them does not fit; the message says which.
@@ -75,32 +80,40 @@ class Design:
             raise EstimatorError("Filter: a prediction needs at least one state and one output.")
         if not (math.isfinite(period) and period > 0.0):
             raise EstimatorError(f"Filter: period is a positive number of seconds, got {period}.")
+        if order not in get_args(Order):
+            raise EstimatorError(f"Filter: order of the discretisation is 1 (forward Euler) or 4 (RK4), got {order}.")
         if outlier_limit is not None and not outlier_limit > 0.0:
             raise EstimatorError(
                 "Filter: outlier_limit is a positive number of standard deviations, "
                 f"got {outlier_limit}; None uses every reading."
             )
-        density = noise_matrix("process_noise", process_noise, states)
-        if np.min(np.linalg.eigvalsh(density)) < -1e-12 * np.max(np.abs(density), initial=0.0):
-            raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
-        reading = noise_matrix("reading_noise", reading_noise, outputs)
-        if not positive_definite(reading):
-            raise EstimatorError(
-                "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
-                "a small floor for a perfect sensor."
-            )
+        reading = _reading_covariance(reading_noise, outputs)
         return cls(
             states=states,
             inputs=inputs,
             outputs=outputs,
-            spread=density * period,
+            spread=_spread(process_noise, states, period),
             reading_noise=reading,
             period=period,
             gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
             gating_inputs=() if gate is None else tuple(index("Gate", "input", n, inputs) for n in gate.inputs),
             gate_threshold=-math.inf if gate is None else gate.threshold,
             outlier_limit=math.inf if outlier_limit is None else outlier_limit,
+            order=order,
         )
+
+    def retuned(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> Self:
+        """Return the same filter with other noises; see `of`.
+
+        Raises:
+            EstimatorError: They do not fit.
+        """
+        reading = _reading_covariance(reading_noise, self.outputs)
+        return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
+
+    def with_process_noise(self, process_noise: ArrayLike) -> Self:
+        """Return the same filter with another process noise; see `of`."""
+        return replace(self, spread=_spread(process_noise, self.states, self.period))
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return the belief before the first step.
@@ -136,6 +149,25 @@ class Design:
                 f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
                 f"got shape {seen.shape}; write NaN for a reading that is not there."
             )
+
+
+def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> Matrix:
+    """Return the covariance of the readings, shape (m, m)."""
+    reading = noise_matrix("reading_noise", reading_noise, outputs)
+    if not positive_definite(reading):
+        raise EstimatorError(
+            "Filter: reading_noise is not positive definite; give every reading a variance above zero, "
+            "a small floor for a perfect sensor."
+        )
+    return reading
+
+
+def _spread(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
+    """Return the process noise that one period adds."""
+    matrix = noise_matrix("process_noise", density, states)
+    if np.min(np.linalg.eigvalsh(matrix)) < -1e-12 * np.max(np.abs(matrix), initial=0.0):
+        raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")
+    return matrix * period
 
 
 def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix:

@@ -8,7 +8,7 @@ from scipy.linalg import get_lapack_funcs
 
 from estimators.belief import Estimate, Matrix, Vector, sealed
 from estimators.design import Design
-from estimators.discretisation import advanced, transition
+from estimators.discretisation import ORDER, Order, advanced, transition
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
 from estimators.prediction import Prediction
@@ -53,6 +53,7 @@ class ExtendedKalmanFilter:
         gate: States to freeze and when, or None.
         outlier_limit: Leave out a reading further from what was expected than this many standard deviations
             of its innovation; None uses every reading.
+        order: 1 for forward Euler, 4 for RK4; see `discretisation`.
 
     Raises:
         EstimatorError: The parts do not fit each other.
@@ -68,10 +69,11 @@ class ExtendedKalmanFilter:
         period: float,
         gate: Gate | None = None,
         outlier_limit: float | None = None,
+        order: Order = ORDER,
     ) -> None:
         """Check the parts against each other."""
         self.prediction = prediction
-        self.design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit)
+        self.design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return the belief before the first step: mean (n,), covariance (n,) of variances or (n, n)."""
@@ -99,7 +101,7 @@ class ExtendedKalmanFilter:
         """Return the belief one period later, before anything is seen."""
         free = self._free(held)
         slope = self.prediction.derivative
-        mean = advanced(lambda x: slope(x, held) * free, prior.mean, self.design.period)
+        mean = advanced(lambda x: slope(x, held) * free, prior.mean, self.design.period, self.design.order)
         if not np.all(np.isfinite(mean)):
             raise FilterDiverged(
                 "Filter: the predicted "
@@ -107,7 +109,7 @@ class ExtendedKalmanFilter:
                 + " is not a finite number."
             )
         jacobian = self.prediction.derivative_jacobian(prior.mean, held) * free[:, np.newaxis]
-        phi = transition(jacobian, self.design.period)
+        phi = transition(jacobian, self.design.period, self.design.order)
         covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
         return sealed(mean, 0.5 * (covariance + covariance.T))
 

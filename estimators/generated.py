@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.design import Design
-from estimators.discretisation import ORDER
 from estimators.prediction import CasadiPrediction
 
 LANES = 4
@@ -26,7 +25,7 @@ class Code:
     Attributes:
         sources: File name to text; every `.c` is to be compiled.
         layout: Part of the block to where it lies: MEAN, COVARIANCE, HELD, SEEN, PARAMETERS, SPREAD,
-            READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED written.
+            READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED, EXPECTED written.
         width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
     """
 
@@ -54,6 +53,7 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
         ("LIMIT_SQUARED", 1),
         ("SQUARED", 1),
         ("USED", m),
+        ("EXPECTED", m),
     ):
         layout[part] = slice(end, end + size)
         end += size
@@ -63,14 +63,14 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
     )
     return Code(
         sources={file.name: file.read_text(encoding="utf-8") for file in kernel}
-        | {"shape.h": _shape(prediction, design, layout, width)},
+        | _shape(prediction, design, layout, width),
         layout=layout,
         width=width,
     )
 
 
-def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice], width: int) -> str:
-    """Return the text of shape.h: sizes, layout, sparsity tables and the model."""
+def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice], width: int) -> dict[str, str]:
+    """Return the texts of sizes.h, with sizes and layout, and of shape.h, which adds sparsity tables and the model."""
     of = prediction.equations
     given, names = [of.x, of.u, of.p], ["x", "u", "p"]
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
@@ -83,12 +83,13 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
-    phi = _transition_pattern(slopes.sparsity())
+    phi = _transition_pattern(slopes.sparsity(), design.order)
     numbers = {
         "N": len(design.states),
         "M": len(design.outputs),
+        "INPUTS": len(design.inputs),
         "WIDTH": width,
-        "ORDER": ORDER,
+        "ORDER": design.order,
         "GATES": len(design.gated_states),
         "ARGUMENTS": max(function.sz_arg() for function in functions),
         "RESULTS": max(function.sz_res() for function in functions),
@@ -109,14 +110,17 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
         "GATE_STATE": design.gated_states,
         "GATE_INPUT": design.gating_inputs,
     }
-    return "\n".join(
-        (
-            "#define CASADI_SYMBOL_EXPORT static",
-            *(f"#define {name} {number}" for name, number in numbers.items()),
-            *(_table(name, values) for name, values in tables.items()),
-            generator.dump(),
-        )
-    )
+    return {
+        "sizes.h": "".join(f"#define {name} {number}\n" for name, number in numbers.items()),
+        "shape.h": "\n".join(
+            (
+                "#define CASADI_SYMBOL_EXPORT static",
+                '#include "sizes.h"',
+                *(_table(name, values) for name, values in tables.items()),
+                generator.dump(),
+            )
+        ),
+    }
 
 
 def _table(name: str, values: Iterable[int]) -> str:
@@ -124,13 +128,13 @@ def _table(name: str, values: Iterable[int]) -> str:
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
 
 
-def _transition_pattern(columns: ca.Sparsity) -> NDArray[np.bool_]:
+def _transition_pattern(columns: ca.Sparsity, order: int) -> NDArray[np.bool_]:
     """Return where Φ may differ from zero, shape (n, n), from the pattern of A transposed."""
     n = columns.size1()
     pattern = np.zeros((n, n), dtype=bool)
     row, column = columns.get_triplet()
     pattern[column, row] = True
     reach = np.eye(n, dtype=bool)
-    for _ in range(ORDER):
+    for _ in range(order):
         reach |= pattern @ reach
     return reach

@@ -1,22 +1,42 @@
-"""The command line: run, campaign, report, regress, accept, learn.
+"""The command line.
 
 Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
 """
 
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 from rich.table import Table
 
+from harness.bench.command import add_to as add_bench
+from harness.calibrate import add_to as add_calibrate
+from harness.estimate.command import add_to as add_estimate
+from harness.field.command import add_to as add_field
+from harness.lateral.command import add_to as add_lateral
 from harness.learn.command import add_to as add_learn
+from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
+
+if TYPE_CHECKING:
+    # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
+    from harness.run import Runner
+    from harness.scenario.campaign import Campaign
+    from harness.verdict.table import Row
 
 WRONG_QUESTION = 2
 RUN_FAILED = 3
@@ -56,10 +76,14 @@ def run(
 
     scenario = load(file, overrides or [])
     directory = out or Path("build/runs") / scenario.name
-    with _progress() as bar:
+    with _progress(BarColumn()) as bar:
         task = bar.add_task(scenario.name, total=scenario.start.speed)
         stop = run_scenario(
-            scenario, directory, _runner(), lambda speed: bar.update(task, completed=scenario.start.speed - speed)
+            scenario,
+            directory,
+            _runner(),
+            lambda speed: bar.update(task, completed=scenario.start.speed - speed),
+            lambda sentence: bar.console.print(sentence, markup=False, highlight=False, soft_wrap=True),
         )
     metrics = stop.metrics
     _out.print(
@@ -159,15 +183,20 @@ def accept(
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
+add_estimate(app)
+add_calibrate(app)
+add_bench(app)
+add_lateral(app)
+add_monitor(app)
+add_field(app)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; a user's mistake ends in a sentence, never in a traceback."""
     from harness.failure import sentence_of
 
     try:
         app(arguments)
-    except KeyboardInterrupt:
-        _err.print("Interrupted; what had finished is kept.", highlight=False)
-        sys.exit(INTERRUPTED)
     except Exception as problem:
         sentence = sentence_of(problem)
         if sentence is None:
@@ -176,18 +205,18 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(WRONG_QUESTION if sentence.wrong_question else RUN_FAILED)
 
 
-def _runner():
+def _runner() -> "Runner":
     # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
     from harness.assemble import run_stop
 
     return run_stop
 
 
-def _run_campaign(planned, directory: Path, *, workers: int, fresh: bool) -> int:
+def _run_campaign(planned: "Campaign", directory: Path, *, workers: int, fresh: bool) -> int:
     """Run a campaign with progress; return the exit code that its stops call for."""
     from harness.campaign import Report, run_campaign
 
-    with _progress() as bar:
+    with _progress(BarColumn(), MofNCompleteColumn()) as bar:
         task = bar.add_task(planned.name, total=len(planned.stops))
 
         def tell(report: Report) -> None:
@@ -211,7 +240,7 @@ def _baseline_files(folder: Path) -> list[Path]:
     return found
 
 
-def _print_rows(rows) -> None:
+def _print_rows(rows: "Sequence[Row]") -> None:
     from harness.verdict.table import CONTROLLERS
 
     texts = [
@@ -231,7 +260,7 @@ def _print_rows(rows) -> None:
     _print_table("", texts)
 
 
-def _print_table(title: str, rows) -> None:
+def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
     if not rows:
         _out.print(f"{title}: nothing changed" if title else "no results")
         return
@@ -245,13 +274,18 @@ def _print_table(title: str, rows) -> None:
 
 
 @contextmanager
-def _progress() -> Generator[Progress]:
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=_err, transient=True) as bar:
-        yield bar
+def _progress(*columns: ProgressColumn) -> Generator[Progress]:
+    """Show progress on standard error; Ctrl-C ends in a sentence (left to typer, it would end in silence)."""
+    around = (SpinnerColumn(), TextColumn("{task.description}"), *columns, TimeElapsedColumn())
+    try:
+        with Progress(*around, console=_err, transient=True) as bar:
+            yield bar
+    except KeyboardInterrupt:
+        _err.print("Interrupted; what had finished is kept.", highlight=False)
+        raise typer.Exit(INTERRUPTED) from None
 
 
-def _fail(sentence: str) -> None:
+def _fail(sentence: str) -> NoReturn:
     _err.print(sentence, style="red", highlight=False, markup=False, soft_wrap=True)
     raise typer.Exit(RUN_FAILED)
 

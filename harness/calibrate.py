@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
-from harness.assemble import run_stop
+import typer
+from rich.console import Console
+
 from harness.record.atomic import write_text
 from harness.record.outcome import Outcome
 from harness.scenario.load import load
@@ -72,6 +74,10 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
     Raises:
         ArithmeticError: The distance is not reached within 0.3 … 3.
     """
+    from harness.assemble import (
+        run_stop,
+    )  # brings CasADi and the FMU loader, which the command line should not wait for
+
     target = TARGETS[scenario]
 
     def excess(level: float) -> float:
@@ -117,3 +123,19 @@ def with_levels(text: str, levels: dict[str, float]) -> str:
     if count != 1:
         raise ValueError("a scenario of the library has exactly one line 'calibrated = …' in [adhesion]")
     return changed
+
+
+def add_to(app: typer.Typer) -> None:
+    """Put the command `calibrate` on the command line."""
+
+    @app.command(name="calibrate")
+    def command() -> None:  # pyright: ignore[reportUnusedFunction]  (typer keeps it)
+        """Fit the levels of the scenarios to the published distances of slip-based control, and write them."""
+        console = Console(highlight=False)
+        with Console(stderr=True).status("each line takes some ten stops"):
+            calibrate(
+                lambda one: console.print(
+                    f"{one.scenario}, {one.shape}: level {one.level:.5f}, {one.distance:.1f} m "
+                    f"(wanted {TARGETS[one.scenario]} m)"
+                )
+            )

@@ -4,7 +4,7 @@ import json
 import multiprocessing
 import signal
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,7 +67,7 @@ def run_campaign(
     Raises:
         KeyboardInterrupt: After the running stops were ended.
     """
-    write_text(directory / CAMPAIGN_FILE, _description(campaign))
+    write_description(campaign, directory)
     reports: dict[str, Report] = {}
 
     def note(report: Report) -> None:
@@ -76,7 +76,7 @@ def run_campaign(
 
     waiting: list[PlannedStop] = []
     for stop in campaign.stops:
-        if not fresh and _is_there(stop, directory / stop.name):
+        if not fresh and is_there(stop, directory / stop.name):
             note(Report(stop=stop, state="found", sentence="result is there"))
         else:
             waiting.append(stop)
@@ -90,7 +90,9 @@ def _run_all(stops: Sequence[PlannedStop], directory: Path, runner: Runner, work
     if not stops:
         return
     with _pool(min(workers, len(stops)), [directory / stop.name for stop in stops]) as pool:
-        running = {pool.schedule(_perform, args=[stop.scenario, directory / stop.name, runner]): stop for stop in stops}
+        running: dict[Future[tuple[State, str]], PlannedStop] = {}
+        for stop in stops:
+            running[pool.schedule(_perform, args=[stop.scenario, directory / stop.name, runner])] = stop
         while running:
             ended, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in ended:
@@ -138,7 +140,8 @@ def _perform(scenario: Scenario, directory: Path, runner: Runner) -> tuple[State
     return ("done" if stop.outcome is Outcome.STANDSTILL else "ended_badly"), stop.reason
 
 
-def _is_there(stop: PlannedStop, directory: Path) -> bool:
+def is_there(stop: PlannedStop, directory: Path) -> bool:
+    """Return whether a folder has the result of this stop, made by this program as it is now."""
     try:
         record = read_stop(directory)
     except RecordError:
@@ -146,8 +149,8 @@ def _is_there(stop: PlannedStop, directory: Path) -> bool:
     return record.digest == stop.scenario.digest() and record.versions.get(SOURCES) == sources_digest()
 
 
-def _description(campaign: Campaign) -> str:
-    """Return campaign.json: what the results in the folders belong to."""
+def write_description(campaign: Campaign, directory: Path) -> None:
+    """Write campaign.json: what the results in the folders beside it belong to."""
     content = {
         "name": campaign.name,
         "description": campaign.description,
@@ -161,4 +164,4 @@ def _description(campaign: Campaign) -> str:
             for stop in campaign.stops
         ],
     }
-    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    write_text(directory / CAMPAIGN_FILE, json.dumps(content, indent=1, ensure_ascii=False) + "\n")

@@ -6,10 +6,11 @@ from estimators.errors import EstimatorError
 from fmus.errors import FmuError as BuildError
 from fmus.errors import WrongQuestion
 from harness.fmu.failure import FmuError, PlantFailed
+from harness.loop.compiled import LoopError
 from harness.record.error import RecordError
 from harness.scenario.error import ScenarioError
 
-_QUESTIONS = (ScenarioError, RecordError, FmuError, EstimatorError, WrongQuestion)
+_QUESTIONS = (ScenarioError, RecordError, FmuError, EstimatorError, LoopError, WrongQuestion)
 _RUNS = (PlantFailed, BuildError)
 
 

@@ -15,18 +15,27 @@ SOURCES = "sources"
 Progress = Callable[[float], None]
 """Called now and then with the speed of the train [m/s]."""
 
+Tell = Callable[[str], None]
+"""Called with a sentence for the user."""
+
+
+def silently(sentence: str) -> None:
+    """Tell nobody."""
+
 
 class Runner(Protocol):
     """Runs a scenario; `harness.assemble.run_stop` is the one."""
 
-    def __call__(self, scenario: Scenario, progress: Progress | None = None) -> Stop:
+    def __call__(self, scenario: Scenario, progress: Progress | None = None, tell: Tell = silently) -> Stop:
         """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""
         ...
 
 
-def run(scenario: Scenario, directory: Path, runner: Runner, progress: Progress | None = None) -> Stop:
+def run(
+    scenario: Scenario, directory: Path, runner: Runner, progress: Progress | None = None, tell: Tell = silently
+) -> Stop:
     """Run a scenario and write its result into a folder, whole or not at all."""
-    stop = runner(scenario, progress)
+    stop = runner(scenario, progress, tell)
     stop = replace(stop, versions={**stop.versions, SOURCES: sources_digest()})
     write_stop(stop, directory)
     return stop

@@ -24,7 +24,7 @@ static int has_avx2(void)
     return __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & (1u << 5));
 }
 
-EXPORT int step(double *block)
+int dispatch(double *block)
 {
     static int wide = -1;               /* asked once: on a virtual machine the question takes microseconds */
     if (wide < 0)
@@ -32,8 +32,14 @@ EXPORT int step(double *block)
     return wide ? step_wide(block) : step_plain(block);
 }
 #else
-EXPORT int step(double *block)
+int dispatch(double *block)
 {
     return step_plain(block);
 }
 #endif
+
+/* Not called from within the library: the C library has a `step` of its own, which would be taken instead. */
+EXPORT int step(double *block)
+{
+    return dispatch(block);
+}

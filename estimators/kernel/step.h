@@ -72,14 +72,19 @@ static int all_finite(const double *x, int count)
     return 1;
 }
 
-/* Mean one period later by RK4, and A = df/dx by rows; a frozen state has derivative zero. */
+/* Mean one period later by RK4, or by forward Euler at ORDER 1, and A = df/dx by rows; a frozen state has derivative zero. */
 static void advance(const double *block, const double *free, double *mean, double *jacobian)
 {
     const double *x = block + MEAN;
     const double period = block[PERIOD];
-    double k1[N], k2[N], k3[N], k4[N], at[N];
+    double k1[N];
 
     model(slope_and_jacobian, x, block, k1, jacobian);
+#if ORDER == 1
+    for (int i = 0; i < N; i++)
+        mean[i] = x[i] + period * k1[i] * free[i];
+#else
+    double k2[N], k3[N], k4[N], at[N];
     for (int i = 0; i < N; i++)
         at[i] = x[i] + 0.5 * period * (k1[i] *= free[i]);
     model(slope, at, block, k2, 0);
@@ -91,6 +96,7 @@ static void advance(const double *block, const double *free, double *mean, doubl
     model(slope, at, block, k4, 0);
     for (int i = 0; i < N; i++)
         mean[i] = x[i] + period / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i] * free[i]);
+#endif
 }
 
 /* phi = sum over k <= ORDER of (T A)^k / k!, by Horner's scheme; `jacobian` becomes T A. */
@@ -180,6 +186,7 @@ static int condition(double *block, const double *free, const double *mean, cons
     for (int i = 0; i < M; i++) {
         const int first = H_ROW[i], count = H_ROW[i + 1] - first;
         block[USED + i] = 0.0;
+        block[EXPECTED + i] = expectation[i];
         if (isnan(seen[i]))
             continue;
         combine(PH[r], zero, count, H + first, H_COLUMN + first, P);

@@ -132,18 +132,14 @@ def estimate(
     known = dict(units or {})
     period = period_of(recording)
     inputs = _inputs(recording, prediction, known, settings.between)
-    seen = columns(
-        recording,
-        outputs,
-        [known.get(n, recording[n].attrs.get("units", "")) if n in recording else "" for n in outputs],
-    )
-    process = _by_name("process", settings.process, states)
-    readings = _by_name("readings", settings.readings, outputs)
+    seen = columns(recording, outputs, _units(recording, outputs, known))
+    process = by_name("process", settings.process, states)
+    readings = by_name("readings", settings.readings, outputs)
     parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
     filter_ = CompiledFilter(*parts, directory=BUILD) if compiled else ExtendedKalmanFilter(*parts)
     belief = filter_.start(
         _start(settings.start, states, outputs, seen),
-        _by_name("start_deviation", settings.start_deviation, states) ** 2,
+        by_name("start_deviation", settings.start_deviation, states) ** 2,
     )
     count, n = len(seen), len(states)
     mean, sd = np.full((count, n), np.nan), np.full((count, n), np.nan)
@@ -166,7 +162,7 @@ def estimate(
             progress(k, count)
     progress(count, count)
     innovation = seen - _expected(prediction, mean, inputs, period, settings.gate)
-    variables = {
+    variables: dict[str, tuple[tuple[str, ...], Matrix]] = {
         "mean": (("time", "state"), mean),
         "sd": (("time", "state"), sd),
         "innovation": (("time", "output"), innovation),
@@ -185,9 +181,7 @@ def estimate(
 def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:
     """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
     names = prediction.inputs
-    found = columns(
-        recording, names, [units.get(n, recording[n].attrs.get("units", "")) if n in recording else "" for n in names]
-    )
+    found = columns(recording, names, _units(recording, names, units))
     for name, values in zip(names, found.T, strict=True):
         if np.isnan(values).any():
             at = recording["time"].values[int(np.argmax(np.isnan(values)))]
@@ -199,8 +193,17 @@ def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapp
     return 0.5 * (earlier + found) if between == "mean" else earlier
 
 
-def _by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
-    """Return the value of each name, by itself or by what stands before its index."""
+def _units(recording: xarray.Dataset, names: Sequence[str], known: Mapping[str, str]) -> list[str]:
+    """Return the unit wanted of each signal: the model's where known, else whatever the recording has."""
+    return [known.get(n, str(recording[n].attrs.get("units", "")) if n in recording else "") for n in names]
+
+
+def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
+    """Return the value of each name, by itself or by what stands before its index.
+
+    Raises:
+        EstimationError: A name has no value, or a value no name.
+    """
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     if missing:
         raise EstimationError(f"settings: {what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}.")
@@ -224,7 +227,7 @@ def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[
                 from_readings[state] = float(column[finite[0]])
     # An element that the user names goes before the reading; so does the name of its array.
     named = {state for state in states if state in start or state.partition("[")[0] in start}
-    return _by_name("start", {**{s: x for s, x in from_readings.items() if s not in named}, **start}, states)
+    return by_name("start", {**{s: x for s, x in from_readings.items() if s not in named}, **start}, states)
 
 
 def _expected(prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period: float, gate: Gate | None) -> Matrix:

@@ -10,9 +10,10 @@ import xarray
 from harness.estimate.error import EstimationError
 from harness.estimate.spec import SourceTable
 
-Maker = Callable[[str, int], xarray.Dataset]
+Maker = Callable[[str, int | None], xarray.Dataset]
+"""Scenario and seed, None for the scenario's own, to a recording."""
 
-KINDS: tuple[str, ...] = ()
+KINDS = ("roller_rig", "wagon")
 
 
 def recording_for(source: SourceTable) -> xarray.Dataset:
@@ -26,4 +27,13 @@ def recording_for(source: SourceTable) -> xarray.Dataset:
 
 def _maker(kind: str) -> Maker:
     # Imported when asked for: twins bring the FMU compiler, and reading a file needs none of it.
-    raise EstimationError(f"[source] kind is '{kind}'; there is {', '.join(KINDS) or 'none yet'}.")
+    if kind == "roller_rig":
+        from harness.twins.rig_scenario import rig_scenario
+        from harness.twins.roller_rig import run_rig
+
+        return lambda scenario, seed: run_rig(rig_scenario(scenario), seed)
+    if kind == "wagon":
+        from harness.twins.wagon import run_wagon, wagon_scenario
+
+        return lambda scenario, seed: run_wagon(wagon_scenario(scenario), seed)
+    raise EstimationError(f"[source] kind is '{kind}'; there is {', '.join(KINDS)}.")

@@ -26,18 +26,19 @@ scenario = "slide"
 """
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, StrictInt
+from pydantic import Field, StrictInt, model_validator
 
 from estimators.gate import Gate
 from estimators.prediction import CasadiPrediction
 from harness.estimate.error import EstimationError
 from harness.estimate.magnitudes import in_units
+from harness.estimate.recorded.table import DataTable
 from harness.estimate.run import Settings, model_of, per_step, prediction_of
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Magnitude
-from harness.scenario.table import Table
+from harness.scenario.table import Duration, Table, broken
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -74,12 +75,20 @@ class GateTable(Table):
     threshold: Magnitude
 
 
+class ObservabilityTable(Table):
+    """[observability]: typical sizes of the states, and the windows in which readings must tell them."""
+
+    scale: dict[str, Positive]
+    window: Duration
+    stride: Duration
+
+
 class SourceTable(Table):
-    """[source]: a twin and the scenario that it runs."""
+    """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws."""
 
     kind: str
     scenario: str
-    seed: Annotated[StrictInt, Field(ge=0)] = 0
+    seed: Annotated[StrictInt, Field(ge=0)] | None = None
 
 
 class Specification(Table):
@@ -93,7 +102,28 @@ class Specification(Table):
     gate: GateTable | None = None
     outlier_limit: Positive | None = None
     between: Literal["held", "mean"] = "held"
-    source: SourceTable
+    observability: ObservabilityTable | None = None
+    source: SourceTable | None = None
+    data: DataTable | None = Field(default=None, description="how a user's file is read, see estimate.recorded")
+
+    @model_validator(mode="after")
+    def _has_a_source(self) -> Self:
+        if self.source is None and self.data is None:
+            raise broken("has neither [source], a twin, nor [data], the columns of a file")
+        return self
+
+    def twin(self) -> SourceTable:
+        """Return the twin of the estimation.
+
+        Raises:
+            EstimationError: It has none; its recording comes from a file.
+        """
+        if self.source is None:
+            raise EstimationError(f"{self.name}: has no [source]; name the file to read, --data FILE.")
+        return self.source
+
+
+LIBRARY = Path(__file__).parent / "library"
 
 
 def load_specification(path: Path) -> Specification:

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from harness.fmu.description import Description
 from harness.fmu.failure import FmuError, PlantFailed
 from harness.fmu.instance import OK_OR_WARNING, Instance, unpacked
-from harness.fmu.mapping import Binding, Channel
+from harness.fmu.mapping import Binding, Channel, Side
 from harness.fmu.parameters import Values, assignments
+from harness.loop.compiled import Calls
 
 Vector = NDArray[np.float64]
 
@@ -201,6 +202,53 @@ class CoSimulation:
             self._not_finite(values)
         return values if self._present is None else self._spread(values)
 
+    def calls(self) -> Calls:
+        """Return what a loop in C needs to step this plant; it then reports to `stepped`.
+
+        Raises:
+            FmuError: A signal is absent, no real number, or in another unit.
+        """
+        instance = self._open()
+        if not self._ready:
+            raise self._not_ready()
+        return Calls(
+            set_real=instance.address("fmi2SetReal").value or 0,
+            do_step=instance.address("fmi2DoStep").value or 0,
+            get_real=instance.address("fmi2GetReal").value or 0,
+            component=instance.component,
+            inputs=self._binding.inputs.elements,
+            outputs=self._binding.outputs.elements,
+            input_references=_plain(self._binding.inputs, self._description.file.name),
+            output_references=_plain(self._binding.outputs, self._description.file.name),
+            start=self._start_time,
+            period=self._period,
+            sample=self._sample,
+            looks_back=bool(self._looks_back),
+        )
+
+    def stepped(self, steps: int, status: int, call: str, outputs: Vector) -> None:
+        """Take note of steps that a loop in C did.
+
+        Args:
+            steps: That were completed.
+            status: Of the last call; when `call` is "not finite", the number of the output.
+            call: The call that ended the loop early, empty when none did.
+            outputs: The last ones.
+
+        Raises:
+            PlantFailed: The loop ended early.
+        """
+        self._sample += steps
+        if call == "not finite":
+            self._sample += 1
+            instance = self._open()
+            name = self._binding.outputs.elements[status]
+            failure = instance.failure("not_finite", "", self.time, variable=name, doing=f"{outputs[status]}")
+            self._spent, self._ready = PlantFailed(failure), False
+            raise self._spent
+        if call:
+            self._fail(call, status, self.time, "")
+
     def snapshot(self) -> Snapshot:
         """Return the present state, to `restore` later.
 
@@ -284,6 +332,18 @@ class CoSimulation:
         failure = instance.failure("not_finite", "", self.time, variable=name, doing=f"{values[worst]}")
         with self._remembering():
             raise PlantFailed(failure)
+
+
+def _plain(side: Side, file: str) -> NDArray[np.uint32]:
+    """Return the value references of a side in the order of its vector."""
+    if [c.carrier for c in side.channels] != ["Real"] or side.absent:
+        raise FmuError(f"{file}: a loop in C wants signals that are all there and all real numbers.")
+    channel = side.channels[0]
+    if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
+        raise FmuError(f"{file}: a loop in C wants signals in our units; {', '.join(channel.variables)} are converted.")
+    references = np.empty(side.size, dtype=np.uint32)
+    references[channel.positions] = channel.references
+    return references
 
 
 class _Sender:

@@ -11,10 +11,16 @@ def as_fmu(built: Online) -> Source:
     states, inputs, outputs = (tuple(map(_variable, edges)) for edges in (_apart(built), built.inputs, built.outputs))
     return sources(
         Discrete(
-            name=built.name, description="Friction between wheel and rail from accelerations of the axle boxes",
-            period=1 / built.rate, states=states, inputs=inputs, parameters=(), outputs=outputs, step=built.step,
+            name=built.name,
+            description="Friction between wheel and rail from accelerations of the axle boxes",
+            period=1 / built.rate,
+            states=states,
+            inputs=inputs,
+            parameters=(),
+            outputs=outputs,
+            step=built.step,
         )
-    )  # fmt: skip
+    )
 
 
 def _apart(built: Online) -> tuple[Edge, ...]:
@@ -27,6 +33,11 @@ def _apart(built: Online) -> tuple[Edge, ...]:
 
 def _variable(edge: Edge) -> Variable:
     return Variable(
-        name=edge.name, unit=edge.unit, start=edge.start, description=edge.description,
-        minimum=None, maximum=None, nominal=1.0,
-    )  # fmt: skip
+        name=edge.name,
+        unit=edge.unit,
+        start=edge.start,
+        description=edge.description,
+        minimum=None,
+        maximum=None,
+        nominal=1.0,
+    )

@@ -17,8 +17,11 @@ from harness.scenario.seed import generator
 from harness.twins.instrumented_car import Pass
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
-    16: (0.0053, 0.0041), 26: (0.0038, 0.0028), 40: (0.0141, 0.0083), 60: (0.0080, 0.0063),
-}  # fmt: skip
+    16: (0.0053, 0.0041),
+    26: (0.0038, 0.0028),
+    40: (0.0141, 0.0083),
+    60: (0.0080, 0.0063),
+}
 """Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
 
 Rows = Mapping[str, Mapping[int, Score]]

@@ -3,8 +3,8 @@
 import itertools
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -70,6 +70,10 @@ class Campaign:
     description: str
     stops: tuple[PlannedStop, ...]
     references: tuple[Reference, ...]
+
+    def only(self, keep: Callable[[PlannedStop], bool]) -> "Campaign":
+        """Return the same campaign with some of its stops."""
+        return replace(self, stops=tuple(filter(keep, self.stops)))
 
     def reference_for(self, stop: PlannedStop) -> Reference | None:
         """Return the first published distance that is for this stop."""

@@ -26,7 +26,9 @@ class _Measure(Protocol):
 
 @cache
 def _registry() -> Any:
-    return pint.UnitRegistry()
+    registry = pint.UnitRegistry()
+    registry.define("@alias turn = rev")  # as drawings write revolutions
+    return registry
 
 
 def _measure(text: str) -> _Measure:

@@ -5,6 +5,8 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from harness.scenario.quantity import Unit
@@ -12,10 +14,10 @@ from harness.scenario.table import Length, Table, broken
 
 GRAVITY = 9.81  # m/s2
 
-# Curve resistance of the DLR test campaign: f = κ (0.158 a + 0.033 b), a wheelbase, b gauge (mean of the
-# three bogies).
-_WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m
+_WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
 _GAUGE = 1.435  # m
+
+CurveLaw = Literal["bogie", "roeckl", "protopapadakis"]
 
 
 class Gradient(Table):
@@ -38,8 +40,10 @@ class Track(Table):
     force: Annotated[float, Unit("N")] = Field(default=0.0, description="constant force, forward positive")
     gradient: tuple[Gradient, ...] = ()
     curve: tuple[Curve, ...] = ()
-    curve_law: Literal["bogie", "roeckl"] = Field(
-        default="bogie", description="curve resistance: κ(0.158 a + 0.033 b), or Röckl 650/(R − 55) ‰"
+    curve_law: CurveLaw = Field(
+        default="bogie",
+        description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "
+        "κ(0.158 b + 0.103 a)",
     )
     train_mass: Annotated[float, Unit("kg", above=0)] | None = Field(
         default=None, description="mass that gradient and curves act on; wanted with either"
@@ -80,27 +84,44 @@ def track_force_of(track: Track) -> TrackForce:
     """Return the force of a track: the constant one, −m g sin(β) and the curve resistance."""
     places = sorted({section.begin for section in (*track.gradient, *track.curve)})
     begins = (float("-inf"), *places)
-    weight = (track.train_mass or 0.0) * GRAVITY
 
     def force(place: float) -> float:
         slopes = [section.slope for section in track.gradient if section.begin <= place]
-        curves = [section for section in track.curve if section.begin <= place]
-        # slope is tan(β), a gradient as railways give it; sin(β) = t/√(1 + t²).
-        climb = slopes[-1] / (1 + slopes[-1] ** 2) ** 0.5 if slopes else 0.0
-        bend = _curve_coefficient(curves[-1], track.curve_law) if curves else 0.0
-        return track.force - weight * (climb + bend)
+        curves = [section.radius for section in track.curve if section.begin <= place]
+        bend = 1.0 / curves[-1] if curves and curves[-1] else 0.0
+        return track.force + float(
+            force_along(slopes[-1] if slopes else 0.0, bend, track.train_mass or 0.0, track.curve_law)
+        )
 
     return TrackForce(begins=begins, forces=tuple(force(place) for place in begins))
 
 
-def _curve_coefficient(curve: Curve, law: str) -> float:
-    """Return curve resistance over weight.
+def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveLaw = "bogie") -> NDArray[np.float64]:
+    """Return the force of gradient and curve on a train [N], forward positive, like the shape of slope and curvature.
 
-    Source: "bogie" Schwarz et al., estimation of adhesion conditions; "roeckl" Röckl, 650/(R − 55) ‰ for R ≥
-    300 m.
+    −m g (sin β + f): equations (7) and (9) of Schwarz, Lüdicke and Heckmann.
+
+    Args:
+        slope: tan β, a gradient as railways give it, positive uphill.
+        curvature: 1/R [1/m], of either sign.
+        mass: Of the train [kg].
+        law: Of the curve resistance, see `curve_coefficient`.
     """
-    if curve.radius == 0:
-        return 0.0
+    climb = np.asarray(slope, dtype=np.float64)
+    return -mass * GRAVITY * (climb / np.sqrt(1.0 + climb**2) + curve_coefficient(curvature, law))
+
+
+def curve_coefficient(curvature: ArrayLike, law: CurveLaw) -> NDArray[np.float64]:
+    """Return curve resistance over weight, f ≥ 0, at a curvature κ = 1/R [1/m] of either sign.
+
+    `bogie`: κ(0.158 a + 0.033 b), a wheelbase, b gauge, as Schwarz, Lüdicke and Heckmann print it in their equation
+    (7). `protopapadakis`: κ(0.158 b + 0.103 a), the formula that theirs resembles, for a friction of 0.22.
+    `roeckl`: 650/(R − 55) ‰, held beyond its range of R ≥ 300 m at its value there.
+    """
+    bend = np.abs(np.asarray(curvature, dtype=np.float64))
     if law == "roeckl":
-        return 0.650 / (curve.radius - 55)
-    return (0.158 * _WHEELBASE + 0.033 * _GAUGE) / curve.radius
+        within = np.minimum(bend, 1.0 / 300.0)
+        return 0.650 * within / (1.0 - 55.0 * within)
+    if law == "protopapadakis":
+        return (0.158 * _GAUGE + 0.103 * _WHEELBASE) * bend
+    return (0.158 * _WHEELBASE + 0.033 * _GAUGE) * bend

@@ -44,9 +44,15 @@ class Accelerometer:
 
 
 AXLE_BOX: Final = Accelerometer(
-    offset=(266.0, 272.0), drift=5e-3, walk=2e-3, noise=5e-3, gain_error=0.01,
-    plate_frequency=640.0, plate_damping=0.05, rolling=0.1,
-)  # fmt: skip
+    offset=(266.0, 272.0),
+    drift=5e-3,
+    walk=2e-3,
+    noise=5e-3,
+    gain_error=0.01,
+    plate_frequency=640.0,
+    plate_damping=0.05,
+    rolling=0.1,
+)
 
 
 def measure(

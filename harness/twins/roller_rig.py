@@ -52,7 +52,7 @@ def run_rig(scenario: RigScenario, seed: int | None = None) -> xarray.Dataset:
     """
     drawn = scenario.seed if seed is None else seed
     steps = math.floor(scenario.horizon / scenario.period + 1e-9)
-    time = np.arange(steps + 1) * scenario.period
+    time: Vector = np.arange(steps + 1, dtype=np.float64) * np.float64(scenario.period)
     mu0 = _friction(scenario, time, generator(drawn, "rig.surface"))
     demand = _steps(scenario.demand, time)
     protection = _Protection(scenario)
@@ -81,13 +81,17 @@ def run_rig(scenario: RigScenario, seed: int | None = None) -> xarray.Dataset:
             if k < steps:
                 inputs[1] = mu0[k + 1]
     kept = slice(0, last + 1)
-    readings = truth[:, taken] + noise
-    signals = {name: (readings[kept, i], OUTPUTS[name]) for i, name in enumerate(READINGS)}
+    readings = truth[kept][:, taken] + noise[kept]
+    signals = {name: (readings[:, i], OUTPUTS[name]) for i, name in enumerate(READINGS)}
     signals |= {"demand": (demand[kept], "Pa"), "protecting": (protecting[kept], "1")}
     told = {
-        "w": "wheelset_speed", "v": "speed", "mu_b": "pad_friction", "alpha": "adhesion",
-        "slip": "slip", "disc_temperature": "disc_temperature",
-    }  # fmt: skip
+        "w": "wheelset_speed",
+        "v": "speed",
+        "mu_b": "pad_friction",
+        "alpha": "adhesion",
+        "slip": "slip",
+        "disc_temperature": "disc_temperature",
+    }
     return recording_of(
         signals,
         period=scenario.period,

@@ -16,8 +16,12 @@ _CONTROLLER_COLOURS = {
     "slip_two_state": style.BLUE,
     "slip_three_state": style.SKY,
     "adhesion_based": style.ORANGE,
+    "adhesion_literal": style.PURPLE,
     "ideal_bound": style.BLACK,
 }
+
+
+_DARK = {"full_brake", "slip_two_state", "ideal_bound"}
 
 
 def friction_figure(stops: Sequence[Result]) -> Figure:
@@ -105,8 +109,8 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
             )
             for place, length, (_, row) in zip(places, lengths, found, strict=True):
                 panel.annotate(
-                    f"{length:.0f}", (place, length), ha="center", va="bottom", fontsize=8, xytext=(0, 1),
-                    textcoords="offset points",
+                    f"{length:.0f}", (place, length), ha="center", va="top", fontsize=8, xytext=(0, -3),
+                    textcoords="offset points", color="white" if controller in _DARK else style.BLACK,
                 )  # fmt: skip
                 if row.paper_distance_m is not None:
                     half = 0.46 * width
@@ -122,7 +126,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
-    panels[0].legend(ncols=6, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
+    panels[0].legend(ncols=7, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
     return made
 
 
@@ -147,16 +151,14 @@ def stop_figure(stop: Result) -> Figure:
         speed, slip, adhesion, friction, pressure = column
         train = style.KMH * trace["speed"].values
         speed.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
-        speed.plot(
-            time, train * (1 - trace["slip"].values[:, group]), color=style.BLUE, linewidth=0.9, label="wheelset"
-        )
-        slip.plot(time, 100 * trace["slip"].values[:, group], color=style.BLUE, linewidth=0.9, label="slip")
-        slip.plot(
-            time, 100 * trace["peak_slip"].values[:, group], color=style.BLACK, linewidth=1.2, label="greatest adhesion"
-        )
-        adhesion.plot(
-            time, trace["peak_adhesion"].values[:, group], color=style.BLACK, linewidth=1.2, label="greatest possible"
-        )
+        true_slip = trace["slip"].values[:, group]
+        speed.plot(time, train * (1 - true_slip), color=style.BLUE, linewidth=0.9, label="wheelset")
+        slip.plot(time, 100 * true_slip, color=style.BLUE, linewidth=0.9, label="slip")
+        # A plant that does not show its brakes has no bound.
+        if "peak_adhesion" in trace:
+            best_slip, best = trace["peak_slip"].values[:, group], trace["peak_adhesion"].values[:, group]
+            slip.plot(time, 100 * best_slip, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
+            adhesion.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
         adhesion.plot(time, trace["group_adhesion"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
         friction.plot(time, trace["pad_friction"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
         for panel, name in ((adhesion, "estimate_adhesion"), (friction, "estimate_pad_friction")):
@@ -174,8 +176,12 @@ def stop_figure(stop: Result) -> Figure:
         row[0].set_ylabel(label)
         row[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     panels[0, 0].set_xlim(0, time[-1])
-    panels[1, 0].set_ylim(-2, 102 if np.nanmax(trace["slip"].values) > 0.5 else 52)
+    # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
+    panels[1, 0].set_yscale("log")
+    panels[1, 0].set_ylim(0.1, 120)
+    panels[1, 0].set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
     panels[2, 0].set_ylim(0, None)
+    panels[4, 0].set_ylim(0, None)
     # The belief before the first brake application may be wide open; it must not squeeze what follows.
     panels[3, 0].set_ylim(0.2, 0.6)
     metrics, scenario = stop.record.metrics, stop.record.scenario

@@ -167,9 +167,8 @@ def _image(path: Path, caption: str) -> str:
 
 def _page(directory: Path, title: str, body: Sequence[str]) -> Path:
     page = directory / "index.html"
-    head = f'<meta charset="utf-8"><title>{html.escape(title)}</title><style>{_STYLE}</style>'
-    write_text(
-        page,
-        f"<!doctype html><html lang=en><head>{head}</head><body><h1>{html.escape(title)}</h1>{''.join(body)}</body></html>\n",
-    )
+    said = html.escape(title)
+    head = f'<meta charset="utf-8"><title>{said}</title><style>{_STYLE}</style>'
+    whole = f"<html lang=en><head>{head}</head><body><h1>{said}</h1>{''.join(body)}</body></html>"
+    write_text(page, f"<!doctype html>{whole}\n")
     return page

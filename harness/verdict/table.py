@@ -14,10 +14,11 @@ REFERENCE_CONTROLLER = "slip_two_state"
 """The controller that reductions are counted from: the paper's SBC."""
 
 CONTROLLERS = {
-    "full_brake": "full brake, no protection",
+    "full_brake": "full brake",
     "slip_two_state": "SBC, two-state",
     "slip_three_state": "SBC, three-state",
     "adhesion_based": "ABC",
+    "adhesion_literal": "ABC, the law as printed",
     "ideal_bound": "ideal bound",
 }
 
@@ -34,7 +35,7 @@ class Row:
         paper_reduction: The published reduction against the published SBC.
         outcome: How the stop ended.
         longest_lock_s: Of any ω-group.
-        air_l: Free air used, litres.
+        air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
         stop: Name of the stop in the campaign.
     """
 
@@ -51,8 +52,8 @@ class Row:
     paper_distance_m: float | None
     paper_reduction: float | None
     outcome: str
-    longest_lock_s: float
-    air_l: float
+    longest_lock_s: float | None
+    air_l: float | None
     stop: str
 
 
@@ -65,7 +66,9 @@ def rows_of(results: Results) -> tuple[Row, ...]:
 def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
     """Write NAME.json and NAME.md of a campaign and return their paths."""
     rows = rows_of(results)
-    content = {"campaign": results.name, "rows": [asdict(row) for row in rows], "missing": list(results.missing)}
+    # JSON has no NaN: a figure that does not exist (the air of the ideal bound) is null.
+    plain = [{key: None if value != value else value for key, value in asdict(row).items()} for row in rows]
+    content = {"campaign": results.name, "rows": plain, "missing": list(results.missing)}
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     write_text(as_json, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     write_text(as_markdown, markdown(results.name, results.description, rows, results.missing))
@@ -81,7 +84,7 @@ def markdown(name: str, description: str, rows: Sequence[Row], missing: Sequence
         lines += [
             f"## Actuation {actuation}, sensors {sensors}, creep curve {polach}",
             "",
-            "| scenario | controller | estimator | distance | paper | reduction vs SBC | paper | duration "
+            "| scenario | controller | estimator | distance | paper | against SBC | paper | duration "
             "| adhesion used | longest lock | air |",
             "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|",
             *(_markdown_row(row) for row in here),
@@ -104,15 +107,15 @@ def _markdown_row(row: Row) -> str:
         _cell(row.paper_reduction, "{:+.1%}", negate=True),
         _cell(row.duration_s, "{:.1f} s"),
         _cell(row.utilisation, "{:.1%}"),
-        f"{row.longest_lock_s:.2f} s",
-        f"{row.air_l:.0f} l",
+        _cell(row.longest_lock_s, "{:.2f} s"),
+        _cell(row.air_l, "{:.0f} l"),
     )
     return f"| {' | '.join(cells)} |"
 
 
 def _cell(value: float | None, form: str, *, negate: bool = False) -> str:
     """Return a number for people; a reduction is shown as the change it is: −12.9 %."""
-    if value is None:
+    if value is None or math.isnan(value):
         return ""
     return form.format(-value if negate else value).replace("-", "−").replace("%", " %")
 
@@ -133,12 +136,12 @@ def _row(result: Result, sbc: Result | None) -> Row:
         distance_m=metrics.distance if stands else None,
         duration_s=metrics.duration if stands else None,
         reduction_vs_sbc=None if is_sbc else _reduction(_distance(result), _distance(sbc) if sbc else None),
-        utilisation=metrics.utilisation if math.isfinite(metrics.utilisation) else None,
+        utilisation=_number(metrics.utilisation),
         paper_distance_m=result.paper_distance,
         paper_reduction=None if is_sbc else _reduction(result.paper_distance, paper_sbc),
         outcome=record.outcome.value,
-        longest_lock_s=max(metrics.longest_lock),
-        air_l=1000 * metrics.air_used,
+        longest_lock_s=_number(max(metrics.longest_lock)),
+        air_l=_number(1000 * metrics.air_used),
         stop=result.name,
     )
 
@@ -163,6 +166,11 @@ def _polach(result: Result) -> str:
 
 def _distance(result: Result) -> float | None:
     return result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None
+
+
+def _number(value: float) -> float | None:
+    """Return a figure, or None where it does not exist."""
+    return value if math.isfinite(value) else None
 
 
 def _reduction(distance: float | None, reference: float | None) -> float | None:

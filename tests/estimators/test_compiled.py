@@ -158,7 +158,8 @@ def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling, kept):
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE, directory=kept)
     code = generate(rolling, fast.design)
     plain = "int step_plain(double *block);\n" + (
-        '__attribute__((visibility("default"))) int step(double *block) { return step_plain(block); }\n'
+        "int dispatch(double *block) { return step_plain(block); }\n"
+        '__attribute__((visibility("default"))) int step(double *block) { return dispatch(block); }\n'
     )
     library = shared_library(code.sources | {"dispatch.c": plain}, kept, "plain", flags=("-O3",))
     step_plain = ctypes.CDLL(str(library)).step

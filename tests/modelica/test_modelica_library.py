@@ -101,7 +101,8 @@ def test_every_parameter_of_an_exported_block_has_a_value_and_every_input_a_star
             assert re.search(r"\w(?:\[\d\])?(?:\([^)]*\))?\s*=", found), found
         for found in re.findall(r"^  Interfaces\.RealInput [^;]*;", public, re.MULTILINE):
             assert "start=" in found, found
-        assert "final unit" in public
+        if "Interfaces.Real" in public:
+            assert "final unit" in public
 
 
 def test_the_version_is_the_projects() -> None:

@@ -17,7 +17,16 @@ PLAIN = ["adhesion.conditioning.fraction=0"]
 
 
 def profile(name, *overrides):
-    return profile_of(load(LIBRARY / f"{name}.toml", overrides))
+    # The soap curve is not calibrated: friction is what the file says, whatever `make calibrate` has found.
+    return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]))
+
+
+def test_calibration_scales_the_shape_it_is_for_and_no_other():
+    plain, scaled = (
+        profile("trapezoid", *PLAIN, "adhesion.calibrated.leaf=1.25", f"adhesion.polach={shape}")
+        for shape in ("soap", "leaf")
+    )
+    assert scaled.mu0_at == pytest.approx(1.25 * plain.mu0_at)
 
 
 def test_a_trapezoid_is_high_falls_stays_low_and_rises():

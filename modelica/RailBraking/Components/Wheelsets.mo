@@ -4,7 +4,8 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   parameter Types.Inertia J(start=209) "Inertia of all of them about their axles";
   parameter Types.Length r(start=0.38) "Rolling radius";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
-  parameter Types.Curvature curvature_rail(min=0) = 0 "Curvature of the rail along the track: none, or that of a roller";
+  parameter Types.Curvature curvature_rail(min=0) = 0
+    "Curvature of the rail along the track: none, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
   parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";

@@ -2,7 +2,8 @@ within RailBraking.Contact;
 block WheelsetContact "The two contacts of one wheelset"
   parameter Types.Length r(start=0.38) "Rolling radius of the wheels";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
-  parameter Types.Curvature curvature_rail(min=0) = 0 "Curvature of the rail along the track: none, or that of a roller";
+  parameter Types.Curvature curvature_rail(min=0) = 0
+    "Curvature of the rail along the track: none, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
   parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";
@@ -10,7 +11,8 @@ block WheelsetContact "The two contacts of one wheelset"
   parameter Types.Ratio A(start=0.4) "Friction at infinite slip speed over maximum friction";
   parameter Types.InverseVelocity B(start=0.2) "Rate at which friction falls with slip speed";
   parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
-  final parameter Real factor = creepFactor(r/(1 + r*curvature_rail), r_rail, E, nu) "Slope of epsilon, see creepFactor";
+  final parameter Real factor = creepFactor(r/(1 + r*curvature_rail), r_rail, E, nu)
+    "Slope of epsilon, see creepFactor";
   Interfaces.RealInput v(final unit="m/s") "Speed of the wheelset along the track";
   Interfaces.RealInput w(final unit="rad/s") "Angular velocity";
   Interfaces.RealInput load(final unit="N") "Load of both wheels together";
@@ -34,7 +36,8 @@ Slip is (v - r w)/sqrt(v<sup>2</sup> + v_small<sup>2</sup>): at 1 m/s it is 0.5 
 standstill it is zero. Valid from rest to 60 m/s. Both wheels carry half of the load and have equal contacts.
 </p>
 <p>
-On a roller the contact is that of a wheel of the radius 1/(1/r + <code>curvature_rail</code>) on a straight rail; kinematics keep <code>r</code>.
+On a roller the contact is that of a wheel of the radius 1/(1/r + <code>curvature_rail</code>) on a straight rail;
+kinematics keep <code>r</code>.
 </p>
 <h4>Limitations</h4>
 <p>

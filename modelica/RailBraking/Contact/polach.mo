@@ -11,14 +11,11 @@ function polach "Adhesion of a wheel at a slip"
   input Types.InverseVelocity B "Rate at which friction falls with slip speed";
   output Types.Ratio alpha "Force over load, with the sign of the slip";
 protected
-  constant Types.Velocity w_small = 1e-3 "Rounding of the falling friction about no slip speed";
   constant Types.Ratio mu_small = 1e-9 "Keeps epsilon finite without friction";
-  Types.Velocity w "Magnitude of the slip speed, rounded";
   Types.Ratio mu "Friction at this slip speed";
   Types.Ratio epsilon "Gradient of the tangential stress";
 algorithm
-  w := sqrt(slip_speed^2 + w_small^2) - w_small;
-  mu := mu0*((1 - A)*exp(-B*w) + A);
+  mu := fallingFriction(slip_speed, mu0, A, B);
   epsilon := factor*slip/((mu + mu_small)*Q^(1/3));
   alpha := 2*mu/3.14159265358979*(k_A*epsilon/(1 + (k_A*epsilon)^2) + atan(k_S*epsilon));
   annotation (

@@ -15,7 +15,8 @@ block RollerRigPrediction "Roller rig as an estimator believes it to be"
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient that the drive imitates";
   parameter Types.Area A_drag = 5 "Frontal area that the drive imitates";
   parameter Types.Density rho_air = 1.2 "Density of the air";
-  parameter Types.Ratio mu_b_relaxes(min=0, max=1) = 0 "1 for pad friction that relaxes towards mu_b_rest, 0 for one without dynamics";
+  parameter Types.Ratio mu_b_relaxes(min=0, max=1) = 0 "1 for pad friction that relaxes towards mu_b_rest,
+    0 for one without dynamics";
   parameter Types.Ratio mu_b_rest = 0.35 "Pad friction that relaxation leads to";
   parameter Types.Time T_mu = 30 "Time constant of relaxation, times pad friction";
 
@@ -28,7 +29,8 @@ block RollerRigPrediction "Roller rig as an estimator believes it to be"
   Types.Ratio mu_b(start=mu_b_start, fixed=true, stateSelect=StateSelect.always) "Pad friction";
   Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always) "Adhesion, positive in braking";
 protected
-  final parameter Types.Ratio f_resistance = Components.bearingFriction(mu_bearing, r_bearing, r_wheel) + e_rolling/r_wheel
+  final parameter Types.Ratio f_resistance = Components.bearingFriction(mu_bearing, r_bearing,
+    r_wheel) + e_rolling/r_wheel
     "Bearing and rolling resistance at the rim over load";
 equation
   J*der(w) = r_wheel*load*(alpha - f_resistance) - n_units*mu_b*r_friction*pad_force;
@@ -37,12 +39,14 @@ equation
   der(alpha) = 0;
   annotation (Documentation(info="<html>
 <p>
-Four states: w, v, mu_b, alpha; equation (19) of Schwarz and Keck (2020), their signs turned so that braking is positive. Free of events.
+Four states: w, v, mu_b, alpha; equation (19) of Schwarz and Keck (2020), their signs turned so that braking is
+positive. Free of events.
 Pad friction is that of their equation (8), without dynamics, or of (9) with <code>mu_b_relaxes = 1</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Load, mass and drag are taken as known: a load cell's share of error is, to the filter, adhesion. With the pads released nothing tells
+Load, mass and drag are taken as known: a load cell's share of error is, to the filter, adhesion. With the pads
+released nothing tells
 their friction: hold it still then.
 </p>
 </html>"));

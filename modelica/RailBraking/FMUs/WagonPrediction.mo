@@ -13,24 +13,32 @@ block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
   parameter Types.Area A_drag = 10 "Frontal area";
   parameter Types.Density rho_air = 1.2 "Density of the air";
-  parameter Types.Ratio adhesion_share = 1 "Braking force of the track over alpha m g: 1, or 1/2 as printed in (5) and (12)";
-  parameter Types.Ratio resistance_transfer = -1 "Load of the front wheelset over (track_force - drag) h_mass/wheelbase: -1, or 1 as printed";
-  parameter Types.Ratio adhesion_transfer = 1 "Load of the front wheelset over alpha m g h_mass/wheelbase: 1, or 0 as neglected in (12)";
-  parameter Types.Ratio mu_b_relaxes(min=0, max=1) = 0 "1 for pad friction that relaxes towards mu_b_rest, 0 for one without dynamics";
+  parameter Types.Ratio adhesion_share = 1
+    "Braking force of the track over alpha m g: 1, or 1/2 as printed in (5) and (12)";
+  parameter Types.Ratio resistance_transfer = -1
+    "Load of the front wheelset over (track_force - drag) h_mass/wheelbase: -1, or 1 as printed";
+  parameter Types.Ratio adhesion_transfer = 1
+    "Load of the front wheelset over alpha m g h_mass/wheelbase: 1, or 0 as neglected in (12)";
+  parameter Types.Ratio mu_b_relaxes(min=0, max=1) = 0 "1 for pad friction that relaxes towards mu_b_rest,
+    0 for one without dynamics";
   parameter Types.Ratio mu_b_rest = 0.35 "Pad friction that relaxation leads to";
   parameter Types.Time T_mu = 30 "Time constant of relaxation, times pad friction";
 
-  Interfaces.RealInput pad_force[2](each final unit="N", each start=0) "Normal force of both pads of one unit of each wheelset";
+  Interfaces.RealInput pad_force[2](each final unit="N", each start=0)
+    "Normal force of both pads of one unit of each wheelset";
   Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient, curve and resistance, forward";
-  Interfaces.RealInput wheel_torque[2](each final unit="N.m", each start=0) "Torque of motor and bearings on each wheelset, driving positive";
+  Interfaces.RealInput wheel_torque[2](each final unit="N.m", each start=0)
+    "Torque of motor and bearings on each wheelset, driving positive";
   Interfaces.RealOutput wheelset_speed[2](each final unit="rad/s") = w "Angular velocity of each wheelset";
   Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the wagon";
 
   Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
     "Angular velocity of each wheelset, front and rear";
   Types.Velocity v(start=speed_start, fixed=true, stateSelect=StateSelect.always) "Speed of the wagon";
-  Types.Ratio mu_b[2](start=mu_b_start, each fixed=true, each stateSelect=StateSelect.always) "Pad friction of each wheelset";
-  Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always) "Adhesion of both wheelsets, positive in braking";
+  Types.Ratio mu_b[2](start=mu_b_start, each fixed=true, each stateSelect=StateSelect.always)
+    "Pad friction of each wheelset";
+  Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always)
+    "Adhesion of both wheelsets, positive in braking";
 protected
   Types.Force pull "Force along the track without adhesion";
   Types.Force transfer "Load that moves from the rear to the front wheelset";
@@ -47,19 +55,24 @@ equation
   der(alpha) = 0;
   annotation (Documentation(info="<html>
 <p>
-Six states: w, v, mu_b, alpha; equations (12) to (15) of Schwarz and Keck (2020), their signs turned so that forward rotation, braking and adhesion
+Six states: w, v, mu_b, alpha; equations (12) to (15) of Schwarz and Keck (2020), their signs turned so that forward
+rotation, braking and adhesion
 are positive. Free of events.
 </p>
 <h4>Implementation</h4>
 <p>
-Three things are not as printed there, and each can be made so by a parameter. Their equations (1), (2) and (4) give a braking force of alpha m g; (5) and (12)
-have half of it, which is right for one braked wheelset that carries m/2: <code>adhesion_share = 0.5</code>. With x forward the front wheelset gains load when the wagon slows,
-by -m der(v) h/a; (4) lets it lose that: <code>resistance_transfer = 1</code>. And (12) neglects the transfer by adhesion, which is the larger part when braking:
+Three things are not as printed there, and each can be made so by a parameter. Their equations (1), (2) and (4) give
+a braking force of alpha m g; (5) and (12)
+have half of it, which is right for one braked wheelset that carries m/2: <code>adhesion_share = 0.5</code>. With x
+forward the front wheelset gains load when the wagon slows,
+by -m der(v) h/a; (4) lets it lose that: <code>resistance_transfer = 1</code>. And (12) neglects the transfer by
+adhesion, which is the larger part when braking:
 <code>adhesion_transfer = 0</code>.
 </p>
 <h4>Limitations</h4>
 <p>
-Both wheelsets use the same adhesion. The wagon has no suspension: loads follow the acceleration at once, and drag is taken to act at the height of
+Both wheelsets use the same adhesion. The wagon has no suspension: loads follow the acceleration at once, and drag
+is taken to act at the height of
 the rail.
 </p>
 </html>"));

@@ -14,7 +14,8 @@ algorithm
     Inline=true,
     Documentation(info="<html>
 <p>
-Equation (9) of Schwarz and Keck (2020), (mu_rest - mu)/(T mu), after Ostermeyer. As printed it is singular at mu = 0, which a filter's
+Equation (9) of Schwarz and Keck (2020), (mu_rest - mu)/(T mu), after Ostermeyer. As printed it is singular at mu =
+0, which a filter's
 mean may well pass: below 0.05, where no pad works, the denominator stays that of 0.05.
 </p>
 <h4>Syntax</h4>

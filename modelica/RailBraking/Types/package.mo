@@ -9,6 +9,8 @@ package Types "Quantities with their SI units"
   type Velocity = Real(final quantity="Velocity", final unit="m/s") "Speed";
   type InverseVelocity = Real(final unit="s/m") "Reciprocal of a speed";
   type Acceleration = Real(final quantity="Acceleration", final unit="m/s2") "Acceleration";
+  type Angle = Real(final quantity="Angle", final unit="rad") "Angle";
+  type Frequency = Real(final quantity="Frequency", final unit="Hz", min=0) "Frequency";
   type AngularVelocity = Real(final quantity="AngularVelocity", final unit="rad/s") "Angular velocity";
   type AngularAcceleration = Real(final quantity="AngularAcceleration", final unit="rad/s2") "Angular acceleration";
   type Mass = Real(final quantity="Mass", final unit="kg", min=0) "Mass";
@@ -17,6 +19,8 @@ package Types "Quantities with their SI units"
   type Force = Real(final quantity="Force", final unit="N") "Force";
   type Torque = Real(final quantity="Torque", final unit="N.m") "Torque";
   type Stiffness = Real(final unit="N/m", min=0) "Translational stiffness";
+  type RotationalStiffness = Real(final unit="N.m/rad", min=0) "Rotational stiffness";
+  type RotationalDamping = Real(final unit="N.m.s/rad", min=0) "Rotational damping";
   type Damping = Real(final unit="N.s/m", min=0) "Translational damping";
   type Modulus = Real(final quantity="Pressure", final unit="Pa", min=0) "Modulus of elasticity";
   type Pressure = Real(final quantity="Pressure", final unit="Pa") "Pressure above the atmosphere";

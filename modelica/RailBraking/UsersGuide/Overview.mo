@@ -24,7 +24,10 @@ class Overview "What is where"
 <a href=\"modelica://RailBraking.Examples.DownhillStop\">DownhillStop</a>,
 <a href=\"modelica://RailBraking.Examples.BrakedWheelset\">BrakedWheelset</a>,
 <a href=\"modelica://RailBraking.Examples.CreepCurves\">CreepCurves</a>,
-<a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>.
+<a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>,
+<a href=\"modelica://RailBraking.Examples.RollerRigStop\">RollerRigStop</a>,
+<a href=\"modelica://RailBraking.Examples.WagonStop\">WagonStop</a>,
+<a href=\"modelica://RailBraking.Examples.WanderingWheelset\">WanderingWheelset</a>.
 </p>
 </html>"));
 end Overview;

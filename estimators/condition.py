@@ -1,0 +1,94 @@
+"""From a belief about friction to the condition of the rail: one of a few named levels, or undecided."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from estimators.belief import Vector
+from estimators.errors import EstimatorError
+
+UNDECIDED = -1
+"""Label while no condition has been probable enough for long enough yet."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditionDetector:
+    """Names the condition that a Gaussian belief about friction makes probable, and keeps the name until another is.
+
+    Each condition owns the friction between the midpoints to its neighbours. A condition is announced when its
+    probability has been at least `confidence` for `hold` seconds on end; until another one is, it stays.
+
+    Attributes:
+        levels: Friction of each condition.
+        confidence: Probability wanted, between one half and one.
+        hold: Seconds for which it must last.
+        model_deviation: Standard deviation added to that of the belief, for errors of the model that no filter
+            knows of.
+
+    Raises:
+        EstimatorError: Fewer than two levels, equal ones, or a confidence or time that is none.
+    """
+
+    levels: Mapping[str, float]
+    confidence: float
+    hold: float
+    model_deviation: float
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot decide."""
+        if len(set(self.levels.values())) != len(self.levels) or len(self.levels) < 2:
+            raise EstimatorError(f"ConditionDetector: wants two different levels or more, got {dict(self.levels)}.")
+        if not (0.5 <= self.confidence < 1.0 and self.hold >= 0.0 and self.model_deviation >= 0.0):
+            raise EstimatorError(
+                "ConditionDetector: confidence is in [0.5, 1), hold and model_deviation are not negative; "
+                f"got {self.confidence}, {self.hold} s, {self.model_deviation}."
+            )
+
+    def probabilities(self, mean: Vector, deviation: Vector) -> NDArray[np.float64]:
+        """Return the probability of each condition at each sample, shape (k, number of levels), rows summing to one."""
+        values = np.array(list(self.levels.values()))
+        order = np.argsort(values)
+        bounds = 0.5 * (values[order][1:] + values[order][:-1])
+        spread = np.hypot(deviation, self.model_deviation)
+        below = ndtr((bounds - mean[:, np.newaxis]) / spread[:, np.newaxis])
+        edges = np.column_stack([np.zeros(len(mean)), below, np.ones(len(mean))])
+        shares = np.empty((len(mean), values.size))
+        shares[:, order] = np.diff(edges, axis=1)
+        return shares
+
+    def labels(self, mean: Vector, deviation: Vector, period: float) -> NDArray[np.intp]:
+        """Return the condition announced at each sample, shape (k,): its number in `levels`, or `UNDECIDED`.
+
+        Args:
+            mean: Of the belief about friction, shape (k,); NaN where there is none.
+            deviation: Its standard deviation, shape (k,).
+            period: Between samples [s].
+        """
+        shares = self.probabilities(mean, deviation)
+        best = np.argmax(np.where(np.isnan(shares), -1.0, shares), axis=1)
+        sure = np.take_along_axis(shares, best[:, np.newaxis], axis=1)[:, 0] >= self.confidence
+        needed = max(1, round(self.hold / period))
+        labels = np.full(len(mean), UNDECIDED)
+        announced, candidate, since = UNDECIDED, UNDECIDED, 0
+        for k in range(len(mean)):
+            if sure[k] and best[k] == candidate:
+                since += 1
+            else:
+                candidate, since = (int(best[k]), 1) if sure[k] else (UNDECIDED, 0)
+            if candidate != UNDECIDED and since >= needed:
+                announced = candidate
+            labels[k] = announced
+        return labels
+
+
+def confusion(truth: NDArray[np.intp], labels: NDArray[np.intp], levels: int) -> NDArray[np.int64]:
+    """Return how many samples of each true condition were given each label, shape (levels, levels + 1).
+
+    The last column counts the undecided.
+    """
+    counts = np.zeros((levels, levels + 1), dtype=np.int64)
+    np.add.at(counts, (truth, np.where(labels == UNDECIDED, levels, labels)), 1)
+    return counts

@@ -1,0 +1,62 @@
+"""What a step of the compiled filter of the roller rig costs."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from estimators.compiled import CompiledFilter
+from harness.estimate.run import BUILD, by_name
+from harness.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterCost:
+    """Cost of one step, prediction and update.
+
+    Attributes:
+        states: Of the filter.
+        advance: Best of the rounds of a step through `CompiledFilter.advance` [µs]; what a loop pays.
+        step: The same through `CompiledFilter.step`, which makes a new belief each time [µs].
+    """
+
+    states: int
+    advance: float
+    step: float
+
+
+def rig_filter_cost(
+    *, count: int = 20_000, rounds: int = 7, period: float = 5e-3, directory: Path = BUILD
+) -> FilterCost:
+    """Step the filter of the rig in place, again and again, from a braked start with readings that fit it.
+
+    Args:
+        count: Steps of a round.
+        rounds: Their median counts.
+        period: Of the filter [s].
+        directory: Where the compiled filter is kept.
+    """
+    specification = load_specification(LIBRARY / "rig_own.toml")
+    prediction, settings = prediction_for(specification), settings_for(specification, period)
+    process = by_name("process", settings.process, prediction.states)
+    readings = by_name("readings", settings.readings, prediction.outputs)
+    running = CompiledFilter(prediction, process, readings, period, settings.gate, directory=directory)
+    mean = np.array([70.0, 33.0, 0.35, 0.05])
+    first = running.start(mean, by_name("deviation", settings.start_deviation, prediction.states) ** 2)
+    held, seen = np.array([20e3]), mean[:2].copy()
+    advance: list[float] = []
+    step: list[float] = []
+    for _ in range(rounds):
+        running.hold(first)
+        running.held[:], running.seen[:] = held, seen
+        begun = perf_counter()
+        for _ in range(count):
+            running.advance()
+        advance.append((perf_counter() - begun) / count * 1e6)
+        belief = first
+        begun = perf_counter()
+        for _ in range(count):
+            belief = running.step(belief, held, seen)
+        step.append((perf_counter() - begun) / count * 1e6)
+    return FilterCost(states=len(prediction.states), advance=min(advance), step=min(step))

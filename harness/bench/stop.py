@@ -1,0 +1,148 @@
+"""What a stop costs: the build of the FMUs, a filter step, a cycle of the loop, a plant step."""
+
+import os
+import resource
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
+
+import numpy as np
+
+from estimators.compiled import CompiledFilter
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.prediction import CasadiPrediction
+from estimators.tuning import NOISE_SETS
+from harness.assemble import BUILD, contact_of, lowered, run_stop
+from harness.scenario.load import load
+
+LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterCost:
+    """Medians over rounds [µs].
+
+    Attributes:
+        states: Of the model.
+        advance: Compiled, in place.
+        step: Compiled, on values, as the loop uses it.
+        reference: The filter in numpy.
+    """
+
+    states: int
+    advance: float
+    step: float
+    reference: float
+
+
+def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -> FilterCost:
+    """Step both filters over a braked train with readings that fit it."""
+    lowered_model = lowered(f"RailBraking.FMUs.{model}")
+    prediction = CasadiPrediction(lowered_model, {v.name: v.start for v in lowered_model.parameters})
+    chosen = NOISE_SETS[noise]
+    noises = chosen.process_noise(prediction.states), chosen.reading_noise(prediction.outputs)
+    compiled = CompiledFilter(prediction, *noises, 1e-3, directory=BUILD)
+    plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
+    mean = np.array([v.start for v in lowered_model.states])
+    spread = chosen.start_covariance(prediction.states)
+    held = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
+    seen = prediction.output(mean, held)
+    first = compiled.start(mean, spread)
+    took: dict[str, list[float]] = {"advance": [], "step": [], "reference": []}
+    for _ in range(rounds):
+        compiled.hold(first)
+        compiled.held[:], compiled.seen[:] = held, seen
+        took["advance"].append(_seconds(compiled.advance, count) / count * 1e6)
+        belief = first
+        begun = perf_counter()
+        for _ in range(count):
+            belief = compiled.step(belief, held, seen)
+        took["step"].append((perf_counter() - begun) / count * 1e6)
+        belief = first
+        begun = perf_counter()
+        for _ in range(count // 20):
+            belief = plain.step(belief, held, seen)
+        took["reference"].append((perf_counter() - begun) / (count // 20) * 1e6)
+    return FilterCost(states=len(prediction.states), **{way: median(times) for way, times in took.items()})
+
+
+def _seconds(call: object, count: int) -> float:
+    assert callable(call)
+    begun = perf_counter()
+    for _ in range(count):
+        call()
+    return perf_counter() - begun
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopCost:
+    """What a stop costs.
+
+    Attributes:
+        simulated: Length of the stop [s].
+        wall: From scenario to figures [s], median.
+        cycle: Time of the processor per communication period of 1 ms, figures included [µs], median.
+    """
+
+    simulated: float
+    wall: float
+    cycle: float
+
+
+def stop_cost(*overrides: str, rounds: int = 3) -> StopCost:
+    """Run a stop of the library several times, after one that compiles what has to be compiled."""
+    scenario = load(LIBRARY / "trapezoid.toml", overrides)
+    contact_of(scenario)
+    simulated = run_stop(scenario).metrics.duration
+    wall: list[float] = []
+    cpu: list[float] = []
+    for _ in range(rounds):
+        begun, used = perf_counter(), process_time()
+        run_stop(scenario)
+        wall.append(perf_counter() - begun)
+        cpu.append(process_time() - used)
+    return StopCost(simulated=simulated, wall=median(wall), cycle=median(cpu) / (simulated / 1e-3) * 1e6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BuildCost:
+    """A cold build of every recipe.
+
+    Attributes:
+        recipes: How many.
+        wall: [s].
+        cpu: Of all processes [s].
+    """
+
+    recipes: int
+    wall: float
+    cpu: float
+
+
+def build_cost() -> BuildCost:
+    """Build every recipe into an empty folder."""
+    from fmus.build import build
+    from fmus.recipe import read_recipes
+
+    names = list(read_recipes().recipes)
+    with tempfile.TemporaryDirectory() as folder:
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        begun = perf_counter()
+        for _ in build(names, "native", Path(folder)):
+            pass
+        wall = perf_counter() - begun
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return BuildCost(recipes=len(names), wall=wall, cpu=cpu)
+
+
+def machine() -> str:
+    """Return processor, number of cores and load, without which times mean little."""
+    name = "unknown processor"
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        models = [line.partition(":")[2].strip() for line in cpuinfo.read_text().splitlines() if "model name" in line]
+        name = models[0] if models else name
+    return f"{name}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"

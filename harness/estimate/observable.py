@@ -1,0 +1,150 @@
+"""What a recording can tell about the states of a prediction: rank at points, information along the way."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from estimators.observability import Observability, along, observability
+from estimators.prediction import CasadiPrediction
+from harness.estimate.error import EstimationError
+from harness.estimate.recording import TRUTH, columns, period_of
+from harness.estimate.run import by_name
+from harness.estimate.spec import ObservabilityTable, Specification, prediction_for, settings_for
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """A sample at which the rank was found.
+
+    Attributes:
+        what: Why it was chosen.
+        time: [s].
+        inputs: Held there, by name.
+        found: Rank, order and what is hidden.
+    """
+
+    what: str
+    time: float
+    inputs: Mapping[str, float]
+    found: Observability
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observed:
+    """What a recording can tell.
+
+    Attributes:
+        points: With the largest input that opens the gate, and with it at zero.
+        windows: `smallest` (time), the smallest singular value of the scaled observability Gramian of the window that
+            begins there, and by state (time, state) `deviation`, to which the window alone tells it, in its unit, and
+            `singular`, the smallest singular value that belongs to it: the square of scale over deviation, 0 where
+            the readings say nothing.
+    """
+
+    points: tuple[Point, ...]
+    windows: xarray.Dataset
+
+
+def observe(
+    specification: Specification,
+    recording: xarray.Dataset,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Observed:
+    """Return what a recording can tell about the states, at their true values where known.
+
+    Inputs that shut a gate count as zero: that is how the filter takes them, and the noise of a released load cell
+    tells nothing.
+
+    Raises:
+        EstimationError: The file has no [observability], the states are not known, or a window is longer than all.
+    """
+    table = specification.observability
+    if table is None:
+        raise EstimationError(
+            f"{specification.name}: there is no [observability]; give scale, by state, window and stride."
+        )
+    prediction = prediction_for(specification)
+    period = period_of(recording)
+    settings = settings_for(specification, period)
+    states = _states(recording, prediction)
+    inputs = columns(recording, prediction.inputs, [recording[n].attrs["units"] for n in prediction.inputs])
+    gated: list[int] = []
+    if settings.gate is not None:
+        gated = [prediction.inputs.index(name) for name in settings.gate.inputs]
+        inputs[:, gated] = np.where(inputs[:, gated] < settings.gate.threshold, 0.0, inputs[:, gated])
+    scale = by_name("[observability] scale", table.scale, prediction.states)
+    noise = by_name("[noise] readings", settings.readings, prediction.outputs)
+    return Observed(
+        points=_points(recording, prediction, states, inputs, gated, scale),
+        windows=_windows(recording, prediction, states, inputs, period, noise, scale, table, progress),
+    )
+
+
+def _states(recording: xarray.Dataset, prediction: CasadiPrediction) -> Matrix:
+    unknown = [state for state in prediction.states if TRUTH + state not in recording]
+    if unknown:
+        raise EstimationError(
+            f"observability: the recording does not tell {', '.join(unknown)}; a trajectory of all states is wanted, "
+            "from a twin or as true_<state> from an estimate."
+        )
+    return np.stack([recording[TRUTH + state].values for state in prediction.states], axis=1)
+
+
+def _points(
+    recording: xarray.Dataset,
+    prediction: CasadiPrediction,
+    states: Matrix,
+    inputs: Matrix,
+    gated: list[int],
+    scale: Matrix,
+) -> tuple[Point, ...]:
+    time = recording["time"].values
+    deciding = gated or list(range(inputs.shape[1]))
+    most = int(np.argmax(np.min(inputs[:, deciding], axis=1))) if deciding else 0
+    wanted = [("inputs at their largest together", most, inputs[most])]
+    for place in deciding:
+        without = inputs[most].copy()
+        without[place] = 0.0
+        wanted.append((f"the same, but no {prediction.inputs[place]}", most, without))
+    return tuple(
+        Point(
+            what=what,
+            time=float(time[k]),
+            inputs=dict(zip(prediction.inputs, held.tolist(), strict=True)),
+            found=observability(prediction, states[k], held, scale),
+        )
+        for what, k, held in wanted
+    )
+
+
+def _windows(
+    recording: xarray.Dataset,
+    prediction: CasadiPrediction,
+    states: Matrix,
+    inputs: Matrix,
+    period: float,
+    noise: Matrix,
+    scale: Matrix,
+    table: ObservabilityTable,
+    progress: Callable[[int, int], None],
+) -> xarray.Dataset:
+    window, stride = max(round(table.window / period), 1), max(round(table.stride / period), 1)
+    if window > len(states):
+        raise EstimationError(
+            f"[observability] window is {table.window:g} s, the recording has {len(states) * period:g} s; shorten it."
+        )
+    found = along(prediction, states, inputs, period, noise, scale, window, stride, progress)
+    return xarray.Dataset(
+        {
+            "smallest": (("time",), found.smallest, {"units": "1"}),
+            "deviation": (("time", "state"), found.deviation),
+            "singular": (("time", "state"), (scale / found.deviation) ** 2, {"units": "1"}),
+        },
+        coords={"time": recording["time"].values[found.start], "state": list(prediction.states)},
+        attrs={"window": table.window, "name": recording.attrs.get("name", "")},
+    )

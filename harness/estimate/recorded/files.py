@@ -1,0 +1,225 @@
+"""Signals out of files: csv, parquet, mat and mf4, each by its library; the rest of the project sees arrays.
+
+A signal comes with the instants that belong to it: in a table all columns share them, in an MDF file every channel
+group has its own.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from harness.estimate.error import EstimationError
+from harness.estimate.recorded.table import DataTable
+
+Vector = NDArray[np.float64]
+
+FORMATS = (".csv", ".parquet", ".mat", ".mf4")
+
+_UNIT_IN_NAME = re.compile(r".*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*")
+_UNITS_OF_TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Series:
+    """A signal as the file has it.
+
+    Attributes:
+        time: Instants [s], shape (k,); NaN where the file tells none.
+        values: In the file's unit, shape (k,); NaN where there is none.
+        unit: What the file says its unit is, or None.
+    """
+
+    time: Vector
+    values: Vector
+    unit: str | None
+
+
+def read_series(path: Path, table: DataTable) -> dict[str, Series]:
+    """Return the columns that a map asks for, by the file's names.
+
+    Raises:
+        EstimationError: Missing, unreadable or of another format; a column is not there or not of numbers.
+    """
+    if not path.is_file():
+        raise EstimationError(f"{path}: there is no such file; name a recording ({', '.join(FORMATS)}).")
+    asked = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
+    match path.suffix.lower():
+        case ".csv":
+            return _of_frame(path, _csv(path, table), table, asked)
+        case ".parquet":
+            return _of_frame(path, _parquet(path, [table.time.column, *asked]), table, asked)
+        case ".mat":
+            return _of_frame(path, _mat(path), table, asked)
+        case ".mf4":
+            return _mf4(path, asked)
+        case suffix:
+            raise EstimationError(
+                f"{path.name}: '{suffix}' is no format that is read here; there is {', '.join(FORMATS)}."
+            )
+
+
+# ---- tables -----------------------------------------------------------------------------------------------------
+
+
+def _csv(path: Path, table: DataTable) -> Mapping[str, Any]:
+    try:
+        frame = pd.read_csv(path, sep=table.separator, decimal=table.decimal, encoding="utf-8-sig", low_memory=False)
+    except (ValueError, OSError, UnicodeDecodeError) as problem:  # pandas' own errors are ValueErrors
+        raise EstimationError(f"{path.name}: is not a csv file: {problem}") from problem
+    return {str(name).strip(): frame[name].to_numpy() for name in frame.columns}
+
+
+def _parquet(path: Path, asked: Sequence[str]) -> Mapping[str, Any]:
+    try:
+        import pyarrow.parquet as parquet
+    except ModuleNotFoundError as problem:
+        raise EstimationError(
+            f"{path.name}: reading parquet files takes pyarrow; install it with `pip install 'railgrip[parquet]'`."
+        ) from problem
+    try:
+        schema = parquet.read_schema(path)
+        _all_there(path, asked, schema.names)
+        frame = parquet.read_table(path, columns=list(dict.fromkeys(asked))).to_pandas()
+    except (ValueError, OSError) as problem:
+        if isinstance(problem, EstimationError):
+            raise
+        raise EstimationError(f"{path.name}: is not a parquet file: {problem}") from problem
+    return {str(name): frame[name].to_numpy() for name in frame.columns}
+
+
+def _mat(path: Path) -> Mapping[str, Any]:
+    """Return the vectors of a MATLAB file; those inside structures as `structure.field`."""
+    import h5py
+    from scipy.io import loadmat
+
+    found: dict[str, Any] = {}
+
+    def collect(name: str, value: Any) -> None:
+        if isinstance(value, dict):
+            for key, element in value.items():
+                collect(f"{name}.{key}", element)
+        elif isinstance(value, np.ndarray) and max(value.shape, default=0) == value.size:
+            found[name] = value.ravel()
+
+    try:
+        if h5py.is_hdf5(path):  # MATLAB 7.3 writes HDF5
+
+            def visit(name: str, item: object) -> None:
+                if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiub":
+                    collect(name.replace("/", "."), np.asarray(item[()]))
+
+            with h5py.File(path) as file:
+                file.visititems(visit)
+        else:
+            for name, value in loadmat(path, simplify_cells=True).items():
+                if not name.startswith("__"):
+                    collect(name, value)
+    except (ValueError, OSError, TypeError, NotImplementedError) as problem:
+        raise EstimationError(f"{path.name}: is not a MATLAB file: {problem}") from problem
+    return found
+
+
+def _of_frame(path: Path, frame: Mapping[str, Any], table: DataTable, asked: Sequence[str]) -> dict[str, Series]:
+    """Return the columns of a table, all on its column of time."""
+    _all_there(path, [table.time.column, *asked], list(frame))
+    time = _instants(path, frame[table.time.column], table)
+    series: dict[str, Series] = {}
+    for name in asked:
+        values = _numbers(path, name, frame[name], table)
+        if values.shape != time.shape:
+            raise EstimationError(
+                f"{path.name}: column '{name}' has {values.size} samples, its time '{table.time.column}' {time.size}."
+            )
+        told = _UNIT_IN_NAME.fullmatch(name)
+        series[name] = Series(time=time, values=values, unit=told.group(1) if told else None)
+    return series
+
+
+def _all_there(path: Path, asked: Sequence[str], there: Sequence[str]) -> None:
+    missing = [name for name in asked if name not in there]
+    if not missing:
+        return
+    near = get_close_matches(missing[0], there, n=1)
+    hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(map(str, there)) or 'none'}."
+    only = " Is its separator another one?" if len(there) == 1 and path.suffix.lower() == ".csv" else ""
+    raise EstimationError(f"{path.name}: has no column {', '.join(repr(name) for name in missing)}; {hint}{only}")
+
+
+def _numbers(path: Path, name: str, found: Any, table: DataTable) -> Vector:
+    """Return a column as floats; empty cells are NaN."""
+    values = np.asarray(found)
+    if values.dtype.kind in "fiub":
+        return values.astype(np.float64)
+    read: Any = pd.to_numeric(pd.Series(found), errors="coerce")
+    wrong = read.isna().to_numpy() & ~pd.isna(pd.Series(found)).to_numpy()
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        why = " Is its decimal sign another one?" if "," in str(found[row]) and table.decimal == "." else ""
+        raise EstimationError(
+            f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is {found[row]!r}.{why}"
+        )
+    return np.asarray(read, dtype=np.float64)
+
+
+def _instants(path: Path, found: Any, table: DataTable) -> Vector:
+    """Return a column of time in seconds; time stamps count from the first."""
+    unit = table.time.unit
+    if unit == "timestamp":
+        try:
+            stamps: Any = pd.to_datetime(pd.Series(found), utc=True)
+        except (ValueError, TypeError) as problem:
+            raise EstimationError(f"{path.name}: column '{table.time.column}' has no time stamps: {problem}") from None
+        seconds = (stamps - stamps.dropna().iloc[0]).dt.total_seconds()
+        return np.asarray(seconds, dtype=np.float64)
+    if unit not in _UNITS_OF_TIME:
+        raise EstimationError(f"[data.time] unit is '{unit}'; there is {', '.join(_UNITS_OF_TIME)}, timestamp.")
+    if np.asarray(found).dtype.kind == "M":
+        raise EstimationError(f"{path.name}: column '{table.time.column}' holds time stamps; write unit = 'timestamp'.")
+    return _numbers(path, table.time.column, found, table) * _UNITS_OF_TIME[unit]
+
+
+# ---- measurement data format ------------------------------------------------------------------------------------
+
+
+def _mf4(path: Path, asked: Sequence[str]) -> dict[str, Series]:
+    try:
+        from asammdf import MDF
+        from asammdf.blocks.utils import MdfException
+    except ModuleNotFoundError as problem:
+        raise EstimationError(
+            f"{path.name}: reading mf4 files takes asammdf; install it with `pip install 'railgrip[mf4]'`."
+        ) from problem
+    try:
+        file = MDF(path)
+    except (MdfException, ValueError, OSError) as problem:
+        raise EstimationError(f"{path.name}: is not an MDF file: {problem}") from problem
+    series: dict[str, Series] = {}
+    try:
+        _all_there(path, asked, list(file.channels_db))
+        for name in asked:
+            places = file.channels_db[name]
+            if len(places) > 1:
+                raise EstimationError(
+                    f"{path.name}: there are {len(places)} channels '{name}'; give each a name of its own."
+                )
+            signal = file.get(name)
+            values = np.asarray(signal.samples)
+            if values.dtype.kind not in "fiub" or values.ndim != 1:
+                raise EstimationError(
+                    f"{path.name}: channel '{name}' wants one number a sample, it has {values.dtype}."
+                )
+            series[name] = Series(
+                time=np.asarray(signal.timestamps, dtype=np.float64),
+                values=values.astype(np.float64),
+                unit=signal.unit or None,
+            )
+    finally:
+        file.close()
+    return series

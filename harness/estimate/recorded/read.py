@@ -1,0 +1,242 @@
+"""From a user's file and its column map to a recording, and what had to be mended on the way."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from harness.estimate.error import EstimationError
+from harness.estimate.recorded.cleaning import Treatment, cleaned
+from harness.estimate.recorded.files import Series, read_series
+from harness.estimate.recorded.flag import Flag, flags_of, summary
+from harness.estimate.recorded.grid import gaps_of, input_on_grid, on_grid
+from harness.estimate.recorded.table import Column, DataTable
+from harness.estimate.recording import TRUTH, recording_of
+from harness.scenario.quantity import Magnitude
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Taken:
+    """A recording out of a file.
+
+    Attributes:
+        recording: On an even grid; its attribute `flags` holds the sentences.
+        flags: What was found and done, by signal and time.
+    """
+
+    recording: xarray.Dataset
+    flags: tuple[Flag, ...]
+
+
+def recorded(
+    path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], outputs: Sequence[str]
+) -> Taken:
+    """Return the recording in a file.
+
+    Inputs are needed at every instant, so the grid lies where all of them are, and a gap that cannot be bridged is
+    refused. A reading may be missing: the filter then goes on without.
+
+    Args:
+        path: csv, parquet, mat or mf4.
+        table: The column map.
+        units: Of every signal of the model, SI as FMI spells it; states for columns `true_<state>`.
+        inputs: Of the model.
+        outputs: Of the model; all but those that the map names are missing throughout.
+
+    Raises:
+        EstimationError: What no estimate can be made of, in a sentence.
+    """
+    known = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
+    _known_signals(path, table, known, inputs)
+    series = read_series(path, table)
+    flags: list[Flag] = []
+    left: dict[str, tuple[Vector, Vector]] = {}
+    told: dict[str, Vector] = {}
+    for name, column in table.columns.items():
+        if column.column is None:
+            continue
+        unit = units[name.removeprefix(TRUTH)]
+        time, values = _rising(path, name, series[column.column], flags)
+        values = _converted(path, name, column, series[column.column].unit, unit)(values)
+        told[name] = time[np.isfinite(values)]
+        if name.startswith(TRUTH):  # a reference, not a sensor: what it says is judged by nobody here
+            time, values = time[np.isfinite(values)], values[np.isfinite(values)]
+        else:
+            time, values, found = cleaned(name, time, values, _treatment(name, column, table, unit, name in inputs))
+            flags += found
+        if time.size < 2:
+            raise EstimationError(f"{path.name}: {name} (column '{column.column}') has {time.size} usable samples.")
+        left[name] = time, values
+    grid = _grid(
+        path, table, {n: t for n, (t, _) in left.items() if n in inputs} or {n: t for n, (t, _) in left.items()}
+    )
+    signals: dict[str, tuple[Vector, str]] = {}
+    for name, column in table.columns.items():
+        unit = units[name.removeprefix(TRUTH)]
+        if column.value is not None:
+            signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, unit)), unit
+            continue
+        time, values = left[name]
+        if name in inputs:
+            placed, found = input_on_grid(name, time, values, grid, table.period, table.longest_gap)
+            _refuse_gaps(path, name, column, placed, grid, table)
+        else:
+            placed, found = on_grid(name, time, values, grid, table.period)
+            # Gaps of the file: what was left out above has been said there.
+            longest = max(table.longest_gap, 1.5 * float(np.median(np.diff(told[name]))))
+            found += gaps_of(name, told[name], grid, longest, "gap")
+        flags += found
+        signals[name] = placed, unit
+    for name in outputs:
+        if name not in signals:
+            signals[name] = np.full(grid.size, np.nan), units[name]
+    truth = {name.removeprefix(TRUTH): signal for name, signal in signals.items() if name.startswith(TRUTH)}
+    recording = recording_of(
+        {name: signal for name, signal in signals.items() if not name.startswith(TRUTH)},
+        period=table.period,
+        truth=truth,
+        start=float(grid[0]),
+        name=path.stem,
+    )
+    recording.attrs["flags"] = summary(flags)
+    return Taken(recording=recording, flags=tuple(flags))
+
+
+def _known_signals(path: Path, table: DataTable, known: Sequence[str], inputs: Sequence[str]) -> None:
+    for name in table.columns:
+        if name not in known:
+            near = get_close_matches(name, known, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(known)}."
+            raise EstimationError(f"[data.columns]: the model has no signal '{name}'; {hint}")
+    missing = [name for name in inputs if name not in table.columns]
+    if missing:
+        raise EstimationError(
+            f"{path.name}: [data.columns] lacks {', '.join(missing)}, which the model must know at all times; "
+            "map a column or write value = '…'."
+        )
+
+
+def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[Vector, Vector]:
+    """Return a signal on instants that rise; rows without a time or with one that repeats are left out."""
+    finite = np.isfinite(series.time)
+    time, values = series.time[finite], series.values[finite]
+    steps = np.diff(time)
+    if (steps < 0.0).any():
+        row = int(np.argmax(steps < 0.0))
+        raise EstimationError(
+            f"{path.name}: time goes backwards at sample {row + 2} of {name}, from {time[row]:.6f} s to "
+            f"{time[row + 1]:.6f} s; sort the file or cut it there."
+        )
+    again = np.concatenate([[False], steps == 0.0]) if time.size else np.zeros(0, dtype=np.bool_)
+    dropped = flags_of("time", "time", time, again)
+    if not finite.all():
+        at = float(time[0]) if time.size else 0.0
+        lost = int((~finite).sum())
+        dropped.append(Flag(signal="time", kind="time", begin=at, end=at, samples=lost, remark="no instant told"))
+    # Signals of one table share their instants; what is wrong with those is said once.
+    flags.extend(flag for flag in dropped if flag not in flags)
+    return time[~again], values[~again]
+
+
+class _Affine:
+    """Conversion between units, with an offset for temperatures."""
+
+    def __init__(self, at_zero: float, at_one: float, column: Column) -> None:
+        self._at_zero, self._slope, self._column = at_zero, at_one - at_zero, column
+
+    def __call__(self, values: Vector) -> Vector:
+        return self._at_zero + self._slope * (values * self._column.factor + self._column.offset)
+
+
+def _converted(path: Path, name: str, column: Column, told: str | None, wanted: str) -> _Affine:
+    """Return the conversion from a column to the model's unit.
+
+    Raises:
+        EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
+    """
+    unit = column.unit if column.unit is not None else told
+    where = f"{path.name}: {name} (column '{column.column}')"
+    if unit is None:
+        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{wanted}'.")
+    if wanted == "rad/s" and unit.strip() in {"Hz", "1/s"}:
+        # To a unit library a hertz is a radian per second; to people it is a revolution.
+        raise EstimationError(f"{where} is in '{unit}'; write 'rev/s' or 'rad/s', which are 2π apart.")
+    affine = _Affine(
+        _si(where, _magnitude(where, 0, unit), wanted), _si(where, _magnitude(where, 1, unit), wanted), column
+    )
+    if told is not None and column.unit is not None:
+        try:
+            same = math.isclose(Magnitude(f"1 {told}").si(wanted), Magnitude(f"1 {unit}").si(wanted), rel_tol=1e-9)
+        except ValueError:
+            same = not _is_unit(told)  # what stands in brackets need not be a unit, "p (front)"
+        if not same:
+            raise EstimationError(f"{where}: the file says it is in '{told}', the map says '{unit}'; correct the map.")
+    return affine
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        Magnitude(f"1 {text}")
+    except ValueError:
+        return False
+    return True
+
+
+def _magnitude(where: str, number: int, unit: str) -> Magnitude:
+    try:
+        return Magnitude(f"{number} {unit}")
+    except ValueError as problem:
+        raise EstimationError(f"{where} {problem}") from problem
+
+
+def _si(where: str, magnitude: Magnitude, unit: str) -> float:
+    try:
+        return magnitude.si(unit)
+    except ValueError as problem:
+        raise EstimationError(f"{where} {problem}") from problem
+
+
+def _treatment(name: str, column: Column, table: DataTable, unit: str, is_input: bool) -> Treatment:
+    limits = None
+    if column.range is not None:
+        low, high = (_si(f"[data.columns] {name} range", bound, unit) for bound in column.range)
+        limits = (low, high)
+    return Treatment(
+        spike=table.spike,
+        frozen=table.frozen,
+        limits=limits,
+        holds=column.holds,
+        # A pressure that is held, or a brake that is released, stands still exactly and rightly.
+        may_rest=column.may_rest or is_input,
+    )
+
+
+def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
+    begins = [float(time[0]) for time in times.values()] + ([] if table.begin is None else [table.begin])
+    ends = [float(time[-1]) for time in times.values()] + ([] if table.end is None else [table.end])
+    begin, end = max(begins), min(ends)
+    count = math.floor((end - begin) / table.period + 1e-6) + 1
+    if count < 2:
+        raise EstimationError(
+            f"{path.name}: from {begin:.3f} s to {end:.3f} s nothing is left of which all inputs are known; "
+            "see begin and end in [data], and that all columns cover the same time."
+        )
+    return np.asarray(begin + np.arange(count) * table.period, dtype=np.float64)
+
+
+def _refuse_gaps(path: Path, name: str, column: Column, placed: Vector, grid: Vector, table: DataTable) -> None:
+    lost = np.isnan(placed)
+    if lost.any():
+        at = grid[int(np.argmax(lost))]
+        raise EstimationError(
+            f"{path.name}: input {name} (column '{column.column}') is missing from {at:.3f} s for "
+            f"{lost.sum() * table.period:.3g} s in all, and a filter must know its inputs; cut the recording with "
+            f"begin and end in [data], or raise longest_gap ({table.longest_gap:g} s) if the value can be interpolated."
+        )

@@ -1,0 +1,39 @@
+"""A prediction that shows only some of its outputs: a filter for fewer sensors."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import casadi as ca
+
+from estimators.prediction import CasadiPrediction
+from harness.estimate.error import EstimationError
+from harness.estimate.run import model_of
+
+
+def prediction_seeing(
+    model: str, outputs: Sequence[str], parameters: Mapping[str, float] | None = None
+) -> CasadiPrediction:
+    """Return the prediction of a class of RailBraking.FMUs that is compared with `outputs` only, in that order.
+
+    Args:
+        model: Such as `TrainPredictionReduced`.
+        outputs: By name, `wheelset_speed` for all its elements.
+        parameters: Where they differ from the defaults, SI.
+
+    Raises:
+        EstimationError: There is no such output or parameter.
+    """
+    whole = model_of(model)
+    names = [variable.name for variable in whole.outputs]
+    places = [i for wanted in outputs for i, name in enumerate(names) if wanted in (name, name.partition("[")[0])]
+    lost = [wanted for wanted in outputs if not any(wanted in (n, n.partition("[")[0]) for n in names)]
+    if lost:
+        raise EstimationError(f"{model} has no output {', '.join(lost)}; it has {', '.join(names)}.")
+    given = [ca.SX.sym(f"a{i}", *whole.output.size_in(i)) for i in range(whole.output.n_in())]
+    shown = ca.Function("output", given, [ca.densify(whole.output(*given))[places]])
+    known = {variable.name: variable.start for variable in whole.parameters}
+    strange = [name for name in parameters or {} if name not in known]
+    if strange:
+        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(known)}.")
+    seeing = replace(whole, outputs=tuple(whole.outputs[i] for i in places), output=shown)
+    return CasadiPrediction(seeing, known | dict(parameters or {}))

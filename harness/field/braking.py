@@ -1,0 +1,110 @@
+"""From a recording of a run to the braking in it, with distance and track force from the train's own sensors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from harness.estimate.error import EstimationError
+from harness.estimate.recording import columns, period_of
+from harness.scenario.track import CurveLaw, force_along
+from harness.track.course import LowPass
+from harness.track.geodesy import Place, local
+from harness.track.motion import Motion, Trust, motion_of
+
+Array = NDArray[np.float64]
+
+LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
+"""For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
+long; shorter waves are the receiver's. An estimate, not fitted to any case."""
+
+TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
+"""Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is the gradient that
+changes by 5 ‰ in 5 s, `jerk` a brake that is applied within a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Braking:
+    """A braking to be estimated.
+
+    Attributes:
+        name: Of the recording.
+        recording: From the first sample of coasting to the last, with `track_force` beside the readings.
+        motion: Of the whole run.
+        first: Where `recording` begins in the run.
+        brake: Where braking begins in `recording`.
+    """
+
+    name: str
+    recording: xarray.Dataset
+    motion: Motion
+    first: int
+    brake: int
+
+
+def braking_of(
+    run: xarray.Dataset,
+    mass: float,
+    *,
+    origin: Place | None = None,
+    curve_law: CurveLaw = "bogie",
+    low_pass: LowPass = LOW_PASS,
+    trust: Trust = TRUST,
+) -> Braking:
+    """Return the braking of a run.
+
+    Args:
+        run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
+            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, `driving` and `braking`.
+        mass: Of the train [kg].
+        origin: Of the local frame, the middle of the track when None.
+        curve_law: Of the curve resistance.
+        low_pass: Of the course.
+        trust: In the sensors of motion.
+
+    Raises:
+        EstimationError: A reading is missing, or nobody braked, or the train was still being driven then.
+    """
+    period = period_of(run)
+    sensors = sorted(str(name) for name in run.data_vars if str(name).startswith("acceleration_along["))
+    if not sensors:
+        raise EstimationError(f"recording '{run.attrs.get('name')}' has no acceleration_along[1]; map one or more.")
+    position = columns(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
+    fixed = np.flatnonzero(np.isfinite(position).all(axis=1))
+    if fixed.size == 0:
+        raise EstimationError(f"recording '{run.attrs.get('name')}': GNSS gave no position at all.")
+    if origin is None:
+        middle = position[fixed[fixed.size // 2]]
+        origin = Place(latitude=float(middle[0]), longitude=float(middle[1]), height=float(middle[2]))
+    motion = motion_of(
+        period=period,
+        speed=columns(run, ("speed",), ("m/s",))[:, 0],
+        accelerations=columns(run, sensors, ["m/s2"] * len(sensors)),
+        horizontal=local(position[:, 0], position[:, 1], position[:, 2], origin)[:, :2],
+        height=position[:, 2],
+        trust=trust,
+        low_pass=low_pass,
+    )
+    slope, curvature = motion.course.slope_at(motion.distance), motion.course.curvature_at(motion.distance)
+    force = force_along(slope, curvature, mass, curve_law)
+    driving, brakes = columns(run, ("driving", "braking"), ("1", "1")).T
+    if not brakes.any():
+        raise EstimationError(f"recording '{run.attrs.get('name')}': nobody braked.")
+    begins = int(np.argmax(brakes > 0.5))
+    driven = np.flatnonzero(driving[:begins] > 0.5)
+    # The drive's force dies away within two seconds of the driver's letting go.
+    first = int(driven[-1] + 1 + round(2.0 / period)) if driven.size else 0
+    if first >= begins:
+        raise EstimationError(
+            f"recording '{run.attrs.get('name')}': braking began {(begins - driven[-1]) * period:.2f} s after driving; "
+            "the filter knows no traction and wants 2 s of coasting before."
+        )
+    with_force = run.assign(track_force=(("time",), force, {"units": "N"}))
+    return Braking(
+        name=str(run.attrs.get("name", "")),
+        recording=with_force.isel(time=slice(first, None)),
+        motion=motion,
+        first=first,
+        brake=begins - first,
+    )

@@ -1,0 +1,89 @@
+"""`railgrip field` and `railgrip tune`: the field test reported, and its filter tuned."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+_out = Console()
+_err = Console(stderr=True)
+
+Scenario = Annotated[
+    Path | None, typer.Option("--scenario", metavar="FILE.toml", help="Field test; the library's unless given.")
+]
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add the two commands to the command line."""
+    app.command()(field)
+    app.command()(tune)
+
+
+def field(
+    out: Annotated[Path, typer.Option(help="Folder for figures and page.")] = Path("build/estimate/field"),
+    scenario: Scenario = None,
+) -> None:
+    """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
+    from harness.field.report import write_report
+    from harness.twins.field_scenario import field_scenario
+
+    with _err.status("field test") as status:
+        page = write_report(field_scenario(scenario), out, tell=lambda what: status.update(f"field test: {what}"))
+    _out.print(page.read_text(encoding="utf-8"), markup=False, highlight=False, soft_wrap=True)
+    _out.print(str(page), highlight=False, soft_wrap=True)
+
+
+def tune(
+    kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
+    out: Annotated[Path, typer.Option(help="File for the noises.")],
+    scenario: Scenario = None,
+    population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
+    generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
+    stage: Annotated[int, typer.Option(min=1, help="Generations between two checkpoints.")] = 10,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Threads.")] = 2,
+) -> None:
+    """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
+    from harness.estimate.error import EstimationError
+    from harness.field.filtering import prediction, task_of
+    from harness.field.noise import save_noise
+    from harness.field.runs import TUNING, brakings
+    from harness.field.tune import Search
+    from harness.field.tune import tune as search_for
+    from harness.twins.field_scenario import field_scenario
+
+    if kind != "paper" and kind != "consistent":
+        raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
+    chosen = field_scenario(scenario)
+    model = prediction()
+    with _err.status("twin") as status:
+        made = brakings(chosen, TUNING, lambda case: status.update(f"twin: case {case}"))
+    tasks = [task_of(braking, model) for _, braking in made.values()]
+    search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
+    checkpoint = Path("build/tune") / f"{chosen.name}-{kind}.npz"
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=_err) as bar:
+        task = bar.add_task("generation", total=generations)
+        found = search_for(
+            kind,
+            tasks,
+            model,
+            search,
+            checkpoint,
+            lambda generation, best: bar.update(task, completed=generation, description=f"best {best:.6f} m/s"),
+        )
+    command = (
+        f"railgrip tune {kind} --population {population} --generations {generations} --stage {stage} --seed {seed} "
+        f"--out {out}"
+    )
+    save_noise(
+        found.noise,
+        out,
+        title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
+        command=command,
+        results={"objective": found.value, "generations": float(len(found.history))},
+    )
+    _out.print(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations", highlight=False)
+    _out.print(str(out), highlight=False, soft_wrap=True)

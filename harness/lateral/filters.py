@@ -1,0 +1,133 @@
+"""The filters of the lateral study and what each is told.
+
+literal        the five states of Mal et al. (2020) by forward Euler; knows the track, the condition, and a Q for it
+known_track    well posed, friction a random walk; knows the track, not the condition; one Q
+unknown_track  as before, and of the track only its spectrum
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from math import log
+from pathlib import Path
+from typing import Final, Literal, get_args
+
+import numpy as np
+
+from estimators.belief import Vector
+from estimators.compiled import CompiledFilter
+from estimators.prediction import CasadiPrediction
+from fmus.native import lower
+from harness.loop.compiled import Observer, Source
+from harness.twins.lateral import ACCELEROMETER, GYROSCOPE, PERIOD, Condition, Irregularity
+
+Name = Literal["literal", "known_track", "unknown_track"]
+NAMES: Final[tuple[Name, ...]] = get_args(Name)
+
+FURTHER: Final = ("track_rate", "speed")
+"""Columns that filters may see and the plant does not need."""
+
+READING_NOISE: Final = (ACCELEROMETER**2, GYROSCOPE**2)
+
+# What one step of 50 µs adds, for dy, dpsi, gamma, U, F; Mal et al. (2020), eq. (38) to (40).
+LITERAL_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
+    "dry": (5e-14, 1e-14, 1e-14, 1e-14, 1e-14),
+    "wet": (0.5e-12, 9e-17, 1e-12, 1e-12, 1e-12),
+    "poor": (1e-13, 9e-17, 1e-12, 1e-12, 1e-12),
+    "worst": (1e-13, 9e-17, 1e-12, 1e-12, 1e-12),
+}
+
+MOTION_NOISE: Final = (0.0, 1e-6**2, 0.0, 1e-7**2)
+"""Density for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. Much more of it, and friction above 0.2 is
+no longer told apart: a slope of the contact that is wrong by a part in a thousand looks like another friction."""
+
+FRICTION_NOISE: Final = 0.2**2
+"""Density of the random walk of the friction's logarithm [1/s]: 20 % in a second; creep must show a step."""
+
+TRACK_DEVIATION: Final = 2.5e-3
+"""Standard deviation of the track [m] that the filter of unknown track believes in: a third of the peak."""
+
+FIRST_FRICTION: Final = (0.25, 0.6)
+"""Median of mu0 and deviation of its logarithm before anything is known: from 0.08 to 0.83 with 95 %."""
+
+FIRST_MOTION: Final = (1e-5**2, 1e-4**2, 1e-6**2, 1e-5**2)
+"""Variances of y, dy, psi, dpsi at the start: the wheelset starts centred and at rest, but for these."""
+
+FIRST_CREEP: Final = 1e-7
+"""Creep at which the literal filter starts; at zero its equations are singular."""
+
+CLASSES: Final[Mapping[Name, str]] = {
+    "literal": "RailBraking.FMUs.LateralLiteral",
+    "known_track": "RailBraking.FMUs.LateralPrediction",
+    "unknown_track": "RailBraking.FMUs.LateralPredictionUnknownTrack",
+}
+
+
+@cache
+def prediction(name: Name) -> CasadiPrediction:
+    """Return the model inside a filter, with the parameters of Table 1."""
+    model = lower(CLASSES[name])
+    return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Party:
+    """A filter that is ready to run.
+
+    Attributes:
+        name: Which one.
+        filter: The compiled filter, started.
+        observer: The same, for the loop.
+    """
+
+    name: Name
+    filter: CompiledFilter
+    observer: Observer
+
+    def told(self, condition: Condition) -> None:
+        """Tell the filter of a change of the rail, if it is one that is told."""
+        if self.name == "literal":
+            self.filter.change_process_noise(literal_density(condition, self.filter.design.period))
+
+
+def literal_density(condition: Condition, period: float) -> Vector:
+    """Return the process noise of the literal filter as a density, shape (5,)."""
+    return np.array(LITERAL_NOISE[condition.name]) / period
+
+
+def party(name: Name, first: Condition, irregularity: Irregularity, directory: Path, period: float = PERIOD) -> Party:
+    """Return a filter at its start.
+
+    Args:
+        name: Which one.
+        first: Condition at the start; only the literal filter is told.
+        irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
+        directory: Where compiled filters are kept.
+        period: Of its steps [s].
+    """
+    column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
+    if name == "literal":
+        filter_ = CompiledFilter(
+            prediction(name), literal_density(first, period), READING_NOISE, period, order=1, directory=directory
+        )
+        # The paper gives no covariance for the start; one step of its process noise, since all is known.
+        filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
+        filter_.held[:] = 0.0
+        sources = {
+            "lateral_position": Source(kind="integral", name="dy"),
+            "yaw_angle": Source(kind="integral", name="dpsi"),
+            **column,
+            **{known: Source(kind="column", name=known) for known in ("mu0", "A_falling", "B_falling")},
+        }
+    else:
+        unknown = name == "unknown_track"
+        density = [*MOTION_NOISE, FRICTION_NOISE]
+        mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
+        if unknown:
+            density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
+            mean += [0.0, 0.0]
+            variance += [1e-5**2, 1e-5**2]
+        filter_ = CompiledFilter(prediction(name), density, READING_NOISE, period, directory=directory)
+        filter_.start(mean, variance)
+        sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
+    return Party(name=name, filter=filter_, observer=Observer(name=name, filter=filter_, sources=sources))

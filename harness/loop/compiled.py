@@ -1,0 +1,312 @@
+"""A plant and compiled filters stepped together in C, over tables of inputs and noise.
+
+For runs of many short steps without a controller: 10 s at 50 µs are 200 000 steps, and a loop in Python would spend
+most of its time between them. The plant is any co-simulation FMU whose signals are reals in our units; a filter is a
+`CompiledFilter` whose inputs come from the table, from the readings, or from integrals of its own states.
+"""
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.native.toolchain import shared_library
+
+Array = NDArray[np.float64]
+
+KERNEL = files("harness.loop") / "kernel" / "run.c"
+
+
+class LoopError(ValueError):
+    """The question was wrong: tables, names or sources that do not fit each other."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Calls:
+    """A running co-simulation FMU as C sees it.
+
+    Attributes:
+        set_real: Address of fmi2SetReal; `do_step` and `get_real` likewise.
+        component: Of the instance.
+        inputs: Names, in the order of the rows of an input table; `outputs` likewise.
+        input_references: Value references of `inputs`, uint32; `output_references` likewise.
+        start: Time of sample 0 [s].
+        period: Communication step [s].
+        sample: Where it is.
+        looks_back: fmi2True as long as no earlier state may be restored.
+    """
+
+    set_real: int
+    do_step: int
+    get_real: int
+    component: int
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    input_references: NDArray[np.uint32]
+    output_references: NDArray[np.uint32]
+    start: float
+    period: float
+    sample: int
+    looks_back: bool
+
+
+class SteppedInC(Protocol):
+    """A plant that lets C step it and is told afterwards how far that went."""
+
+    def calls(self) -> Calls:
+        """Return its addresses and where it is."""
+        ...
+
+    def stepped(self, steps: int, status: int, call: str, outputs: Array) -> None:
+        """Take note of steps done in C, the status of the last call and the last outputs; raise if it failed."""
+        ...
+
+
+class Compiled(Protocol):
+    """A filter in C, as `estimators.compiled.CompiledFilter`."""
+
+    mean: Array
+    covariance: Array
+    held: Array
+    seen: Array
+
+    @property
+    def design(self) -> Any:
+        """Names of states, inputs and outputs, and the period."""
+        ...
+
+    @property
+    def entry(self) -> tuple[int, int, int]:
+        """Addresses of its step function, of that function's argument, and of the squared innovation."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """Where an input of a filter comes from, at every step.
+
+    Attributes:
+        kind: column: of the table of inputs; reading: a reading at the start of the step;
+            integral: the input itself, moved on by the period times a state of the filter (forward Euler), beginning at
+            what the filter's `held` contains.
+        name: Of the column, the reading, or the filter's state.
+    """
+
+    kind: Literal["column", "reading", "integral"]
+    name: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Observer:
+    """A filter in the loop; its `mean`, `covariance` and `held` are where it starts and where it ends.
+
+    Attributes:
+        name: For the record.
+        filter: Its outputs are the readings, in this order.
+        sources: Of every input of the filter.
+    """
+
+    name: str
+    filter: Compiled
+    sources: Mapping[str, Source]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Beliefs:
+    """What a filter believed at the recorded samples; NaN after it diverged.
+
+    Attributes:
+        mean: Shape (k, n).
+        covariance: Shape (k, n, n).
+        squared_innovation: NIS, shape (k,).
+        diverged: Outcome of the filter's C step, 0 when fine, as in `estimators.compiled.DIVERGED`.
+        diverged_at: Sample at which it diverged, or −1.
+    """
+
+    mean: Array
+    covariance: Array
+    squared_innovation: Array
+    diverged: int
+    diverged_at: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Record:
+    """Every `every`-th sample of a run.
+
+    Attributes:
+        sample: Counts from the plant's start, shape (k,).
+        outputs: Of the plant, without noise, shape (k, ny).
+        beliefs: By name of the observer.
+    """
+
+    sample: NDArray[np.int64]
+    outputs: Array
+    beliefs: Mapping[str, Beliefs]
+
+
+class _Filter(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("advance", "block", "mean", "covariance", "held", "seen", "squared")),
+        *((name, ctypes.c_void_p) for name in ("kind", "from_", "means", "covariances", "squares")),
+        *((name, ctypes.c_longlong) for name in ("states", "width", "inputs", "failed", "failed_at")),
+    )
+
+
+class _Run(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("set", "get", "step", "fmu", "to", "of")),
+        *((name, ctypes.c_longlong) for name in ("n_inputs", "n_columns", "n_outputs", "n_readings", "n_filters")),
+        ("start", ctypes.c_double),
+        ("period", ctypes.c_double),
+        *((name, ctypes.c_longlong) for name in ("count", "every", "looks_back")),
+        *((name, ctypes.c_void_p) for name in ("inputs", "noise", "shown", "outputs", "reading", "record", "filter")),
+        *((name, ctypes.c_longlong) for name in ("first", "done", "status", "where")),
+    )
+
+
+_KINDS = {"column": 0, "reading": 1, "integral": 2}
+_CALLS = ("", "fmi2SetReal", "fmi2DoStep", "fmi2GetReal", "not finite")
+
+
+def run(
+    plant: SteppedInC,
+    inputs: Array,
+    *,
+    further: Sequence[str] = (),
+    readings: Sequence[str],
+    noise: Array,
+    observers: Sequence[Observer] = (),
+    every: int = 1,
+    first_reading: Array | None = None,
+    directory: Path = Path("build/loop"),
+) -> Record:
+    """Step a started plant and its observers through a table of inputs; call again to go on.
+
+    Args:
+        plant: Where it stands is where the run begins.
+        inputs: Row k is held during step k, shape (K, nu + number of `further`).
+        further: Names of columns after those of the plant's inputs, for observers.
+        readings: Outputs of the plant that the observers see.
+        noise: Added to the readings at the end of step k, shape (K, m).
+        observers: Filters whose outputs are the readings, with the plant's period.
+        every: Samples from one row of the record to the next.
+        first_reading: Readings at the first sample, shape (m,), wanted when a source is a reading.
+        directory: Where the loop is compiled and kept.
+
+    Raises:
+        LoopError: Shapes, names or periods do not fit.
+        PlantFailed: Raised by the plant's `stepped`.
+    """
+    calls = plant.calls()
+    table, added = (np.ascontiguousarray(given, dtype=np.float64) for given in (inputs, noise))
+    steps, columns = len(table), (*calls.inputs, *further)
+    if table.shape != (steps, len(columns)) or added.shape != (steps, len(readings)):
+        raise LoopError(
+            f"run: wants inputs of shape (K, {len(columns)}) for {', '.join(columns)} and noise of "
+            f"(K, {len(readings)}) for {', '.join(readings)}; got {table.shape} and {added.shape}."
+        )
+    if every < 1:
+        raise LoopError(f"run: every counts samples, 1 or more, got {every}.")
+    if not np.all(np.isfinite(table)):
+        raise LoopError("run: the table of inputs holds a value that is not a finite number.")
+    shown = np.array([_index("reading", name, calls.outputs) for name in readings], dtype=np.intc)
+    rows = steps // every
+    kept = np.empty((rows, len(calls.outputs)))
+    last, reading = np.empty(len(calls.outputs)), np.full(len(readings), np.nan)
+    if first_reading is not None:
+        reading[:] = first_reading
+    beside = [
+        _Beside(observer, calls, columns, tuple(readings), rows, first_reading is not None) for observer in observers
+    ]
+    filters = (_Filter * max(len(beside), 1))(*(one.struct for one in beside))
+    plan = _Run(
+        set=calls.set_real, get=calls.get_real, step=calls.do_step, fmu=calls.component,
+        to=_at(calls.input_references), of=_at(calls.output_references),
+        n_inputs=len(calls.inputs), n_columns=len(columns), n_outputs=len(calls.outputs),
+        n_readings=len(readings), n_filters=len(beside),
+        start=calls.start, period=calls.period, count=steps, every=every, looks_back=int(calls.looks_back),
+        inputs=_at(table), noise=_at(added), shown=_at(shown), outputs=_at(last), reading=_at(reading),
+        record=_at(kept), filter=ctypes.addressof(filters), first=calls.sample,
+    )  # fmt: skip
+    _library(directory).run(ctypes.byref(plan))
+    failed = plan.done < steps
+    plant.stepped(plan.done, plan.status if failed else 0, _CALLS[plan.where] if failed else "", last)
+    return Record(
+        sample=calls.sample + every * np.arange(1, rows + 1),
+        outputs=kept,
+        beliefs={one.name: one.beliefs(filters[i], calls.sample) for i, one in enumerate(beside)},
+    )
+
+
+class _Beside:
+    """The memory of one observer during a run."""
+
+    def __init__(
+        self,
+        observer: Observer,
+        calls: Calls,
+        columns: tuple[str, ...],
+        readings: tuple[str, ...],
+        rows: int,
+        reading_known: bool,
+    ) -> None:
+        of, design = observer.filter, observer.filter.design
+        who = f"run: observer '{observer.name}'"
+        if tuple(design.outputs) != readings:
+            raise LoopError(f"{who} sees {', '.join(design.outputs)}, the readings are {', '.join(readings)}.")
+        if design.period != calls.period:
+            raise LoopError(f"{who} has a period of {design.period} s, the plant {calls.period} s; give both one.")
+        if set(observer.sources) != set(design.inputs):
+            raise LoopError(
+                f"{who} wants a source for each of {', '.join(design.inputs)}; got {', '.join(observer.sources)}."
+            )
+        names = {"column": columns, "reading": readings, "integral": tuple(design.states)}
+        sources = [observer.sources[name] for name in design.inputs]
+        if not reading_known and any(source.kind == "reading" for source in sources):
+            raise LoopError(f"{who} is fed by a reading; give first_reading for the first step.")
+        n = len(design.states)
+        self.name = observer.name
+        self._kind = np.array([_KINDS[source.kind] for source in sources], dtype=np.intc)
+        self._from = np.array(
+            [_index(source.kind, source.name, names[source.kind]) for source in sources], dtype=np.intc
+        )
+        self._means, self._covariances, self._squares = np.empty((rows, n)), np.empty((rows, n, n)), np.empty(rows)
+        advance, block, squared = of.entry
+        self.struct = _Filter(
+            advance=advance, block=block, mean=_at(of.mean), covariance=_at(of.covariance),
+            held=_at(of.held), seen=_at(of.seen), squared=squared, kind=_at(self._kind), from_=_at(self._from),
+            means=_at(self._means), covariances=_at(self._covariances), squares=_at(self._squares),
+            states=n, width=of.covariance.strides[0] // of.covariance.itemsize, inputs=len(sources),
+        )  # fmt: skip
+
+    def beliefs(self, after: Any, first: int) -> Beliefs:
+        return Beliefs(
+            mean=self._means,
+            covariance=self._covariances,
+            squared_innovation=self._squares,
+            diverged=after.failed,
+            diverged_at=first + after.failed_at + 1 if after.failed else -1,
+        )
+
+
+def _library(directory: Path) -> ctypes.CDLL:
+    made = shared_library({"run.c": KERNEL.read_text(encoding="utf-8")}, directory, "run", flags=("-O3",))
+    library = ctypes.CDLL(str(made.resolve()))
+    library.run.argtypes, library.run.restype = [ctypes.c_void_p], ctypes.c_int
+    return library
+
+
+def _at(array: NDArray[Any]) -> int:
+    return array.ctypes.data
+
+
+def _index(kind: str, name: str, names: Sequence[str]) -> int:
+    if name not in names:
+        raise LoopError(f"run: there is no {kind} '{name}'; there are {', '.join(names) or 'none'}.")
+    return list(names).index(name)

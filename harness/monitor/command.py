@@ -1,0 +1,85 @@
+"""`railgrip monitor`: health of brakes from a folder of stops; `railgrip monitor-study`: how good the monitor is."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+
+def add_to(app: typer.Typer) -> None:
+    """Register the commands."""
+    app.command(name="monitor")(monitor)
+    app.command(name="monitor-study")(monitor_study)
+
+
+def monitor(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of stops, in the order of their names.")],
+    column_map: Annotated[
+        Path | None, typer.Option("--map", metavar="FILE.toml", help="Estimation whose [data] maps recorded files.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Figure; DIR/monitor.png unless given.")] = None,
+) -> None:
+    """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
+    from harness.estimate.spec import load_specification
+    from harness.monitor.folder import stops_in
+    from harness.monitor.page import draw, rows_of
+    from harness.monitor.watch import Design, watch
+
+    console = Console()
+    with Console(stderr=True).status("reading") as status:
+        found = stops_in(
+            folder,
+            None if column_map is None else load_specification(column_map),
+            lambda done, of: status.update(f"stop {done} of {of}"),
+        )
+    for sentence in found.sentences:
+        console.print(sentence, highlight=False, markup=False, soft_wrap=True)
+    if not found.evidence:
+        from harness.estimate.error import EstimationError
+
+        raise EstimationError(f"{folder}: none of its stops can be used.")
+    design = Design()
+    history = watch(found.evidence, design)
+    _print(console, rows_of(history, found.names))
+    console.print(
+        f"{len(found.names)} stops, {history.charted} of which told the groups apart; "
+        + (
+            f"the first {design.reference} of those are the reference."
+            if history.charted > design.reference
+            else f"alarms need more than {design.reference}, the reference."
+        ),
+        highlight=False,
+        soft_wrap=True,
+    )
+    console.print(str(draw(history, design, out or folder / "monitor.png")), highlight=False, soft_wrap=True)
+
+
+def monitor_study(
+    out: Annotated[Path, typer.Option(help="Folder for figure and figures.")] = Path("build/monitor"),
+    seeds: Annotated[int, typer.Option(min=1, help="Lives.")] = 20,
+    stops: Annotated[int, typer.Option(min=40, help="Stops of each.")] = 200,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
+) -> None:
+    """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
+    from harness.monitor.page import draw
+    from harness.monitor.study import evidence_of_life, lives, study
+    from harness.monitor.watch import Design, watch
+
+    console, design, asked = Console(), Design(), lives(seeds, stops)
+    with Console(stderr=True).status("living") as status:
+        verdict = study(asked, design, workers=workers, tell=lambda done: status.update(f"life {done} of {seeds}"))
+    _print(console, verdict.rows())
+    first = watch(evidence_of_life(asked[0]), design)
+    console.print(str(draw(first, design, out / "life.png")), highlight=False, soft_wrap=True)
+
+
+def _print(console: Console, rows: list[dict[str, str]]) -> None:
+    table = Table(box=None, header_style="bold")
+    for column in rows[0]:
+        table.add_column(column)
+    for row in rows:
+        table.add_row(*(escape(cell) for cell in row.values()))
+    console.print(table)

@@ -1,0 +1,145 @@
+"""Distance, speed and acceleration along the track from an optical speed sensor, accelerometers and GNSS.
+
+One Rauch–Tung–Striebel smoother over the states
+
+    s' = v,  v' = a,  a' = jerk,  b' = drift,  k' = 0
+
+with the readings
+
+    speed sensor      v + k v      k its scale error, v of the product taken from the reading
+    accelerometers    a + b        mean of all; b holds their bias and g sin β, which they cannot tell from acceleration
+    GNSS              s            length of the smoothed path plus how far ahead of it a position lies
+
+The third needs a path over distance, and that a distance: the first pass goes without GNSS, the second with it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.track.course import Course, LowPass, course_of
+from harness.track.smoother import smooth
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trust:
+    """Standard deviations of what is fused.
+
+    Attributes:
+        speed: Of the speed sensor [m/s].
+        scale: Of its scale [1].
+        acceleration: Of the mean of the accelerometers [m/s2].
+        bias: Of their bias and gradient at the start [m/s2].
+        drift: Of these, per √s [m/s2/√s].
+        jerk: Change of acceleration, per √s [m/s2/√s].
+        position: Of GNSS along the track [m].
+    """
+
+    speed: float
+    scale: float
+    acceleration: float
+    bias: float
+    drift: float
+    jerk: float
+    position: float
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How a train moved, at every sample.
+
+    Attributes:
+        distance: Since the first sample [m], never falling, shape (k,).
+        speed: [m/s].
+        acceleration: [m/s2].
+        scale: Scale error of the speed sensor.
+        course: Of the track, over `distance`.
+    """
+
+    distance: Array
+    speed: Array
+    acceleration: Array
+    scale: float
+    course: Course
+
+
+def motion_of(
+    *,
+    period: float,
+    speed: Array,
+    accelerations: Array,
+    horizontal: Array,
+    height: Array,
+    trust: Trust,
+    low_pass: LowPass,
+) -> Motion:
+    """Return motion and course from what was measured on one even grid.
+
+    Args:
+        period: Of the grid [s].
+        speed: Of the optical sensor, shape (k,) [m/s].
+        accelerations: Of all accelerometers along the vehicle, shape (k, sensors) [m/s2].
+        horizontal: North and east by GNSS, NaN where there was none, shape (k, 2) [m].
+        height: By GNSS, likewise, shape (k,) [m].
+        trust: In each.
+        low_pass: Of the course.
+
+    Raises:
+        EstimationError: The train hardly moved.
+    """
+    fixed = np.flatnonzero(np.isfinite(height))
+    mean_acceleration = np.mean(accelerations, axis=1)
+    nothing = np.full(speed.size, np.nan)
+    first = _pass(period, speed, mean_acceleration, nothing, trust)
+    rough = np.maximum.accumulate(first[:, 0])
+    path = course_of(rough[fixed], horizontal[fixed], height[fixed], low_pass)
+    along = nothing.copy()
+    along[fixed] = path.length_to(rough[fixed]) + path.ahead(rough[fixed], horizontal[fixed])
+    # The path begins at the first fix; the distance at the first sample.
+    along -= np.nan_to_num(along[fixed[0]]) - rough[fixed[0]]
+    second = _pass(period, speed, mean_acceleration, along, trust)
+    distance = np.maximum.accumulate(second[:, 0] - second[0, 0])
+    return Motion(
+        distance=distance,
+        speed=second[:, 1],
+        acceleration=second[:, 2],
+        scale=float(second[-1, 4]),
+        course=course_of(distance[fixed], horizontal[fixed], height[fixed], low_pass),
+    )
+
+
+def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: Trust) -> Array:
+    """Return smoothed states, shape (k, 5).
+
+    Their covariance is not told on: the receiver's error wanders, where the smoother thinks it white.
+    """
+    T = period
+    F = np.eye(5)
+    F[0, 1] = F[1, 2] = T
+    F[0, 2] = 0.5 * T**2
+    # White jerk, integrated exactly over a period.
+    jerk = trust.jerk**2 * np.array(
+        [[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]]
+    )
+    Q = np.zeros((5, 5))
+    Q[:3, :3] = jerk
+    Q[3, 3] = trust.drift**2 * T
+    # A floor: a constant state would leave the covariance of the smoother singular to rounding.
+    Q[4, 4] = (1e-6) ** 2 * T
+    sight = np.zeros((speed.size, 3, 5))
+    sight[:, 0, 1], sight[:, 0, 4] = 1.0, np.nan_to_num(speed)
+    sight[:, 1, 2] = sight[:, 1, 3] = 1.0
+    sight[:, 2, 0] = 1.0
+    return smooth(
+        transition=F,
+        noise=Q,
+        sight=sight,
+        reading_noise=np.array([trust.speed, trust.acceleration, trust.position]) ** 2,
+        seen=np.column_stack([speed, acceleration, along]),
+        start=np.array([0.0, float(np.nan_to_num(speed[0])), 0.0, 0.0, 0.0]),
+        # The distance begins at zero, to a millimetre.
+        spread=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
+    ).mean

@@ -1,0 +1,217 @@
+"""The wheelset of Mal et al. (2020) on a laterally irregular track: conditions, irregularity, tests, and the twin."""
+
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from math import pi, sqrt
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import cont2discrete, lfilter
+
+from fmus.build import fmu
+from harness.fmu import CoSimulation, Description, Signal, bind, describe
+from harness.scenario.polach import named_sets
+from harness.scenario.seed import generator
+
+Array = NDArray[np.float64]
+
+PERIOD: Final = 50e-6
+"""Of plant, readings and filters [s]; Mal et al. (2020), §4."""
+
+ACCELEROMETER: Final = sqrt(1e-7)
+"""Standard deviation of a reading of the lateral acceleration [m/s2]; Mal et al., eq. (37)."""
+
+GYROSCOPE: Final = sqrt(1e-13)
+"""Standard deviation of a reading of the yaw rate [rad/s]; Mal et al., eq. (37)."""
+
+INPUTS: Final = {"track": "m", "mu0": "1", "A_falling": "1", "B_falling": "s/m", "motor_torque": "N.m"}
+READINGS: Final = {"lateral_acceleration": "m/s2", "yaw_rate": "rad/s"}
+OUTPUTS: Final[Mapping[str, tuple[str, int]]] = {
+    **{name: (unit, 0) for name, unit in READINGS.items()},
+    "lateral_position": ("m", 0),
+    "lateral_velocity": ("m/s", 0),
+    "yaw_angle": ("rad", 0),
+    "speed": ("m/s", 0),
+    "creep": ("1", 2),
+    "creep_force": ("N", 2),
+    "friction": ("1", 2),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """A state of the rail.
+
+    Attributes:
+        name: For tables.
+        mu0: Maximum friction coefficient.
+        A: Friction at infinite creep speed over `mu0`.
+        B: Rate at which friction falls with creep speed [s/m].
+    """
+
+    name: str
+    mu0: float
+    A: float
+    B: float
+
+
+def _condition(name: str, mu0: float, shape: str) -> Condition:
+    numbers = named_sets()[shape]
+    return Condition(name=name, mu0=mu0, A=numbers["A"], B=numbers["B"])
+
+
+# Mal et al. (2020), Table 3; k_A = k_S = 1 for all, the default of the plant.
+DRY: Final = _condition("dry", 0.46, "dry_wheelset_study")
+WET: Final = _condition("wet", 0.30, "wet_wheelset_study")
+POOR: Final = _condition("poor", 0.20, "poor_wheelset_study")
+WORST: Final = _condition("worst", 0.10, "poor_wheelset_study")
+CONDITIONS: Final = (DRY, WET, POOR, WORST)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """One of the five tests of §4: which condition lies under the wheel from when on.
+
+    Attributes:
+        name: For tables and files.
+        changes: (time [s], condition), the first at 0, in order.
+        duration: Of the run [s].
+    """
+
+    name: str
+    changes: tuple[tuple[float, Condition], ...]
+    duration: float
+
+    def shortened(self, duration: float) -> "Trial":
+        """Return the same test squeezed in time."""
+        scale = duration / self.duration
+        return Trial(
+            name=self.name, changes=tuple((scale * at, condition) for at, condition in self.changes), duration=duration
+        )
+
+
+PLANTS: Final[Mapping[str, Mapping[str, float]]] = {
+    "paper": {"rolling_creep": 0.0},
+    "twisting": {"rolling_creep": 1.0},
+    "softer": {"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95},
+}
+"""Parameters of the plant beside Table 1. Paper: the creepages of Mal et al., eq. (3) and (4), which the filters share;
+twisting: eq. (1) and (2), in which the axle's rotation takes part; softer: a contact with 5 % less creep stiffness than
+every filter believes, well within what is known of a contact."""
+
+TESTS: Final = (
+    *(Trial(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
+    Trial(
+        name="transition",
+        changes=((0.0, DRY), (2.0, WET), (4.0, POOR), (6.0, WORST), (8.0, WET)),
+        duration=10.0,
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Irregularity:
+    """Random lateral position of the track: white Gaussian noise through a low-pass of second order, from rest.
+
+    Its one-sided spectrum is S(f) ∝ 1/(1 + (f/corner)⁴) for the damping 1/√2 (Butterworth); every run is scaled so that
+    its largest deviation is `peak`. Mal et al. say "random, ±7 mm" and nothing about the spectrum: the corner, in
+    time and so the same at every speed, is a choice.
+
+    Attributes:
+        peak: Largest deviation in a run [m].
+        corner: Frequency [Hz].
+        damping: Of the low-pass.
+    """
+
+    peak: float = 7e-3
+    corner: float = 2.0
+    damping: float = 1 / sqrt(2)
+
+    def draw(self, seed: int, count: int, period: float) -> tuple[Array, Array]:
+        """Return position [m] and velocity [m/s] at `count` samples, each shape (count,); at rest at the first."""
+        w = 2 * pi * self.corner
+        low_pass = [1.0, 2 * self.damping * w, w * w]
+        noise = generator(seed, "track").standard_normal(count)
+        position = _filtered(noise, [w * w], low_pass, period)
+        velocity = _filtered(noise, [w * w, 0.0], low_pass, period)
+        scale = self.peak / np.max(np.abs(position))
+        return scale * position, scale * velocity
+
+    def acceleration_density(self, deviation: float) -> float:
+        """Return the density [m2/s3] of the white acceleration that makes a stationary track of this deviation [m]."""
+        return 4 * self.damping * (2 * pi * self.corner) ** 3 * deviation**2
+
+
+def _filtered(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
+    """Return noise, held over each period, through a transfer function in s."""
+    discrete: Any = cont2discrete((numerator, denominator), period, method="zoh")
+    return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], noise), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Course:
+    """Everything that happens to the wheelset in one run, sample by sample.
+
+    Attributes:
+        inputs: Of the plant, in the order of `INPUTS`, held during each step, shape (K, 5).
+        track_rate: Derivative of the track [m/s], shape (K,).
+        noise: Of the readings at the end of each step, shape (K, 2).
+        segments: First and last (exclusive) step of each stretch of one condition.
+        conditions: Of each stretch.
+    """
+
+    inputs: Array
+    track_rate: Array
+    noise: Array
+    segments: tuple[tuple[int, int], ...]
+    conditions: tuple[Condition, ...]
+
+
+def course(test: Trial, seed: int, irregularity: Irregularity, period: float = PERIOD) -> Course:
+    """Return track, rail and sensor noise of one run; the same seed gives the same run."""
+    count = round(test.duration / period)
+    starts = [round(at / period) for at, _ in test.changes]
+    segments = tuple(zip(starts, [*starts[1:], count], strict=True))
+    conditions = tuple(condition for _, condition in test.changes)
+    track, rate = irregularity.draw(seed, count, period)
+    inputs = np.zeros((count, len(INPUTS)))
+    inputs[:, 0] = track
+    for (first, last), condition in zip(segments, conditions, strict=True):
+        inputs[first:last, 1:4] = condition.mu0, condition.A, condition.B
+    noise = generator(seed, "sensors").standard_normal((count, 2)) * (ACCELEROMETER, GYROSCOPE)
+    return Course(inputs=inputs, track_rate=rate, noise=noise, segments=segments, conditions=conditions)
+
+
+@contextmanager
+def wheelset(speed: float, parameters: Mapping[str, float], period: float = PERIOD) -> Generator[CoSimulation]:
+    """Open the plant `LateralWheelset`.
+
+    Args:
+        speed: Along the track at the start [m/s].
+        parameters: Further ones of the plant, by its names; the others keep the values of Table 1.
+        period: Between communications [s].
+    """
+    description, binding = _bound()
+    with CoSimulation(description, binding, period=period, parameters={"speed_start": speed, **parameters}) as plant:
+        yield plant
+
+
+@cache
+def _bound() -> tuple[Description, Any]:
+    described = describe(fmu("LateralWheelset"))
+    inputs = [Signal(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
+    outputs = [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]
+    return described, bind(described, inputs=inputs, outputs=outputs, where="twin LateralWheelset")
+
+
+def output_columns(names: Sequence[str]) -> dict[str, slice]:
+    """Return where each output lies in a row of a record."""
+    places: dict[str, slice] = {}
+    at = 0
+    for name, (_, size) in OUTPUTS.items():
+        places[name] = slice(at, at + max(size, 1))
+        at += max(size, 1)
+    return {name: places[name] for name in names}

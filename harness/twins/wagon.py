@@ -1,0 +1,129 @@
+"""The generic wagon of two braked wheelsets on a rail: scenario → recording."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Self
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+from pydantic import Field, StrictInt, model_validator
+
+from harness.estimate.error import EstimationError
+from harness.estimate.recording import recording_of
+from harness.scenario.load import read_toml, validated
+from harness.scenario.quantity import Unit
+from harness.scenario.seed import generator
+from harness.scenario.table import Duration, Friction, Parameters, Speed, Table, broken
+from harness.twins.plant import parameters, plant
+
+Vector = NDArray[np.float64]
+
+LIBRARY = Path(__file__).parent / "library"
+PLANT = "Wagon"
+INPUTS = {"pressure_command": ("Pa", 2), "mu0": ("1", 2), "track_force": "N"}
+OUTPUTS = {
+    "wheelset_speed": ("rad/s", 2),
+    "speed": "m/s",
+    "pad_force": ("N", 2),
+    "adhesion": ("1", 2),
+    "wheelset_load": ("N", 2),
+    "pad_friction": ("1", 2),
+    "resistance_torque": ("N.m", 2),
+}
+
+Time = Annotated[float, Unit("s", at_least=0)]
+Pressure = Annotated[float, Unit("Pa", at_least=0)]
+
+
+class WagonSensors(Table):
+    """[sensors]: standard deviation of each reading; white from sample to sample."""
+
+    wheelset_speed: Annotated[float, Unit("rad/s", at_least=0)]
+    speed: Annotated[float, Unit("m/s", at_least=0)]
+    pad_force: Annotated[float, Unit("N", at_least=0)]
+
+
+class WagonScenario(Table):
+    """Everything that decides a run of the wagon; `demand` in steps, `mu0` straight between its points."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    description: str = ""
+    seed: Annotated[StrictInt, Field(ge=0)]
+    speed_start: Speed
+    stop_speed: Speed
+    horizon: Duration
+    period: Duration
+    demand: list[tuple[Time, Pressure, Pressure]]
+    mu0: list[tuple[Time, Friction]]
+    track_force: Annotated[float, Unit("N")]
+    sensors: WagonSensors
+    parameters: Parameters = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        for what, times in (("demand", [p[0] for p in self.demand]), ("mu0", [p[0] for p in self.mu0])):
+            if not times or times != sorted(set(times)):
+                raise broken(f"{what} wants points that begin with a time, in its order, got the times {times}")
+        return self
+
+
+def wagon_scenario(name: str, directory: Path = Path()) -> WagonScenario:
+    """Return a scenario of the library by its name, or one from a file by its path.
+
+    Raises:
+        EstimationError: No such scenario.
+        ScenarioError: The file is not one.
+    """
+    path = directory / name if name.endswith(".toml") else LIBRARY / f"wagon_{name}.toml"
+    if not path.exists():
+        there = ", ".join(sorted(p.stem.removeprefix("wagon_") for p in LIBRARY.glob("wagon_*.toml")))
+        raise EstimationError(f"there is no wagon scenario '{name}'; there is {there}, or the path of a file (*.toml).")
+    return validated(WagonScenario, read_toml(path), directory=path.parent, origin=path.name)
+
+
+def run_wagon(scenario: WagonScenario, seed: int | None = None) -> xarray.Dataset:
+    """Return the recording of a run, from its start to the stop or the horizon.
+
+    The true adhesion is that of both wheelsets together, ΣF_x/ΣF_z. `wheel_torque` is the known resistance of bearings
+    and rolling, from the plant: the linear input of the paper's equation (14).
+
+    Raises:
+        EstimationError: The plant has no such parameter.
+        PlantFailed: The plant refused a step.
+    """
+    random = generator(scenario.seed if seed is None else seed, "wagon.sensors")
+    steps = math.floor(scenario.horizon / scenario.period + 1e-9)
+    time = np.arange(steps + 1) * scenario.period
+    demand = np.array(scenario.demand)
+    place = np.searchsorted(demand[:, 0], time + 1e-9, side="right") - 1
+    pressure = np.where(place[:, None] >= 0, demand[np.maximum(place, 0), 1:], 0.0)
+    mu0 = np.interp(time, *np.array(scenario.mu0).T)
+    inputs = np.column_stack([pressure, mu0, mu0, np.full(time.size, scenario.track_force)])
+    values = {"speed_start": scenario.speed_start} | parameters(
+        PLANT, scenario.parameters, f"{scenario.name}: [parameters]"
+    )
+    rows: list[Vector] = []
+    with plant(PLANT, inputs=INPUTS, outputs=OUTPUTS, period=scenario.period, parameters=values) as wagon:
+        rows.append(wagon.start(inputs[0]))
+        for k in range(steps):
+            rows.append(wagon.step(inputs[k]))
+            if rows[-1][2] <= scenario.stop_speed:
+                break
+    truth = np.array(rows)
+    w, v, force, alpha, load, mu, resistance = np.split(truth, [2, 3, 5, 7, 9, 11], axis=1)
+    its = scenario.sensors
+    count = len(truth)
+    signals = {
+        "speed": (v[:, 0] + its.speed * random.standard_normal(count), "m/s"),
+        "track_force": (np.full(count, scenario.track_force), "N"),
+    }
+    told = {"v": (v[:, 0], "m/s"), "alpha": ((alpha * load).sum(axis=1) / load.sum(axis=1), "1")}
+    for i in range(2):
+        noise = random.standard_normal((2, count))
+        signals[f"wheelset_speed[{i + 1}]"] = (w[:, i] + its.wheelset_speed * noise[0], "rad/s")
+        signals[f"pad_force[{i + 1}]"] = (force[:, i] + its.pad_force * noise[1], "N")
+        signals[f"wheel_torque[{i + 1}]"] = (-resistance[:, i], "N.m")
+        told[f"w[{i + 1}]"] = (w[:, i], "rad/s")
+        told[f"mu_b[{i + 1}]"] = (mu[:, i], "1")
+    return recording_of(signals, period=scenario.period, truth=told, name=scenario.name)

@@ -1,0 +1,99 @@
+"""Figures of the roller rig: what it did, what was estimated, and adhesion over slip."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from harness.verdict.style import BLACK, BLUE, GREEN, GREY, KMH, ORANGE, SKY, VERMILION, dress, figure, save
+
+RADIUS = 0.46  # m, of the rig's wheelset
+
+
+def rig_run(
+    recording: xarray.Dataset, estimates: xarray.Dataset, path: Path, *, radius: float = RADIUS, title: str = ""
+) -> Path:
+    """Draw speeds and pad force above, adhesion and pad friction below (Schwarz and Keck, 2020, figures 4 and 5)."""
+    time = recording["time"].values
+    made = figure(10, 6.5)
+    above, below = made.subplots(2, 1, sharex=True)
+    above.plot(time, KMH * recording["speed"], color=BLACK, lw=1.2, label="roller")
+    above.plot(time, KMH * radius * recording["wheelset_speed"], color=BLUE, lw=0.8, label="wheelset, at the rim")
+    made.suptitle(title, fontsize=10)
+    dress(above, y="speed in km/h")
+    force = above.twinx()
+    force.plot(time, recording["pad_force"] / 1e3, color=ORANGE, lw=0.7, alpha=0.8, label="pad force (right)")
+    force.set_ylabel("pad force in kN")
+    force.set_ylim(0, None)
+    force.spines["top"].set_visible(False)
+    lines = [*above.get_lines(), *force.get_lines()]
+    _legend(above, lines)
+    measured = recording["contact_force"] / recording["wheelset_load"]
+    adhesion, pads = (estimates["mean"].sel(state=state) for state in ("alpha", "mu_b"))
+    below.plot(time, measured, color=ORANGE, lw=2.0, label="adhesion by load cells")
+    below.plot(time, adhesion, color=BLUE, lw=0.7, label="adhesion, estimated")
+    top = 1.1 * float(np.nanmax(measured))
+    below.set_ylim(-0.01, top)
+    dress(below, x="time in s", y="adhesion")
+    friction = below.twinx()
+    friction.plot(time, recording["true_mu_b"], color=BLACK, lw=1.0, ls="--", label="pad friction, true (right)")
+    friction.plot(time, pads, color=VERMILION, lw=1.0, label="pad friction, estimated (right)")
+    friction.set_ylim(0.0, 0.5)
+    friction.set_ylabel("pad friction")
+    friction.spines["top"].set_visible(False)
+    lines = [*below.get_lines(), *friction.get_lines()]
+    _legend(below, lines)
+    return save(made, path)
+
+
+def over_slip(
+    recording: xarray.Dataset,
+    estimates: Mapping[str, xarray.Dataset],
+    path: Path,
+    *,
+    between: tuple[float, float],
+    limit: float,
+) -> Path:
+    """Draw adhesion over slip and its error (figure 6), for every filter, from `between[0]` to `between[1]` seconds."""
+    part = recording.sel(time=slice(*between))
+    slip = part["true_slip"].values
+    made = figure(10, 7)
+    above, below = made.subplots(2, 1, sharex=True)
+    above.plot(slip, part["contact_force"] / part["wheelset_load"], color=GREY, lw=2.0, label="load cells")
+    for (name, told), color in zip(estimates.items(), (VERMILION, BLUE, GREEN), strict=False):
+        seen = told.sel(time=slice(*between))["mean"].sel(state="alpha").values
+        above.plot(slip, seen, color=color, lw=0.9, label=name)
+        below.plot(slip, np.abs(seen - part["true_alpha"].values), ".-", color=color, lw=0.6, ms=2.5, label=name)
+    dress(above, y="adhesion", title=f"{part.attrs['name']}, {between[0]:g} to {between[1]:g} s")
+    above.legend(fontsize=8, frameon=False)
+    below.axhline(limit, color=BLACK, lw=0.8, ls=":")
+    dress(below, x="slip", y="|error| of adhesion")
+    return save(made, path)
+
+
+def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset], path: Path) -> Path:
+    """Draw error and claimed spread of adhesion and pad friction, one column a filter."""
+    made = figure(10, 6)
+    axes = made.subplots(2, len(estimates), sharex=True, squeeze=False)
+    time = recording["time"].values
+    for column, (name, told) in enumerate(estimates.items()):
+        for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
+            at = axes[row, column]
+            error = told["mean"].sel(state=state).values - recording[f"true_{state}"].values
+            spread = 2.0 * told["sd"].sel(state=state).values
+            reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
+            at.fill_between(time, -spread, spread, color=SKY, alpha=0.35, lw=0, label="± 2 sd claimed")
+            at.plot(time, error, color=VERMILION, lw=0.6, label="error")
+            at.set_ylim(-reach, reach)
+            dress(at, x="time in s" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
+            at.legend(fontsize=8, frameon=False, loc="upper right")
+    return save(made, path)
+
+
+def _legend(axes: Axes, lines: Sequence[Line2D]) -> None:
+    """Name the lines of both scales above the axes, where none of them runs."""
+    names = [str(line.get_label()) for line in lines]
+    axes.legend(lines, names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8, frameon=False)

@@ -1,0 +1,40 @@
+within RailBraking.Contact;
+function polachSlopes "Derivatives of the creep force of a wheel at a given friction"
+  input Types.Ratio creep "Total creep";
+  input Types.Ratio friction "Friction coefficient at the present creep speed, positive";
+  input Types.Force Q "Load of the wheel";
+  input Real factor "Result of creepFactor";
+  input Types.Ratio k_A "Reduction in the area of adhesion";
+  input Types.Ratio k_S "Reduction in the area of slip";
+  output Types.Force by_creep "Derivative by the creep, friction held";
+  output Types.Force by_friction "Derivative by the friction, creep held";
+protected
+  Types.Ratio epsilon "Gradient of the tangential stress";
+  Types.Ratio E "Of the area of adhesion";
+  Types.Ratio S "Of the area of slip";
+  Types.Ratio slope "Derivative of both terms by epsilon";
+algorithm
+  epsilon := factor*creep/(friction*Q^(1/3));
+  E := k_A*epsilon;
+  S := k_S*epsilon;
+  slope := k_A*(1 - E^2)/(1 + E^2)^2 + k_S/(1 + S^2);
+  by_creep := 2*Q/3.14159265358979*factor/Q^(1/3)*slope;
+  by_friction := 2*Q/3.14159265358979*(E/(1 + E^2) + atan(S) - epsilon*slope);
+  annotation (
+    smoothOrder=100,
+    Inline=true,
+    Documentation(info="<html>
+<p>
+Both partial derivatives of <a href=\"modelica://RailBraking.Contact.polach\">polach</a> times the load, for a filter
+that integrates force and friction instead of computing them.
+</p>
+<h4>Syntax</h4>
+<blockquote><pre>
+(by_creep, by_friction) = Contact.<strong>polachSlopes</strong>(creep, friction, Q, factor, k_A, k_S);
+</pre></blockquote>
+<h4>Notes</h4>
+<p>At small creep <code>by_friction</code> is of third order in &epsilon;: friction does not show in the force.</p>
+<h4>Limitations</h4>
+<p>Those of <code>polach</code>; the friction must stay away from zero.</p>
+</html>"));
+end polachSlopes;

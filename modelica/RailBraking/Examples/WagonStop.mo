@@ -1,0 +1,13 @@
+within RailBraking.Examples;
+model WagonStop "Wagon braked on a rail that is worse under its front wheelset"
+  FMUs.Wagon wagon(speed_start=10) "Wagon";
+equation
+  wagon.mu0 = {0.25, 0.30};
+  wagon.pressure_command = {1.5e5, 1.5e5};
+  wagon.track_force = 0;
+  annotation (
+    experiment(StopTime=5, Tolerance=1e-7, Interval=0.01),
+    Documentation(info="<html>
+<p>Both wheelsets keep rolling; load moves to the front one while the wagon slows.</p>
+</html>"));
+end WagonStop;

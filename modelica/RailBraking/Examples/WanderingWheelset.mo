@@ -1,0 +1,49 @@
+within RailBraking.Examples;
+model WanderingWheelset "A wheelset on a wavy dry track, and what three predictions without readings make of it"
+  parameter Types.Velocity v = 25 "Speed along the track";
+  parameter Types.Length amplitude = 3e-3 "Of the track";
+  parameter Types.Frequency f = 1 "At which the track is passed";
+  parameter Contact.Surfaces.MalDry rail "Rail";
+  FMUs.LateralWheelset plant(speed_start=v, rolling_creep=0) "Wheelset";
+  FMUs.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track";
+  FMUs.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track";
+  FMUs.LateralLiteral literal(friction_start=rail.mu0) "Five states of the paper, on the plant's position and angle";
+  FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact by itself";
+protected
+  Types.Length track "Lateral position of the track";
+  Types.Velocity track_rate "Its derivative";
+  constant Types.AngularVelocity turn = 2*3.14159265358979 "One turn a second";
+equation
+  track = amplitude*(1 - cos(turn*f*time));
+  track_rate = amplitude*turn*f*sin(turn*f*time);
+  plant.track = track;
+  plant.mu0 = rail.mu0;
+  plant.A_falling = rail.A;
+  plant.B_falling = rail.B;
+  plant.motor_torque = 0;
+  known.track = track;
+  known.speed = v;
+  unknown.speed = v;
+  literal.lateral_position = plant.lateral_position;
+  literal.yaw_angle = plant.yaw_angle;
+  literal.track = track;
+  literal.track_rate = track_rate;
+  literal.speed = v;
+  literal.mu0 = rail.mu0;
+  literal.A_falling = rail.A;
+  literal.B_falling = rail.B;
+  point.displacement = known.y - track;
+  point.lateral_velocity = known.dy;
+  point.yaw_angle = known.psi;
+  point.yaw_rate = known.dpsi;
+  point.mu0 = known.mu0;
+  point.speed = v;
+  annotation (
+    experiment(StopTime=3, Tolerance=1e-8, Interval=0.001),
+    Documentation(info="<html>
+<p>
+<code>known</code> follows the plant, whose creepages are those of lateral and yaw motion alone; <code>unknown</code>
+stays where it is: without readings it knows of no irregularity.
+</p>
+</html>"));
+end WanderingWheelset;

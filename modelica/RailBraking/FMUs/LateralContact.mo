@@ -1,0 +1,28 @@
+within RailBraking.FMUs;
+block LateralContact "Creep, creep force and friction of a wheelset in a given lateral motion"
+  extends Vehicles.PartialLateralWheelset;
+  parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite creep speed over maximum friction";
+  parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with creep speed";
+  Interfaces.RealInput displacement(final unit="m", start=0) "Of the wheelset from the middle of the track";
+  Interfaces.RealInput lateral_velocity(final unit="m/s", start=0) "Lateral velocity";
+  Interfaces.RealInput yaw_angle(final unit="rad", start=0) "Yaw angle";
+  Interfaces.RealInput yaw_rate(final unit="rad/s", start=0) "Yaw rate";
+  Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient";
+  Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track";
+  Interfaces.RealOutput creep(final unit="1") "Total creep of each wheel";
+  Interfaces.RealOutput creep_force(final unit="N") "Total creep force of each wheel";
+  Interfaces.RealOutput friction(final unit="1") "Friction coefficient at the creep speed";
+equation
+  creep = sqrt((half_gauge*yaw_rate/speed + conicity*displacement/r_wheel)^2 + (lateral_velocity/speed - yaw_angle)^2
+    + creep_small^2);
+  creep_force = Q*Contact.polach(creep, creep*speed, Q, mu0, factor, k_A, k_S, A_falling, B_falling);
+  friction = Contact.fallingFriction(creep*speed, mu0, A_falling, B_falling);
+  annotation (Documentation(info="<html>
+<p>
+What the states of <a href=\"modelica://RailBraking.FMUs.LateralPrediction\">LateralPrediction</a> say about the
+contact, for programs that report it; they never model the contact a second time.
+</p>
+<h4>Limitations</h4>
+<p>Those of the prediction. Without states: the outputs answer at once.</p>
+</html>"));
+end LateralContact;

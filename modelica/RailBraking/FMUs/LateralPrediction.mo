@@ -1,0 +1,16 @@
+within RailBraking.FMUs;
+block LateralPrediction "Lateral dynamics with unknown friction, on a track whose position is known"
+  extends Vehicles.PartialLateralPrediction;
+  Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track";
+equation
+  displacement = y - track;
+  annotation (Documentation(info="<html>
+<p>Five states: y, dy, psi, dpsi, log_mu0, in this order.</p>
+<h4>Limitations</h4>
+<p>
+A vehicle seldom knows its track to fractions of a millimetre; see <a
+href=\"modelica://RailBraking.FMUs.LateralPredictionUnknownTrack\">LateralPredictionUnknownTrack</a>. Otherwise those
+of <a href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
+</p>
+</html>"));
+end LateralPrediction;

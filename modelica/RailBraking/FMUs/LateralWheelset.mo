@@ -1,0 +1,82 @@
+within RailBraking.FMUs;
+block LateralWheelset "Conical wheelset on two halves of a torsional axle, disturbed sideways by the track"
+  extends Vehicles.PartialLateralWheelset;
+  parameter Types.Velocity speed_start(min=1) = 25 "Speed at the start";
+  parameter Types.Inertia J[2] = {134, 64} "Inertia of right and left half of the axle with its wheel";
+  parameter Types.RotationalStiffness k_torsion = 6063260 "Torsional stiffness of the axle";
+  parameter Types.RotationalDamping c_torsion = 0 "Torsional damping of the axle";
+  parameter Types.Ratio rolling_creep(min=0, max=1) = 1
+    "1 for creepages that follow the rotation of each wheel, 0 for those of lateral and yaw motion alone";
+  Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track";
+  Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient";
+  Interfaces.RealInput A_falling(final unit="1", start=0.4)
+    "Polach: friction at infinite creep speed over maximum friction";
+  Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed";
+  Interfaces.RealInput motor_torque(final unit="N.m", start=0) "Torque of the motor on the right half";
+  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Lateral acceleration of the wheelset";
+  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Yaw rate";
+  Interfaces.RealOutput lateral_position(final unit="m") = y "Lateral position of the wheelset";
+  Interfaces.RealOutput lateral_velocity(final unit="m/s") = dy "Lateral velocity of the wheelset";
+  Interfaces.RealOutput yaw_angle(final unit="rad") = psi "Yaw angle";
+  Interfaces.RealOutput speed(final unit="m/s") = v "Speed along the track";
+  Interfaces.RealOutput wheel_speed[2](each final unit="rad/s") = w "Angular velocity of right and left wheel";
+  Interfaces.RealOutput twist(final unit="rad") = theta "Angle by which the right half of the axle leads";
+  Interfaces.RealOutput creep[2](each final unit="1") "Total creep of right and left wheel";
+  Interfaces.RealOutput creep_force[2](each final unit="N") "Total creep force of right and left wheel";
+  Interfaces.RealOutput friction[2](each final unit="1")
+    "Friction coefficient of right and left wheel at their creep speed";
+protected
+  Types.Length y(start=0, fixed=true) "Lateral position";
+  Types.Velocity dy(start=0, fixed=true) "Lateral velocity";
+  Types.Angle psi(start=0, fixed=true) "Yaw angle";
+  Types.AngularVelocity dpsi(start=0, fixed=true) "Yaw rate";
+  Types.Velocity v(start=speed_start, fixed=true) "Speed along the track";
+  Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true)
+    "Angular velocity of right and left wheel";
+  Types.Angle theta(start=0, fixed=true) "Twist of the axle";
+  Types.Ratio steering "Longitudinal creep by yaw rate and conicity, of the right wheel";
+  Types.Ratio creep_x[2] "Longitudinal creep of right and left wheel";
+  Types.Ratio creep_y "Lateral creep of both wheels";
+  Types.Force F_x[2] "Longitudinal force of the rail against the creep, right and left";
+  Types.Force F_y[2] "Lateral force of the rail against the creep, right and left";
+  Types.Torque torsion "Torque that the right half passes to the left";
+equation
+  steering = half_gauge*dpsi/v + conicity*(y - track)/r_wheel;
+  creep_x = {
+    rolling_creep*(r_wheel*w[1] - v)/v + steering,
+    rolling_creep*(r_wheel*w[2] - v)/v - steering};
+  creep_y = dy/v - psi;
+  for i in 1:2 loop
+    creep[i] = sqrt(creep_x[i]^2 + creep_y^2 + creep_small^2);
+    friction[i] = Contact.fallingFriction(creep[i]*v, mu0, A_falling, B_falling);
+    creep_force[i] = Q*Contact.polach(creep[i], creep[i]*v, Q, mu0, factor, k_A, k_S, A_falling, B_falling);
+    F_x[i] = creep_force[i]*creep_x[i]/creep[i];
+    F_y[i] = creep_force[i]*creep_y/creep[i];
+  end for;
+  m_wheelset*der(v) = F_x[1] + F_x[2];
+  der(y) = dy;
+  m_unsprung*der(dy) = -F_y[1] - F_y[2];
+  der(psi) = dpsi;
+  I_yaw*der(dpsi) = -half_gauge*(F_x[1] - F_x[2]) - k_yaw*psi;
+  torsion = k_torsion*theta + c_torsion*(w[1] - w[2]);
+  J[1]*der(w[1]) = motor_torque - torsion - r_wheel*F_x[1];
+  J[2]*der(w[2]) = torsion - r_wheel*F_x[2];
+  der(theta) = w[1] - w[2];
+  annotation (Documentation(info="<html>
+<p>
+Mal et al. (2020), equations (1) to (17): Polach's force at the total creep of each wheel, shared out along its
+components. The surface comes in as <code>mu0</code>, <code>A_falling</code> and <code>B_falling</code>, so that it
+may change while the wheelset runs; the paper's four are in <a
+href=\"modelica://RailBraking.Contact.Surfaces\">Surfaces</a>.
+</p>
+<p>
+With <code>rolling_creep</code> = 0 the longitudinal creepages are the simplified equations (3) and (4) that the paper
+runs its filter on. The rotation of the wheels then answers to the contact but does not act back on it.
+</p>
+<h4>Limitations</h4>
+<p>
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialLateralWheelset\">PartialLateralWheelset</a>. A wheelset
+that moves: the speed must stay positive. The rounding of the total creep keeps the forces smooth at no creep.
+</p>
+</html>"));
+end LateralWheelset;

@@ -1,0 +1,99 @@
+"""Projects of a few files, and the command line over a runner that needs no FMU."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+import synthetic_runner
+
+import harness.scenario
+from harness.__main__ import main
+
+LIBRARY = Path(harness.scenario.__file__).parent / "library"
+ROOT = Path(__file__).parents[2]
+
+# As `python -m harness`, but that a stop comes from tests/synthetic_runner.py.
+PROGRAM = """
+import sys, synthetic_runner
+sys.modules["harness.assemble"] = synthetic_runner
+from harness.__main__ import main
+if __name__ == "__main__":
+    main()
+"""
+
+CAMPAIGN = """
+name = "pair"
+scenarios = ["{scenario}"]
+
+[axes.controller.sbc]
+controller.kind = "slip_two_state"
+
+[axes.controller.abc]
+controller.kind = "adhesion_based"
+"""
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A folder with wet.toml (coarse and quick) and pair.toml."""
+    text = (LIBRARY / "trapezoid.toml").read_text(encoding="utf-8")
+    text = text.replace('name = "trapezoid"', 'name = "wet"').replace('"1 ms"', '"10 ms"')
+    (tmp_path / "wet.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "pair.toml").write_text(CAMPAIGN.format(scenario="wet.toml"), encoding="utf-8")
+    (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def railgrip(project, monkeypatch, capfd):
+    """Run a command in the project, in this process; campaigns start theirs all the same."""
+    monkeypatch.chdir(project)
+    monkeypatch.setitem(sys.modules, "harness.assemble", synthetic_runner)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*arguments):
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as end:
+            main([str(argument) for argument in arguments])
+        out, err = capfd.readouterr()
+        return Done(code=int(end.value.code or 0), out=out, err=err)
+
+    return run
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a command left: its exit code and what it said."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def program(project):
+    """Start the command line in the project as a process group of its own, as a shell does."""
+    started = []
+
+    def start(*arguments):
+        process = subprocess.Popen(
+            [sys.executable, "program.py", *map(str, arguments)],
+            cwd=project,
+            env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}", "COLUMNS": "200"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,  # so that a Ctrl-C of the test reaches the workers, too, as a terminal's would
+        )
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()

@@ -1,0 +1,60 @@
+"""A campaign file is every combination it names, and refuses what would silently match nothing."""
+
+import pytest
+
+from harness.scenario.campaign import load_campaign
+from harness.scenario.error import ScenarioError
+
+
+def campaign(project, text):
+    path = project / "campaign.toml"
+    path.write_text(f'name = "c"\nscenarios = ["wet.toml"]\n{text}', encoding="utf-8")
+    return load_campaign(path)
+
+
+def test_stops_are_the_product_of_axes_and_sweeps(project):
+    found = campaign(
+        project,
+        '[axes.edge.a]\nseed = 1\n[axes.edge.b]\nseed = 2\n[sweep]\n"start.speed" = ["80 km/h", "100 km/h", 30]\n',
+    )
+    assert [stop.name for stop in found.stops][:2] == ["wet-a-80_km_h", "wet-a-100_km_h"]
+    assert len(found.stops) == 6
+    assert found.stops[-1].variants == {"scenario": "wet", "edge": "b", "start.speed": "30"}
+    assert found.stops[-1].scenario.start.speed == 30.0
+    assert found.stops[-1].scenario.seed == 2
+
+
+def test_exclusions_and_references_match_by_axis(project):
+    found = campaign(
+        project,
+        "[axes.edge.a]\n[axes.edge.b]\n[axes.x.p]\n[axes.x.q]\n"
+        '[[exclude]]\nedge = "b"\nx = ["p"]\n'
+        '[[reference]]\nmatch = { scenario = "wet", edge = "a" }\ndistance = "100 m"\nsource = "a book"\n',
+    )
+    assert [stop.name for stop in found.stops] == ["wet-a-p", "wet-a-q", "wet-b-q"]
+    assert [bool(found.reference_for(stop)) for stop in found.stops] == [True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("[axes.edge.a]\nstart.sped = 3\n", "campaign.toml, stop wet-a (wet.toml): [start] has no key 'sped'"),
+        ("[axes.scenario.a]\n", "campaign.toml: [axes] cannot be named 'scenario'"),
+        ('[axes.e.a]\n[[exclude]]\nf = "a"\n', "campaign.toml: [exclude] names the axis 'f'; there is e"),
+        ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),
+        ('[axes.e.a]\n[[exclude]]\ne = "a"\n', "campaign.toml: exclude leaves no stop to run"),
+        ('[axes.e."a b"]\n[axes.e."a+b"]\n', "campaign.toml: two stops are named 'wet-a_b'"),
+        ("[sweep]\nseed = []\n", "campaign.toml: [sweep] seed is []; "),
+        ("wokers = 3\n", "campaign.toml: the top level has no key 'wokers'"),
+    ],
+)
+def test_a_wrong_campaign_is_refused_with_its_key(project, text, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        campaign(project, text)
+    assert sentence in str(refusal.value)
+
+
+def test_a_missing_scenario_of_a_campaign_is_named(project):
+    (project / "wet.toml").unlink()
+    with pytest.raises(ScenarioError, match=r"wet\.toml: there is no such file"):
+        campaign(project, "")

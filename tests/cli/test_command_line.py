@@ -1,0 +1,179 @@
+"""The command line: 0 a result, 2 a wrong question, 3 a run that failed; always a sentence, never a traceback."""
+
+import json
+import os
+import signal
+import time
+
+import pytest
+import synthetic_runner
+
+from harness.campaign import is_there
+from harness.run import run
+from harness.scenario.campaign import load_campaign
+from harness.sources import sources_digest
+
+
+def stops_in(folder):
+    return sorted(path.parent.name for path in folder.glob("*/stop.json"))
+
+
+def test_a_run_prints_its_distance_and_keeps_its_result(railgrip, project):
+    done = railgrip("run", "wet.toml", "--set", "start.speed=36 km/h", "--out", "here")
+    assert done.code == 0, done.err
+    # 10 m/s at 0.95 m/s²
+    assert "wet: standstill, 52.63 m in 10.53 s" in done.out
+    content = json.loads((project / "here" / "stop.json").read_text(encoding="utf-8"))
+    assert content["distance_m"] == pytest.approx(52.63, abs=0.01)
+    assert (project / "here" / "trace.nc").exists()
+
+
+def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
+    done = railgrip("run", "wet.toml", "--set", "description=slide", "--out", "here")
+    assert done.code == 3
+    assert "no braking distance, the stop ended with horizon: Still moving at 3 m/s." in done.err
+    assert json.loads((project / "here" / "stop.json").read_text(encoding="utf-8"))["outcome"] == "horizon"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("run", "gone.toml"), "gone.toml: there is no such file"),
+        (
+            ("run", "wet.toml", "--set", "adhesion.levl=2"),
+            "wet.toml: [adhesion] has no key 'levl'; did you mean 'level'?",
+        ),
+        (("run", "wet.toml", "--set", "start.speed=-1"), "wet.toml: [start] speed must be above 0 m/s, got -1."),
+        (("run", "wet.toml", "--set", "start.speed"), "--set start.speed: wanted is table.key=value"),
+        (("run", "wet.toml", "--set", "description=refuse"), "wet: the plant has no brakes"),
+        (("run", "pair.toml"), "pair.toml: the top level has no key 'axes'"),
+        (("run",), "Missing argument 'FILE.toml'"),
+        (("fly",), "No such command 'fly'"),
+        (("campaign", "wet.toml"), "wet.toml: the top level has no key"),
+        (("campaign", "pair.toml", "--set", "seed=x"), "pair.toml, stop wet-sbc (wet.toml): seed is 'x'"),
+        (("report", "nowhere"), "nowhere: has neither campaign.json nor stop.json"),
+        (("regress", "--baselines", "nowhere"), "nowhere: there is no baseline file (*.toml) in it"),
+        (("accept", "--reason", "Because.", "--baselines", "nowhere"), "nowhere: there is no baseline file"),
+        (("accept",), "Missing option '--reason'"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_a_wrong_question_exits_2_with_a_sentence(railgrip, arguments, sentence):
+    done = railgrip(*arguments)
+    assert done.code == 2
+    assert sentence in done.err
+    assert "Traceback" not in done.err
+    assert done.out == ""
+
+
+def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
+    with pytest.raises(RuntimeError, match="a mistake of the program"):
+        railgrip("run", "wet.toml", "--set", "description=break")
+
+
+def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_left(railgrip, project):
+    done = railgrip("campaign", "pair.toml", "--out", "out", "--no-panels")
+    assert done.code == 0, done.err
+    assert stops_in(project / "out") == ["wet-abc", "wet-sbc"]
+    # 0.8 against 0.95 m/s²
+    assert "-15.8%" in done.out
+    assert (project / "out" / "pair.md").exists()
+    assert (project / "out" / "index.html").exists()
+
+    kept, lost = (project / "out" / name / "stop.json" for name in ("wet-sbc", "wet-abc"))
+    before, content = kept.stat().st_mtime_ns, lost.read_bytes()
+    traces = (project / "out" / "wet-abc" / "trace.nc").read_bytes()
+    lost.unlink()
+    assert railgrip("campaign", "pair.toml", "--out", "out", "--no-panels").code == 0
+    assert kept.stat().st_mtime_ns == before
+    # run again in another process: the same bytes
+    assert lost.read_bytes() == content
+    assert (project / "out" / "wet-abc" / "trace.nc").read_bytes() == traces
+
+
+def test_what_another_scenario_or_another_program_left_is_run_again(project):
+    stop = load_campaign(project / "pair.toml").stops[0]
+    directory = project / "there"
+    assert not is_there(stop, directory)
+    run(stop.scenario, directory, synthetic_runner.run_stop)
+    assert is_there(stop, directory)
+    assert not is_there(load_campaign(project / "pair.toml", ["seed=3"]).stops[0], directory)
+    path = directory / "stop.json"
+    path.write_text(path.read_text(encoding="utf-8").replace(sources_digest(), "0" * 64), encoding="utf-8")
+    assert not is_there(stop, directory)
+
+
+def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
+    text = (project / "pair.toml").read_text(encoding="utf-8")
+    (project / "pair.toml").write_text(
+        text.replace(
+            'controller.kind = "slip_two_state"', 'controller.kind = "slip_two_state"\ndescription = "refuse"'
+        ),
+        encoding="utf-8",
+    )
+    done = railgrip("campaign", "pair.toml", "--out", "out", "--no-panels")
+    assert done.code == 2
+    assert "wet-sbc: wet: the plant has no brakes" in done.err
+    assert stops_in(project / "out") == ["wet-abc"]
+    assert "Not run: wet-sbc" in (project / "out" / "pair.md").read_text(encoding="utf-8")
+
+
+def is_alive(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_ctrl_c_leaves_what_had_finished_and_nothing_half_written(program, project):
+    text = (project / "pair.toml").read_text(encoding="utf-8")
+    marker = project / "running"
+    (project / "pair.toml").write_text(
+        text.replace(
+            'controller.kind = "adhesion_based"', f'controller.kind = "adhesion_based"\ndescription = "wait {marker}"'
+        ),
+        encoding="utf-8",
+    )
+    process = program("campaign", "pair.toml", "--out", "out", "--no-panels")
+    patience = time.monotonic() + 100  # until both workers have started; the stop itself waits for the signal
+    while not (marker.exists() and stops_in(project / "out") == ["wet-sbc"]):
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < patience
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Interrupted; what had finished is kept." in err
+    assert "Traceback" not in err
+    assert stops_in(project / "out") == ["wet-sbc"]
+    assert list((project / "out").rglob("*.partial")) == []
+    # Python's own resource tracker ends a moment after its parent; a worker would sleep for minutes.
+    patience = time.monotonic() + 20
+    while is_alive(process.pid):
+        assert time.monotonic() < patience, "a worker was left behind"
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def baselines(project):
+    (project / "baselines").mkdir()
+    path = project / "baselines" / "pair.toml"
+    path.write_text('campaign = "../pair.toml"\n', encoding="utf-8")
+    return path
+
+
+def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project, baselines):
+    where = ("--baselines", "baselines", "--out", "out")
+    new = railgrip("regress", *where)
+    assert new.code == 3
+    assert "2 of 2 stops did not keep to their baseline" in new.err
+    assert railgrip("accept", "--reason", " ", *where).code == 2
+    assert railgrip("accept", "--reason", "First figures.", *where).code == 0
+    assert railgrip("regress", *where).code == 0
+    text = baselines.read_text(encoding="utf-8")
+    assert text.count('reason = "First figures."') == 2
+    baselines.write_text(text.replace("distance = 2", "distance = 3"), encoding="utf-8")
+    moved = railgrip("regress", *where)
+    assert moved.code == 3
+    assert "moved" in moved.out

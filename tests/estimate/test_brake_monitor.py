@@ -1,0 +1,183 @@
+"""The monitor finds the group that lost friction, and says so when stops cannot tell."""
+
+import numpy as np
+import pytest
+
+from harness.monitor.evidence import Evidence, evidence_of
+from harness.monitor.folder import stops_in, write_recording
+from harness.monitor.life import Life, live
+from harness.monitor.study import Verdict, judged
+from harness.monitor.watch import Design, threshold_for, watch
+
+DESIGN = Design()
+
+
+def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0) -> Evidence:
+    return Evidence(health=health, covariance=np.eye(4) * deviation**2, drag=drag)
+
+
+def row(
+    stops: int, seed: int, *, loss: float = 0.0, begin: int = 0, group: int = 2, drag: float = 0.0
+) -> list[Evidence]:
+    """Stops without a plant: white scatter of 3 %, train load ±5 % in all groups alike, a loss from `begin` on."""
+    random = np.random.default_rng(seed)
+    rows: list[Evidence] = []
+    for k in range(stops):
+        health = np.array([1.1, 0.9, 1.0, 1.05]) * (1.0 + 0.05 * random.standard_normal())
+        health = health * (1.0 + 0.03 * random.standard_normal(4))
+        if k >= begin:
+            health[group] *= 1.0 - loss
+        rows.append(told(health, drag=drag if k >= begin else 0.0))
+    return rows
+
+
+@pytest.fixture(scope="module")
+def stops():
+    """A healthy stop, the same with one group worn by 20 %, and with one that does not release."""
+    healthy = Life(stops=60, seed=3)
+    worn = Life(stops=60, seed=3, worn=0, worn_group=1)
+    stuck = Life(stops=60, seed=3, stuck=0, stuck_group=3)
+    return [next(live(life, range(7, 8))) for life in (healthy, worn, stuck)]
+
+
+def test_a_stop_tells_which_group_has_lost_friction(stops):
+    healthy, worn, _ = (evidence_of(stop.recording, stop.temperature) for stop in stops)
+    ratio = worn.health / healthy.health
+    # Same draws, so only the loss differs; a stop that lasts longer has other noise, hence three deviations.
+    assert np.abs(ratio - np.array([1.0, 0.8, 1.0, 1.0])).max() < 3.0 * worn.deviation.max()
+    assert ratio.argmin() == 1
+
+
+def test_a_brake_that_does_not_release_shows_as_drag_and_as_lost_friction(stops):
+    healthy, _, stuck = (evidence_of(stop.recording, stop.temperature) for stop in stops)
+    # 0.8 bar leave 7.9 kN on each of three units; friction and load are known to 15 %.
+    expected = 5.7 * (0.8e5 * 0.0324 - 1200.0) * 3 * 0.35 * 0.235 / 0.38 / 84e3
+    assert stuck.drag - healthy.drag == pytest.approx(expected, rel=0.25)
+    assert (stuck.health / healthy.health).argmin() == 3
+
+
+def test_health_follows_the_true_friction_over_the_nominal_law():
+    """Nominal train at nominal load: what the filter finds is the factor that was put on the plant's friction."""
+    life = Life(stops=60, seed=5)
+    ratios = []
+    for stop in live(life, range(4)):
+        found = evidence_of(stop.recording, stop.temperature)
+        true = [stop.recording[f"true_mu_b[{g + 1}]"].values[-200:].mean() for g in range(4)]
+        ratios.append(found.health / np.array(true))
+    spread = np.array(ratios) / np.mean(ratios, axis=1, keepdims=True)
+    # Load is taken out by the mean over groups; what is left is the evidence's own deviation, 1.5 to 5 %.
+    assert np.abs(spread - spread.mean(axis=0)).max() < 0.12
+
+
+def test_without_testing_the_groups_cannot_be_told_apart_and_the_evidence_says_so():
+    stop = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
+    found = evidence_of(stop.recording, stop.temperature)
+    assert found.deviation.min() > 0.3
+    # One combination is known all the same, a mean over all groups: that of the braking forces, which stop the train.
+    variances, combinations = np.linalg.eigh(found.covariance)
+    weights = combinations[:, 0] / combinations[:, 0].sum()
+    assert (weights > 0.05).all()
+    assert np.sqrt(variances[0]) * np.linalg.norm(weights) < 0.05
+    history = watch([found] * 50, DESIGN)
+    assert history.charted == 0
+    assert not history.alarms
+
+
+def test_a_loss_of_a_fifth_is_found_within_ten_stops_in_the_right_group():
+    for seed in range(20):
+        history = watch(row(80, seed, loss=0.2, begin=50), DESIGN)
+        (alarm,) = history.alarms
+        assert alarm.group == 2
+        assert 50 <= alarm.stop < 60
+        assert alarm.kind == "friction lost"
+        # A mean of a handful of stops with 3 % scatter, over medians with as much.
+        assert alarm.loss == pytest.approx(0.2, abs=0.08)
+
+
+def test_after_an_alarm_the_index_stands_where_health_has_gone():
+    history = watch(row(80, 5, loss=0.2, begin=50), DESIGN)
+    (alarm,) = history.alarms
+    gone = history.index[40, 2] * 0.8
+    # Ten stops of 3 % and of 5 % that the train's load moves: 0.02, taken twice.
+    assert history.index[alarm.stop + 10, 2] == pytest.approx(gone, abs=0.04)
+
+
+def test_drag_makes_it_a_brake_that_does_not_release():
+    (alarm,) = watch(row(80, 1, loss=0.2, begin=50, drag=0.05), DESIGN).alarms
+    assert alarm.kind == "does not release"
+
+
+def test_healthy_rows_do_not_alarm():
+    """100 rows of 200 stops, 72 000 group-stops; the design allows 1e-4 at the tolerated loss, far less at none."""
+    assert sum(len(watch(row(200, seed), DESIGN).alarms) for seed in range(100)) == 0
+
+
+def test_the_false_alarm_rate_at_the_tolerated_loss_is_no_more_than_designed():
+    """A plain cumulated sum of Gaussian steps, without the cap on a step: what the formula was solved for."""
+    scatter = 0.06  # so large that the least threshold does not set in
+    design = Design(false_alarms=2e-3, largest_step=1.0)
+    threshold = threshold_for(scatter, design)
+    assert threshold > 1.6 * design.largest_step
+    random = np.random.default_rng(0)
+    drift, alarms, chart, count = 0.5 * (design.failed - design.tolerated) / scatter, 0, 0.0, 200_000
+    for step in random.standard_normal(count) - drift:
+        chart = max(chart + step, 0.0)
+        if chart > threshold:
+            alarms, chart = alarms + 1, 0.0
+    # 400 alarms are counted to 5 %, and the formula is an approximation good to some 10 %.
+    assert alarms / count == pytest.approx(design.false_alarms, rel=0.3)
+
+
+def test_one_odd_stop_does_not_alarm():
+    rows = row(80, 4)
+    rows[60] = told(np.array([1.1, 0.9, 0.1, 1.05]))
+    assert not watch(rows, DESIGN).alarms
+
+
+def test_the_index_claims_the_uncertainty_it_has():
+    """Constant health, loads that scatter by 5 % and readings by 5 %: normalised errors squared of mean 1 or less."""
+    squares = []
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        true = np.array([1.0, 0.9, 1.1, 1.0])
+        loads = 0.05 * random.standard_normal((120, 1))
+        rows = [told(true + load + 0.05 * random.standard_normal(4), deviation=0.05) for load in loads]
+        history = watch(rows, DESIGN)
+        squares.append((((history.index[-1] - true) / history.index_sd[-1]) ** 2).mean())
+    # It allows for a drift that these rows have not, so it claims too much rather than too little.
+    assert 0.2 < np.mean(squares) < 1.1
+
+
+def test_the_trend_is_the_slope_of_health_with_its_deviation():
+    slopes = []
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        rows = [told(np.full(4, 1.0 - 2e-3 * k) + 0.03 * random.standard_normal(4)) for k in range(60)]
+        history = watch(rows, DESIGN)
+        slopes.append((history.trend + 2e-3) / history.trend_sd)
+    # 160 normalised errors: their mean square is 1 within 3·sqrt(2/160), Student's tails of 38 degrees add 5 %.
+    assert np.mean(np.square(slopes)) == pytest.approx(1.05, abs=0.35)
+
+
+def test_the_bound_of_the_rate_is_the_rule_of_three_when_nothing_alarmed():
+    verdict = Verdict(lives=1, stops=1, worn_delays=(), stuck_delays=(), kinds_right=1.0, healthy=3000, false_alarms=0)
+    assert verdict.rate_bound == pytest.approx(3.0 / 3000, rel=2e-3)  # ln 20 = 2.9957
+
+
+def test_a_study_counts_delays_from_the_first_broken_stop():
+    life = Life(stops=120, seed=0, worn=50, worn_group=2, stuck=None, stuck_group=3)
+    verdict = judged([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
+    assert verdict.false_alarms == 0
+    assert verdict.healthy == (50 - 20) + 100 + 2 * 100
+    assert verdict.worn_delays[0] is not None
+    assert 1 < verdict.worn_delays[0] <= 10
+
+
+def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
+    stop = stops[0]
+    write_recording(stop.recording, stop.temperature, tmp_path)
+    found = stops_in(tmp_path)
+    assert found.names == (stop.recording.attrs["name"],)
+    assert not found.sentences
+    here = evidence_of(stop.recording, stop.temperature)
+    np.testing.assert_array_equal(found.evidence[0].health, here.health)

@@ -1,0 +1,76 @@
+"""The filter believes the same of a run that went through a user's file as of the run itself."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from harness.__main__ import app
+from harness.estimate.error import EstimationError
+from harness.estimate.recorded.specified import taken_for
+from harness.estimate.recording import recording_of
+from harness.estimate.run import estimate
+from harness.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
+
+MAP = """
+[data]
+time = { column = "t", unit = "ms" }
+period = "10 ms"
+longest_gap = "100 ms"
+frozen = "1 s"
+spike = 8.0
+
+[data.columns]
+wheelset_speed = { column = "n", unit = "rev/min" }
+speed = { column = "v", unit = "km/h" }
+pad_force = { column = "F", unit = "kN" }
+true_mu_b = { column = "mu", unit = "1" }
+"""
+
+
+@pytest.fixture
+def written(tmp_path: Path):
+    """Estimation, file, and what was written into it: a rig that coasts, then brakes."""
+    random = np.random.default_rng(3)
+    t = np.arange(1500) * 0.01
+    v = 30.0 - 0.05 * t - np.where(t > 5.0, 1.0 * (t - 5.0), 0.0) + 1e-3 * random.standard_normal(t.size)
+    w = v / 0.46 + 1e-3 * random.standard_normal(t.size)
+    force = np.where(t > 5.0, 2.0e4, 0.0)
+    frame = pd.DataFrame(
+        {"t": 1e3 * t, "n": w * 30.0 / np.pi, "v": 3.6 * v, "F": force / 1e3, "mu": np.full(t.size, 0.35)}
+    )
+    frame.loc[700:720, "n"] = np.nan
+    file, toml = tmp_path / "run.csv", tmp_path / "run.toml"
+    frame.to_csv(file, index=False)
+    toml.write_text((LIBRARY / "rig_own.toml").read_text(encoding="utf-8") + MAP, encoding="utf-8")
+    w[700:721] = np.nan
+    signals = {"wheelset_speed": (w, "rad/s"), "speed": (v, "m/s"), "pad_force": (force, "N")}
+    return toml, file, recording_of(signals, period=0.01)
+
+
+def test_a_file_gives_the_estimates_of_the_run_itself(written):
+    toml, file, recording = written
+    specification = load_specification(toml)
+    prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
+    taken = taken_for(specification, file)
+    assert [flag.kind for flag in taken.flags] == ["gap"]
+    through, direct = (estimate(one, prediction, settings)["mean"] for one in (taken.recording, recording))
+    # Units are converted there and back, which leaves rounding; the filter forgets it.
+    np.testing.assert_allclose(through.values, direct.values, rtol=1e-6, atol=1e-9)
+
+
+def test_the_command_line_says_what_was_mended_and_reports_as_for_a_twin(written, tmp_path):
+    toml, file, _ = written
+    result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    assert "wheelset_speed, 6.990–7.210 s: no samples" in result.output
+    assert "mu_b" in result.output
+    assert (tmp_path / "out" / "estimates.nc").exists()
+
+
+def test_an_estimation_without_a_map_cannot_read_a_file(written):
+    _, file, _ = written
+    with pytest.raises(EstimationError, match=r"has no \[data\], which says what the columns of run\.csv are"):
+        taken_for(load_specification(LIBRARY / "rig_own.toml"), file)

@@ -1,0 +1,297 @@
+"""A user's file becomes the recording that was written into it, and what is wrong with it is said."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import savemat
+
+from harness.estimate.error import EstimationError
+from harness.estimate.recorded.cleaning import spikes, standing
+from harness.estimate.recorded.grid import input_on_grid, on_grid
+from harness.estimate.recorded.read import Taken, recorded
+from harness.estimate.recorded.table import DataTable
+from harness.scenario.load import validated
+
+UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
+INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]
+PERIOD = 0.01
+
+
+def stop() -> pd.DataFrame:
+    """A stop of ten seconds as a logger writes it: milliseconds, km/h, rev/min, kN, degrees Celsius."""
+    t = np.arange(1000) * PERIOD
+    v = 20.0 - t + 0.01 * np.random.default_rng(5).standard_normal(t.size)
+    return pd.DataFrame(
+        {
+            "t": 1e3 * t,
+            "v": 3.6 * v,
+            "n": v / 0.46 / (2 * np.pi) * 60.0,
+            "F": np.where(t > 2.0, 20.0, 0.0),
+            "T": 40.0 + 5.0 * t + 0.1 * np.sin(7.0 * t),
+        }
+    )
+
+
+def table(**changes: Any) -> DataTable:
+    columns = {
+        "speed": {"column": "v", "unit": "km/h"},
+        "wheelset_speed": {"column": "n", "unit": "rev/min"},
+        "pad_force": {"column": "F", "unit": "kN"},
+        "disc_temperature": {"column": "T", "unit": "degC"},
+    }
+    written = {
+        "time": {"column": "t", "unit": "ms"},
+        "period": "10 ms",
+        "longest_gap": "100 ms",
+        "frozen": "1 s",
+        "spike": 8.0,
+    } | {key: value for key, value in changes.items() if key != "columns"}
+    columns = {name: c for name, c in (columns | changes.get("columns", {})).items() if c is not None}
+    return validated(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
+
+
+def taken(path: Path, **changes: Any) -> Taken:
+    return recorded(path, table(**changes), UNITS, INPUTS, OUTPUTS)
+
+
+def csv(directory: Path, frame: pd.DataFrame, **options: Any) -> Path:
+    path = directory / "run.csv"
+    frame.to_csv(path, index=False, **options)
+    return path
+
+
+def write_mf4(path: Path, frame: pd.DataFrame) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    time = frame["t"].to_numpy() / 1e3
+    file = asammdf.MDF(version="4.10")
+    units = {"v": "km/h", "n": "rev/min", "F": "kN", "T": "degC"}
+    for name, unit in units.items():  # a group of its own for each, the temperature ten times slower
+        every = 10 if name == "T" else 1
+        samples = frame[name].to_numpy()[::every]
+        file.append(asammdf.Signal(samples=samples, timestamps=time[::every], name=name, unit=unit))
+    file.save(path, overwrite=True)
+    file.close()
+
+
+def written(directory: Path, frame: pd.DataFrame, suffix: str) -> Path:
+    path = directory / f"run{suffix}"
+    if suffix == ".csv":
+        frame.to_csv(path, index=False)
+    elif suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+        frame.to_parquet(path)
+    elif suffix == ".mat":
+        savemat(path, {name: frame[name].to_numpy() for name in frame.columns})
+    else:
+        write_mf4(path, frame)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mat", ".mf4"])
+def test_every_format_gives_the_signals_in_the_units_of_the_model(tmp_path, suffix):
+    frame = stop()
+    result = taken(written(tmp_path, frame, suffix))
+    signals = result.recording
+    assert not [flag for flag in result.flags if flag.signal != "disc_temperature"]
+    # Text keeps 16 digits, MDF the time as double: what is left is rounding.
+    np.testing.assert_allclose(signals["speed"], frame["v"] / 3.6, rtol=1e-9)
+    np.testing.assert_allclose(signals["wheelset_speed"], frame["n"] * np.pi / 30.0, rtol=1e-9)
+    np.testing.assert_allclose(signals["pad_force"], frame["F"] * 1e3, rtol=1e-9, atol=1e-6)
+    celsius = signals["disc_temperature"].values - 273.15
+    there = np.isfinite(celsius)
+    np.testing.assert_allclose(celsius[there], frame["T"].to_numpy()[there], rtol=1e-9)
+    assert there.sum() == (100 if suffix == ".mf4" else 1000)
+    assert signals["speed"].attrs["units"] == "m/s"
+
+
+def test_a_structure_of_a_mat_file_is_reached_by_a_dot(tmp_path):
+    frame = stop()
+    path = tmp_path / "run.mat"
+    savemat(path, {"log": {name: frame[name].to_numpy() for name in frame.columns}})
+    columns = {
+        signal: {"column": f"log.{name}", "unit": unit}
+        for signal, name, unit in (
+            ("speed", "v", "km/h"),
+            ("wheelset_speed", "n", "rev/min"),
+            ("pad_force", "F", "kN"),
+            ("disc_temperature", "T", "degC"),
+        )
+    }
+    result = taken(path, columns=columns, time={"column": "log.t", "unit": "ms"})
+    np.testing.assert_allclose(result.recording["speed"], frame["v"] / 3.6, rtol=1e-12)
+
+
+def test_decimal_commas_and_time_stamps_are_read_when_the_map_says_so(tmp_path):
+    frame = stop()
+    stamps = pd.Timestamp("2021-03-28T01:59:58+01:00") + pd.to_timedelta(frame["t"], unit="ms")
+    path = csv(tmp_path, frame.assign(t=stamps.astype(str)), sep=";", decimal=",")
+    result = taken(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
+    np.testing.assert_allclose(result.recording["speed"], frame["v"] / 3.6, rtol=1e-9)
+
+
+def test_a_spike_is_left_out_and_a_step_is_not(tmp_path):
+    frame = stop()
+    frame.loc[500, "n"] = 2000.0
+    result = taken(csv(tmp_path, frame))
+    (flag,) = result.flags
+    assert (flag.signal, flag.kind, flag.begin, flag.samples) == ("wheelset_speed", "spike", 5.0, 1)
+    # The sensor has nothing new there, so that no made-up number reaches the filter.
+    assert np.flatnonzero(np.isnan(result.recording["wheelset_speed"].values)).tolist() == [500]
+    # The pad force steps from 0 to 20 kN at 2 s and keeps every sample.
+    np.testing.assert_allclose(result.recording["pad_force"], frame["F"] * 1e3)
+
+
+def test_white_noise_alone_is_not_thinned():
+    """Beyond 8σ a Gaussian has 1e-15 of its mass; the scale is estimated, which costs some of that margin."""
+    noise = np.random.default_rng(1).standard_normal(20_000)
+    assert spikes(noise, 8.0).sum() == 0
+    assert spikes(np.round(20.0 - 1e-3 * np.arange(20_000) + noise, 1), 8.0).sum() == 0
+
+
+def test_a_frozen_sensor_is_left_out_after_its_last_reading(tmp_path):
+    frame = stop()
+    frame.loc[300:499, "v"] = frame.loc[300, "v"]
+    result = taken(csv(tmp_path, frame))
+    kinds = {flag.kind: flag for flag in result.flags}
+    frozen = kinds["frozen"]
+    assert (frozen.begin, frozen.end, frozen.samples) == (pytest.approx(3.01), pytest.approx(4.99), 199)
+    assert np.isnan(result.recording["speed"].values[301:500]).all()
+    assert np.isfinite(result.recording["speed"].values[[300, 500]]).all()
+
+
+def test_a_wheel_that_reads_zero_is_said_but_reaches_the_filter(tmp_path):
+    frame = stop()
+    frame.loc[300:499, "n"] = 0.0
+    result = taken(csv(tmp_path, frame))
+    assert [(flag.kind, flag.begin, flag.samples) for flag in result.flags] == [("zero", 3.0, 200)]
+    assert (result.recording["wheelset_speed"].values[300:500] == 0.0).all()
+
+
+def test_a_long_run_of_nan_in_a_reading_is_a_gap_and_a_short_one_is_not_invented(tmp_path):
+    frame = stop()
+    frame.loc[200:239, "v"] = np.nan
+    frame.loc[700, "v"] = np.nan
+    result = taken(csv(tmp_path, frame))
+    assert [flag.kind for flag in result.flags if flag.signal == "speed"] == ["gap"]
+    assert np.isnan(result.recording["speed"].values[200:240]).all()
+    assert np.isnan(result.recording["speed"].values[700])
+
+
+def test_a_short_gap_of_an_input_is_bridged_and_said_and_a_long_one_refused(tmp_path):
+    frame = stop()
+    frame["F"] = 20.0 + frame["t"] / 1e3
+    whole = frame["F"].to_numpy() * 1e3
+    frame.loc[400:405, "F"] = np.nan
+    result = taken(csv(tmp_path, frame))
+    np.testing.assert_allclose(result.recording["pad_force"], whole, rtol=1e-12)  # a ramp is its own interpolation
+    (flag,) = result.flags
+    assert (flag.kind, flag.begin, flag.end) == ("bridged", pytest.approx(3.99), pytest.approx(4.06))
+    frame.loc[400:450, "F"] = np.nan
+    with pytest.raises(EstimationError, match=r"input pad_force \(column 'F'\) is missing from 4\.000 s for 0\.51 s"):
+        taken(csv(tmp_path, frame))
+
+
+def test_a_value_outside_its_range_is_left_out(tmp_path):
+    frame = stop()
+    frame.loc[600:609, "v"] = 655.35
+    speed = {"column": "v", "unit": "km/h", "range": ["0 km/h", "200 km/h"]}
+    result = taken(csv(tmp_path, frame), columns={"speed": speed})
+    assert [(flag.kind, flag.begin, flag.samples) for flag in result.flags] == [("range", 6.0, 10)]
+
+
+def test_a_signal_that_holds_its_value_is_new_only_when_it_changes(tmp_path):
+    frame = stop()
+    frame["v"] = frame["v"].to_numpy()[np.arange(1000) // 10 * 10]
+    result = taken(csv(tmp_path, frame), columns={"speed": {"column": "v", "unit": "km/h", "holds": True}})
+    new = np.flatnonzero(np.isfinite(result.recording["speed"].values))
+    assert new.tolist() == list(range(0, 1000, 10))
+
+
+def test_a_fast_signal_is_averaged_and_a_slow_one_is_not_invented():
+    grid = np.arange(100) * 0.01
+    fast = np.arange(-5, 1000) * 1e-3
+    noise = np.random.default_rng(2).standard_normal(fast.size)
+    averaged, flags = on_grid("x", fast, 3.0 * fast + noise, grid, 0.01)
+    assert not flags
+    # Ten samples to a mean: σ/√10; the estimate of a deviation from 100 means is good to 7 %, taken three times.
+    assert np.std(averaged - 3.0 * grid) == pytest.approx(1.0 / np.sqrt(10.0), rel=0.22)
+    slow = np.arange(0.0, 1.0, 0.05) + 0.002
+    placed, flags = on_grid("x", slow, slow, grid, 0.01)
+    assert np.isfinite(placed).sum() == 20
+    assert [flag.kind for flag in flags] == ["timing"]
+    filled, _ = input_on_grid("x", slow, slow, grid[1:90], 0.01, 0.1)
+    np.testing.assert_allclose(filled, grid[1:90], atol=1e-12)
+
+
+def test_standing_is_counted_in_seconds():
+    time = np.arange(10) * 0.1
+    values = np.array([0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0])
+    assert np.flatnonzero(standing(time, values, 0.25)).tolist() == [1, 2, 3, 4]
+
+
+def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
+    frame = stop()
+    result = taken(
+        csv(tmp_path, frame), columns={"pad_force": {"column": "F", "unit": "kN", "factor": -1.0, "offset": 1.0}}
+    )
+    np.testing.assert_allclose(result.recording["pad_force"], 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
+
+
+REFUSALS = [
+    ({"speed": {"column": "w", "unit": "km/h"}}, r"has no column 'w'; it has t, v, n, F, T"),
+    (
+        {"speed": {"column": "v", "unit": "kN"}},
+        r"speed \(column 'v'\) is '0 kN', but 'kN' cannot be converted to 'm/s'",
+    ),
+    ({"speed": {"column": "v"}}, r"speed \(column 'v'\) has no unit; write unit = "),
+    ({"wheelset_speed": {"column": "n", "unit": "Hz"}}, r"write 'rev/s' or 'rad/s', which are 2π apart"),
+    ({"speeed": {"column": "v", "unit": "km/h"}}, r"the model has no signal 'speeed'; did you mean 'speed'\?"),
+    ({"pad_force": None}, r"lacks pad_force, which the model must know at all times"),
+]
+
+
+@pytest.mark.parametrize(("columns", "sentence"), REFUSALS)
+def test_a_wrong_map_gets_a_sentence(tmp_path, columns, sentence):
+    with pytest.raises(EstimationError, match=sentence):
+        taken(csv(tmp_path, stop()), columns=columns)
+
+
+def test_a_unit_in_the_header_that_contradicts_the_map_gets_a_sentence(tmp_path):
+    path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
+    assert taken(path, columns={"speed": {"column": "v [km/h]"}}).recording["speed"].values[0] == pytest.approx(
+        20.0, abs=0.05
+    )
+    with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
+        taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
+
+
+def test_time_that_goes_backwards_gets_a_sentence_and_repeated_instants_a_flag(tmp_path):
+    frame = stop()
+    frame.loc[100, "t"] = frame.loc[99, "t"]
+    result = taken(csv(tmp_path, frame))
+    assert [(flag.signal, flag.samples) for flag in result.flags if flag.kind == "time"] == [("time", 1)]
+    frame.loc[400:, "t"] -= 500.0
+    with pytest.raises(EstimationError, match=r"time goes backwards at sample 401 of \w+, from 3\.990000 s to 3\.500"):
+        taken(csv(tmp_path, frame))
+
+
+def test_a_cell_that_is_no_number_gets_a_sentence(tmp_path):
+    frame = stop().astype({"v": object})
+    frame.loc[41, "v"] = "71,2"
+    with pytest.raises(EstimationError, match=r"column 'v' wants numbers, sample 42 of 1000 is '71,2'.*decimal sign"):
+        taken(csv(tmp_path, frame))
+
+
+def test_a_file_of_another_format_or_none_gets_a_sentence(tmp_path):
+    (tmp_path / "run.xls").write_text("")
+    with pytest.raises(EstimationError, match=r"'\.xls' is no format that is read here"):
+        taken(tmp_path / "run.xls")
+    with pytest.raises(EstimationError, match="there is no such file"):
+        taken(tmp_path / "run.csv")
+    for suffix, what in ((".mat", "a MATLAB file"), (".mf4", "an MDF file"), (".parquet", "a parquet file")):
+        (tmp_path / f"bad{suffix}").write_bytes(b"not at all" * 100)
+        with pytest.raises(EstimationError, match=f"is not {what}"):
+            taken(tmp_path / f"bad{suffix}")

@@ -1,0 +1,183 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.errors import EstimatorError
+from estimators.gate import Gate
+from harness.estimate.error import EstimationError
+from harness.estimate.judge import judge
+from harness.estimate.recording import recording_of
+from harness.estimate.run import Settings, by_name, estimate, per_step, prediction_of, units_of
+
+PERIOD = 0.01
+EQUATION_20 = {"w": 10.0, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}
+READINGS_20 = {"wheelset_speed": 1e-9, "speed": 1e-7}
+SETTINGS = Settings(
+    process=per_step(EQUATION_20, PERIOD),
+    readings=READINGS_20,
+    start={"mu_b": 0.35, "alpha": 0.0},
+    start_deviation={"w": 0.3, "v": 0.1, "mu_b": 0.04, "alpha": 0.02},
+)
+MODEL = "RollerRigPrediction"
+
+
+def braked(samples=60, force=2e4, alpha=0.08, mu_b=0.35, seed=3):
+    """A rig that slides under constant force, adhesion and friction, without drag: its closed form, read with noise."""
+    time = np.arange(samples) * PERIOD
+    resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
+    rate = (0.46 * 98.1e3 * (alpha - resistance) - 2 * mu_b * 0.25 * force) / 130
+    w, v = 60.0 + rate * time, 30.0 - alpha * 98.1e3 / 20e3 * time
+    noise = np.random.default_rng(seed).standard_normal((2, samples))
+    return recording_of(
+        {
+            "pad_force": (np.full(samples, force), "N"),
+            "wheelset_speed": (w + 3.2e-5 * noise[0], "rad/s"),
+            "speed": (v + 3.2e-4 * noise[1], "m/s"),
+        },
+        period=PERIOD,
+        truth={
+            "w": (w, "rad/s"),
+            "v": (v, "m/s"),
+            "mu_b": (np.full(samples, mu_b), "1"),
+            "alpha": (np.full(samples, alpha), "1"),
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def undragged():
+    return prediction_of(MODEL, {"A_drag": 0.0})
+
+
+def test_without_drag_the_filter_is_the_plain_kalman_filter_with_q_and_r_as_printed(undragged):
+    """The rig is linear in its states then; Q of equation (20) is added once a step."""
+    seen = braked()
+    told = estimate(seen, undragged, SETTINGS, units=units_of(MODEL), covariance=True)
+    force = 2e4
+    A = np.zeros((4, 4))
+    A[0] = 0.0, 0.0, -2 * 0.25 * force / 130, 0.46 * 98.1e3 / 130
+    A[1] = 0.0, 0.0, 0.0, -98.1e3 / 20e3
+    resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
+    drift = np.array([-0.46 * 98.1e3 / 130 * resistance, 0, 0, 0]) * PERIOD
+    phi, H = expm(A * PERIOD), np.eye(2, 4)
+    Q, R = np.diag(list(EQUATION_20.values())), np.diag(list(READINGS_20.values()))
+    y = np.stack([seen["wheelset_speed"].values, seen["speed"].values], axis=1)
+    mean, P = np.array([*y[0], 0.35, 0.0]), np.diag([0.3, 0.1, 0.04, 0.02]) ** 2
+    for k in range(1, len(y)):
+        mean, P = phi @ mean + drift, phi @ P @ phi.T + Q
+        residual = y[k] - H @ mean
+        # Innovations are what the filter did not expect, before it learned of them.
+        assert told["innovation"].values[k] == pytest.approx(residual, abs=1e-9)
+        gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+        mean = mean + gain @ residual
+        kept = np.eye(4) - gain @ H
+        P = kept @ P @ kept.T + gain @ R @ gain.T
+        # R is ten decimals below Q, so the update cancels nine of sixteen digits.
+        assert told["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
+        assert told["covariance"].values[k] == pytest.approx(P, rel=1e-5, abs=1e-12)
+
+
+def test_compiled_and_numpy_filters_agree(undragged):
+    seen = braked()
+    gated = replace(SETTINGS, gate=Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0))
+    both = [estimate(seen, undragged, gated, compiled=compiled) for compiled in (True, False)]
+    np.testing.assert_allclose(both[0]["mean"], both[1]["mean"], rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(both[0]["sd"], both[1]["sd"], rtol=1e-6)
+
+
+def test_normalised_innovations_are_those_of_the_reference(undragged):
+    seen = braked(samples=20)
+    told = estimate(seen, undragged, SETTINGS)
+    process = by_name("process", SETTINGS.process, undragged.states)
+    reference = ExtendedKalmanFilter(undragged, process, [1e-9, 1e-7], PERIOD)
+    belief = reference.start(told["mean"].values[0], by_name("s", SETTINGS.start_deviation, undragged.states) ** 2)
+    y = np.stack([seen["wheelset_speed"].values, seen["speed"].values], axis=1)
+    for k in range(1, 20):
+        predicted = reference.predict(belief, np.array([2e4]))
+        innovation = reference.innovation(predicted, np.array([2e4]), y[k])
+        assert told["nis"].values[k] == pytest.approx(innovation.squared, rel=1e-6, abs=1e-12)
+        assert told["readings"].values[k] == 2
+        belief = reference.condition(predicted, np.array([2e4]), innovation)
+
+
+def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
+    """Constant states and noise as told: the squared normalised error of each state is 1 on average over runs."""
+    honest = replace(
+        SETTINGS,
+        process={"w": 1e-12, "v": 1e-12, "mu_b": 1e-14, "alpha": 1e-14},
+        readings={"wheelset_speed": 3.2e-5**2, "speed": 3.2e-4**2},
+        start={"w": 60.0, "v": 30.0, "mu_b": 0.35, "alpha": 0.08},
+    )
+    last = []
+    for seed in range(60):
+        seen = braked(seed=seed)
+        # A start that is off as the start says: 1 of its standard deviations on average.
+        off = np.random.default_rng(1000 + seed).standard_normal(4) * [0.3, 0.1, 0.04, 0.02]
+        start = dict(zip(("w", "v", "mu_b", "alpha"), np.array([60.0, 30.0, 0.35, 0.08]) + off, strict=True))
+        told = estimate(seen, undragged, replace(honest, start=start))
+        last.append([judge(seen, told, s, np.arange(60) == 59).nees for s in ("mu_b", "alpha")])
+    # 60 runs of one degree each: the mean has a standard deviation of sqrt(2/60) = 0.18; four of them.
+    assert np.mean(last, axis=0) == pytest.approx([1.0, 1.0], abs=4 * 0.18)
+
+
+def test_inputs_may_be_held_or_averaged(undragged):
+    """A ramp of the pad force: half a period of delay is what holding costs, and averaging saves."""
+    seen = braked()
+    ramp = seen["pad_force"].values + 1e5 * seen["time"].values
+    rate = np.gradient(seen["wheelset_speed"].values, PERIOD).mean()
+    time = seen["time"].values
+    w = 60.0 + rate * time - 2 * 0.35 * 0.25 / 130 * 1e5 * time**2 / 2
+    seen["pad_force"].values[:] = ramp
+    seen["wheelset_speed"].values[:] = w
+    sharp = replace(SETTINGS, process={"w": 1e-9, "v": 1e-9, "mu_b": 1e-3, "alpha": 1e-6})
+    errors = {}
+    for between in ("held", "mean"):
+        told = estimate(seen, undragged, replace(sharp, between=between))
+        errors[between] = abs(judge(seen, told, "mu_b", time > 0.3).bias)
+    assert errors["mean"] < 0.2 * errors["held"]
+
+
+def test_a_reading_that_is_missing_is_not_used(undragged):
+    seen = braked()
+    seen["speed"].values[20:30] = np.nan
+    told = estimate(seen, undragged, SETTINGS)
+    assert told["readings"].values[20:30].tolist() == [1.0] * 10
+    assert np.isnan(told["innovation"].values[20:30, 1]).all()
+    assert np.isfinite(told["mean"].values).all()
+
+
+def test_an_input_that_is_missing_is_refused(undragged):
+    seen = braked()
+    seen["pad_force"].values[7] = np.nan
+    with pytest.raises(EstimationError, match=r"input pad_force is not a number at 0\.070 s"):
+        estimate(seen, undragged, SETTINGS)
+
+
+def test_a_filter_that_diverges_ends_with_a_reason(undragged):
+    seen = braked()
+    seen["wheelset_speed"].values[30] = 1e300
+    seen["wheelset_speed"].values[31] = -1e308
+    seen["wheelset_speed"].values[32] = 1e308
+    told = estimate(seen, undragged, SETTINGS)
+    assert "At 0.3" in told.attrs["ended"]
+    assert np.isnan(told["mean"].values[-1]).all()
+
+
+def test_settings_name_what_is_missing_and_what_is_strange(undragged):
+    with pytest.raises(EstimationError, match="process lacks alpha; it has w, v, mu_b"):
+        estimate(braked(), undragged, replace(SETTINGS, process={"w": 1.0, "v": 1.0, "mu_b": 1.0}))
+    with pytest.raises(EstimationError, match="readings has acceleration, the model has wheelset_speed, speed"):
+        estimate(braked(), undragged, replace(SETTINGS, readings=READINGS_20 | {"acceleration": 1.0}))
+    with pytest.raises(EstimationError, match="start lacks mu_b"):
+        estimate(braked(), undragged, replace(SETTINGS, start={"alpha": 0.0}))
+    with pytest.raises(EstimatorError, match="not positive definite"):
+        estimate(braked(), undragged, replace(SETTINGS, readings={"wheelset_speed": 0.0, "speed": 1.0}))
+    with pytest.raises(EstimationError, match="RollerRigPrediction has no parameter mass"):
+        prediction_of(MODEL, {"mass": 1.0})
+
+
+def test_an_element_goes_before_its_array():
+    assert by_name("start", {"w": 1.0, "w[2]": 3.0}, ("w[1]", "w[2]")).tolist() == [1.0, 3.0]

@@ -1,0 +1,76 @@
+import pytest
+
+from harness.estimate.error import EstimationError
+from harness.estimate.sources import recording_for
+from harness.estimate.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
+from harness.scenario.error import ScenarioError
+
+TEXT = (LIBRARY / "rig_own.toml").read_text()
+
+
+def written(tmp_path, **changes):
+    text = TEXT
+    for old, new in changes.values():
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("path", sorted(LIBRARY.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_file_of_the_library_makes_a_filter(path):
+    specification = load_specification(path)
+    settings = settings_for(specification, 0.01)
+    prediction = prediction_for(specification)
+    assert {name.partition("[")[0] for name in prediction.states} == set(settings.process)
+
+
+def test_equation_20_is_exactly_as_printed():
+    noise = load_specification(LIBRARY / "rig_paper.toml").noise
+    assert noise.kind == "per_step"
+    assert noise.process == {"w": 1e1, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}
+    assert noise.readings == {"wheelset_speed": 1e-9, "speed": 1e-7}
+
+
+def test_what_a_step_adds_does_not_depend_on_the_period_where_a_table_says_so():
+    paper = load_specification(LIBRARY / "rig_paper.toml")
+    for period in (1e-3, 2e-2):
+        assert settings_for(paper, period).process["w"] * period == pytest.approx(10.0, rel=1e-15)
+
+
+def test_units_are_converted_and_checked(tmp_path):
+    path = written(
+        tmp_path,
+        p=('class = "RollerRigPrediction"', 'class = "RollerRigPrediction"\nparameters = { load = "98.1 kN" }'),
+    )
+    specification = load_specification(path)
+    names = [v for v in prediction_for(specification).parameters]
+    assert 98.1e3 in names
+    assert settings_for(specification, 0.01).gate.threshold == 1500.0
+    path = written(tmp_path, p=('threshold = "1.5 kN"', 'threshold = "1.5 bar"'))
+    with pytest.raises(EstimationError, match=r"\[gate\] threshold is '1.5 bar', but 'bar' cannot be converted to 'N'"):
+        settings_for(load_specification(path), 0.01)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("[noise]", "[noises]", r"has no key 'noises'.*noise"),
+        ('kind = "density"', 'kind = "dense"', r"\[noise\] kind is 'dense'; there is 'density' or 'per_step'"),
+        ("wheelset_speed = 1e-6", "wheelset_speed = -1", r"\[noise\.readings\] wheelset_speed is -1"),
+        ('between = "mean"', 'between = "linear"', r"between is 'linear'; there is 'held' or 'mean'"),
+    ],
+)
+def test_a_file_that_is_wrong_gets_a_sentence(tmp_path, old, new, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        load_specification(written(tmp_path, change=(old, new)))
+
+
+def test_a_source_that_is_not_there_gets_a_sentence():
+    with pytest.raises(EstimationError, match=r"kind is 'rollerrig'; there is roller_rig, wagon"):
+        recording_for(SourceTable(kind="rollerrig", scenario="slide"))
+    with pytest.raises(EstimationError, match="no rig scenario 'snow'; there is sand, slide, or the path of a file"):
+        recording_for(SourceTable(kind="roller_rig", scenario="snow"))
+    with pytest.raises(EstimationError, match="no wagon scenario 'snow'; there is stop, unequal"):
+        recording_for(SourceTable(kind="wagon", scenario="snow"))

@@ -1,0 +1,99 @@
+"""Equations (17) and (18) of Schwarz and Keck (2020) on the wagon's prediction, as corrected and as printed."""
+
+import numpy as np
+import pytest
+
+from estimators.observability import ReadingsAndRates, observability
+from harness.estimate.observable import observe
+from harness.estimate.recording import recording_of
+from harness.estimate.run import prediction_of
+from harness.estimate.spec import LIBRARY, load_specification
+
+G = 9.81
+M, J, R_WHEEL, R_FRICTION, UNITS, H, A = 40e3, 130.0, 0.46, 0.25, 2.0, 1.5, 9.0
+DRAG = 1.2 / 2 * 0.9 * 10
+CORRECTED = {"adhesion_share": 1.0, "resistance_transfer": -1.0, "adhesion_transfer": 1.0}
+PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
+X = np.array([48.0, 47.0, 21.0, 0.33, 0.36, 0.07])
+SCALE = np.array([50.0, 50.0, 20.0, 0.35, 0.35, 0.1])
+
+
+def inverse(z, u, variant):
+    """Return the states from readings and their first derivatives.
+
+    As printed, with the paper's signs turned: alpha = -2 f_sub/(m g), and the loads of (11) without 2 h mu/a. As
+    corrected: alpha = -f_sub/(m g), and loads that shift by -h m der(v)/a.
+    """
+    pull = u[2] - DRAG * z[2] ** 2
+    f_sub = M * z[5] - pull  # (18)
+    alpha = -f_sub / (variant["adhesion_share"] * M * G)
+    shift = H / A * pull if variant is PRINTED else -H / A * M * z[5]
+    loads = M * G / 2 + shift, M * G / 2 - shift
+    pads = [
+        (R_WHEEL * alpha * load + torque - J * rate) / (UNITS * R_FRICTION * force)
+        for load, torque, rate, force in zip(loads, u[3:], z[3:5], u[:2], strict=True)
+    ]
+    return np.array([*z[:3], *pads, alpha])
+
+
+@pytest.mark.parametrize("variant", [CORRECTED, PRINTED], ids=["corrected", "printed"])
+def test_the_closed_form_inverts_readings_and_rates(variant):
+    wagon = prediction_of("WagonPrediction", variant)
+    u = np.array([2e4, 1.5e4, -800.0, -50.0, -60.0])
+    z = ReadingsAndRates(wagon, 1).map(X, u)
+    # Torques of 1e4 N.m cancel to what a pad is worth: three digits of sixteen.
+    assert inverse(z, u, variant) == pytest.approx(X, rel=1e-12)
+
+
+def test_the_printed_factor_is_half_the_force_balance():
+    """(1), (2) and (4) of the paper give a force of mu m g; (5) has half of it."""
+    u = np.array([0.0, 0.0, 0.0, 0.0, 0.0])
+    slowed = [prediction_of("WagonPrediction", v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)]
+    assert slowed == pytest.approx([-0.07 * G, -0.07 * G / 2], rel=1e-12)
+
+
+@pytest.mark.parametrize("variant", [CORRECTED, PRINTED], ids=["corrected", "printed"])
+@pytest.mark.parametrize(
+    ("forces", "lost"),
+    [
+        ((2e4, 1.5e4), ()),
+        ((0.0, 1.5e4), ("mu_b[1]",)),
+        ((2e4, 0.0), ("mu_b[2]",)),
+        ((0.0, 0.0), ("mu_b[1]", "mu_b[2]")),
+    ],
+)
+def test_a_pad_without_force_is_all_that_is_lost(variant, forces, lost):
+    wagon = prediction_of("WagonPrediction", variant)
+    found = observability(wagon, X, np.array([*forces, -800.0, 0.0, 0.0]), SCALE)
+    assert (found.rank, found.undetermined) == (6 - len(lost), lost)
+
+
+def test_a_relaxing_pad_is_lost_without_force_too():
+    """Equation (9) gives friction a dynamics of its own, which no reading sees."""
+    wagon = prediction_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
+    found = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
+    assert found.undetermined == ("mu_b[1]",)
+
+
+def test_windows_lose_the_pad_where_it_is_released():
+    samples, period = 300, 0.01
+    force = np.where(np.arange(samples) < 150, 50.0, 2e4)  # a load cell that shows 50 N of noise and offset
+    steady = {"w": (60.0, "rad/s"), "v": (30.0, "m/s"), "mu_b": (0.35, "1"), "alpha": (0.08, "1")}
+    recorded = recording_of(
+        {
+            "pad_force": (force, "N"),
+            "wheelset_speed": (np.full(samples, 60.0), "rad/s"),
+            "speed": (np.full(samples, 30.0), "m/s"),
+        },
+        period=period,
+        truth={state: (np.full(samples, value), unit) for state, (value, unit) in steady.items()},
+    )
+    observed = observe(load_specification(LIBRARY / "rig_own.toml"), recorded)
+    windows = observed.windows.set_index(time="time")
+    released = windows.where(windows["time"] < 0.9, drop=True)
+    pressed = windows.where(windows["time"] >= 1.5, drop=True)
+    assert np.all(released["singular"].sel(state="mu_b") == 0.0)
+    assert np.all(np.isinf(released["deviation"].sel(state="mu_b")))
+    assert np.all(pressed["deviation"].sel(state="mu_b") < 0.01)
+    assert np.all(np.isfinite(windows["deviation"].sel(state="alpha")))
+    assert [point.found.rank for point in observed.points] == [4, 3]

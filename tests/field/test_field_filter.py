@@ -1,0 +1,166 @@
+"""The filter of the field test on a case of the twin, and what tuning sees of it. Case 1 is the shortest."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimators.ekf import ExtendedKalmanFilter
+from harness.estimate.error import EstimationError
+from harness.estimate.selection import prediction_seeing
+from harness.field.braking import Braking, braking_of
+from harness.field.degeneracy import common_factor
+from harness.field.filtering import RELEASED, Task, filter_of, follow, prediction, task_of
+from harness.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
+from harness.field.objective import terms_of, value
+from harness.field.score import score, track_score
+from harness.field.tune import Search, tune
+from harness.twins.field_scenario import field_scenario
+from harness.twins.field_train import run_case
+
+
+@pytest.fixture(scope="module")
+def run():
+    return run_case(field_scenario(), "c1")
+
+
+@pytest.fixture(scope="module")
+def braking(run) -> Braking:
+    return braking_of(run, 84e3)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return prediction()
+
+
+@pytest.fixture(scope="module")
+def task(braking, model) -> Task:
+    return task_of(braking, model)
+
+
+def test_the_case_is_driven_as_table_4_says(run):
+    brakes = int(np.argmax(run["braking"].values))
+    # The driver looks at his speed every 5 ms: 65 km/h to 1 mm/s.
+    assert run["true_v"].values[brakes] * 3.6 == pytest.approx(65.0, abs=0.01)
+    pressures = [run[f"cylinder_pressure[{i}]"].values[-1] / 1e5 for i in (1, 2)]
+    # Filled through a first-order lag of 0.9 s over 15 s, read to 1 kPa.
+    assert pressures == pytest.approx([3.4, 2.0], abs=0.05)
+
+
+def test_the_track_is_recovered_well_enough(run, braking):
+    found = track_score(run, braking)
+    assert abs(found.distance) < 5e-3
+    # Half of a curve of 1000 m and a third of the smallest change of gradient, 3 ‰; measured 1.7e-4 and 0.9 ‰.
+    assert found.curvature < 5e-4
+    assert found.slope < 1.5e-3
+    # A percent of the 97 kN of a full brake; measured 0.7 kN.
+    assert found.force < 1e3
+
+
+def test_the_whole_train_s_friction_is_found_though_its_groups_share_is_not(task, model):
+    found = score(task, follow(task, filter_of(model, task.period), PHYSICAL))
+    # From a belief of 0.35 ± 0.04: the mean within a track force error of 1 %, single groups within the spread of pads.
+    assert found.mean_pad_friction < 0.01
+    assert found.pad_friction < 0.04
+    assert found.adhesion < 0.015
+    assert abs(found.distance) < 5e-3
+
+
+def test_rates_of_five_readings_cannot_tell_eight_frictions_apart(model):
+    """Rank of ∂(v̇, ω̇)/∂(μ_B, α), whatever the filter's noises."""
+    x = np.array([20.0, *[20 / 0.38] * 4, *[0.35] * 4, 0.13, 0.08, 0.08, 0.13])
+    jacobian = model.derivative_jacobian(x, np.array([3.4e5, 2e5, 2e5, 3.4e5, 0.0]))
+    assert np.linalg.matrix_rank(jacobian[:5, 5:]) == 5
+
+
+def test_following_in_c_is_stepping_in_python(task, model):
+    """Two hundred steps around the brake's application, where the gate opens and everything moves."""
+    compiled, place = filter_of(model, task.period), task.braking.brake - 50
+    gate = np.array([f"mu_b[{i}]" for i in range(1, 5)])
+    assert task.held[place, 0] < RELEASED < task.held[place + 100, 0]
+    from estimators.gate import Gate
+
+    plain = ExtendedKalmanFilter(
+        model,
+        PHYSICAL.process,
+        PHYSICAL.readings,
+        task.period,
+        Gate(states=tuple(gate), inputs=tuple(f"cylinder_pressure[{i}]" for i in range(1, 5)), threshold=RELEASED),
+    )
+    rows = slice(place, place + 200)
+    belief = plain.start(task.start.mean, task.start.covariance)
+    followed = compiled.follow(belief, task.held[rows], task.seen[rows])
+    for k, (held, seen) in enumerate(zip(task.held[rows], task.seen[rows], strict=True)):
+        belief = plain.step(belief, held, seen)
+        # Equal but for rounding, which two hundred steps carry on.
+        np.testing.assert_allclose(followed.mean[k], belief.mean, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(followed.variance[k], np.diag(belief.covariance), rtol=1e-7)
+
+
+def test_retuned_is_as_made_anew(task, model):
+    noise = PHYSICAL.scaled(3.0, 0.2)
+    anew = filter_of(model, task.period, noise).follow(task.start, task.held[:100], task.seen[:100])
+    retuned = filter_of(model, task.period)
+    retuned.retune(noise.process, noise.readings)
+    np.testing.assert_array_equal(retuned.follow(task.start, task.held[:100], task.seen[:100]).mean, anew.mean)
+
+
+def test_the_paper_s_objective_does_not_see_a_common_factor(task, model):
+    sweep = common_factor([task], filter_of(model, task.period), PHYSICAL)
+    # Gains are the same but for rounding; the claimed spread follows the factor exactly.
+    np.testing.assert_allclose(sweep.deviation, sweep.deviation[0], rtol=1e-6)
+    np.testing.assert_allclose(sweep.nees * sweep.factor, sweep.nees[0] * sweep.factor[0], rtol=1e-6)
+
+
+def test_the_paper_s_objective_rewards_repeating_the_readings(task, model):
+    filter_ = filter_of(model, task.period)
+    honest, blind = (terms_of(task, follow(task, filter_, PHYSICAL.scaled(f, 1.0))) for f in (1.0, 1e-7))
+    assert value("paper", [blind]) < 0.01 * value("paper", [honest])
+    assert value("consistent", [blind]) > value("consistent", [honest])
+
+
+def test_an_interrupted_search_ends_as_one_that_was_not(task, model, tmp_path: Path):
+    def search(generations: int, checkpoint: Path):
+        of = Search(population=8, generations=generations, stage=1, seed=3, workers=2)
+        return tune("paper", [task], model, of, checkpoint)
+
+    whole = search(2, tmp_path / "whole.npz")
+    search(1, tmp_path / "parts.npz")
+    assert search(2, tmp_path / "parts.npz") == whole
+    assert len(whole.history) == 2
+    with pytest.raises(EstimationError, match="belongs to another search"):
+        tune(
+            "consistent", [task], model, Search(population=8, generations=2, stage=1, seed=3, workers=1),
+            tmp_path / "whole.npz",
+        )  # fmt: skip
+
+
+def test_noises_are_kept_to_the_digit_that_matters(tmp_path: Path):
+    noise = Noise(tuple(10.0 ** -np.arange(1.0, 13.0)))
+    path = save_noise(noise, tmp_path / "noise.toml", title="t", command="c", results={"objective": 0.1})
+    # Written with seven digits.
+    np.testing.assert_allclose(load_noise(path).values, noise.values, rtol=1e-6)
+    path.write_text(path.read_text().replace("R_v = 1", "R_v = -1"))
+    with pytest.raises(EstimationError, match=r"wants a positive number for R_v"):
+        load_noise(path)
+
+
+@pytest.mark.parametrize("name", ["paper", "consistent"])
+def test_the_committed_noises_say_how_they_were_found(name: str):
+    path = LIBRARY / f"{name}.toml"
+    assert len(load_noise(path).values) == len(NAMES)
+    assert f'command = "railgrip tune {name} ' in path.read_text()
+
+
+def test_an_output_that_is_not_there_is_refused():
+    with pytest.raises(EstimationError, match="TrainPredictionReduced has no output yaw; it has speed"):
+        prediction_seeing("TrainPredictionReduced", ("speed", "yaw"))
+
+
+def test_a_run_without_braking_or_position_is_refused(run):
+    with pytest.raises(EstimationError, match="nobody braked"):
+        braking_of(run.isel(time=slice(0, 2500)), 84e3)
+    lost = run.assign(height=run["height"] * np.nan).isel(time=slice(0, 100))
+    with pytest.raises(EstimationError, match="GNSS gave no position"):
+        braking_of(lost, 84e3)

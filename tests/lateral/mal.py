@@ -1,0 +1,105 @@
+"""Mal et al. (2020) written out in numpy, apart from the code under test: equations (1) to (36) and Table 1."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+R0, LG, CONICITY = 0.5, 0.75, 0.15
+MW, IW, KW, MV = 1250.0, 700.0, 5e6, 15000.0
+IR, IL, KS = 134.0, 64.0, 6063260.0
+N = MV * 9.81 / 2
+CREEP_SMALL = 1e-7
+
+
+def kappa() -> float:
+    """ε·U/γ: G π a b c11/(4 N), Greenwood's ellipse and a parabola through Kalker's table."""
+    young, nu, rail = 2.1e11, 0.28, 0.30
+    contact_modulus = young / (2 * (1 - nu**2))
+    radius = 0.5 * (0.5 * (1 / (2 * R0)) * (1 / (2 * rail)) * (1 / (2 * R0) + 1 / (2 * rail))) ** (-1 / 3)
+    mean = (3 * N * radius / (4 * contact_modulus)) ** (1 / 3)
+    ratio = (R0 / rail) ** (2 / 3)
+    c11 = 3.1190 + ratio * (0.99604 - 0.0018374 * ratio)
+    return young / (2 * (1 + nu)) * np.pi * mean**2 * c11 / (4 * N)
+
+
+KAPPA = kappa()
+
+
+@dataclass(frozen=True)
+class Rail:
+    u0: float
+    A: float
+    B: float
+
+
+def friction(creep, v, rail):
+    return rail.u0 * ((1 - rail.A) * np.exp(-rail.B * creep * v) + rail.A)
+
+
+def force(creep, u):
+    """Equation (8) with k_A = k_S = 1."""
+    epsilon = KAPPA * creep / u
+    return 2 * N * u / np.pi * (epsilon / (1 + epsilon**2) + np.arctan(epsilon))
+
+
+def wheelset(state, track, rail, rolling):
+    """Return the derivative of [y, ẏ, ψ, ψ̇, v, ω_R, ω_L, θ], equations (1) to (17)."""
+    y, dy, psi, dpsi, v, w_r, w_l, theta = state
+    steering = LG * dpsi / v + CONICITY * (y - track) / R0
+    across = dy / v - psi
+    along = (rolling * (R0 * w_r - v) / v + steering, rolling * (R0 * w_l - v) / v - steering)
+    total = [np.sqrt(x**2 + across**2) + 1e-300 for x in along]
+    forces = [force(creep, friction(creep, v, rail)) for creep in total]
+    fx = [f * x / creep for f, x, creep in zip(forces, along, total, strict=True)]
+    fy = [f * across / creep for f, creep in zip(forces, total, strict=True)]
+    torsion = KS * theta
+    return np.array(
+        [
+            dy,
+            -(fy[0] + fy[1]) / MW,
+            dpsi,
+            (-LG * (fx[0] - fx[1]) - KW * psi) / IW,
+            (fx[0] + fx[1]) / MV,
+            (-torsion - R0 * fx[0]) / IR,
+            (torsion - R0 * fx[1]) / IL,
+            w_r - w_l,
+        ]
+    )
+
+
+def slopes(x, y, psi, track, track_rate, v, rail):
+    """Return the derivative of [ẏ, ψ̇, γ, U, F], equations (20) to (24), and ÿ."""
+    dy, dpsi, creep, u, f = x
+    across = dy / v - psi
+    along = LG * dpsi / v + CONICITY * (y - track) / R0
+    over = creep / (creep**2 + CREEP_SMALL**2)
+    ddy = -2 * f * over / MW * across
+    ddpsi = -2 * LG * f * over / IW * along - KW / IW * psi
+    rate = (along * (LG * ddpsi / v + CONICITY * (dy - track_rate) / R0) + across * (ddy / v - dpsi)) * over
+    u_rate = -rail.B * v * (u - rail.A * rail.u0) * rate
+    epsilon = KAPPA * creep / u
+    phi = epsilon / (1 + epsilon**2) + np.arctan(epsilon)
+    phi_slope = (1 - epsilon**2) / (1 + epsilon**2) ** 2 + 1 / (1 + epsilon**2)
+    f_rate = 2 * N / np.pi * KAPPA * phi_slope * rate + 2 * N / np.pi * (phi - epsilon * phi_slope) * u_rate
+    return np.array([ddy, ddpsi, rate, u_rate, f_rate]), ddy
+
+
+def jacobian(function, x):
+    """∂f/∂x by complex steps: exact to rounding."""
+    columns = []
+    for i in range(len(x)):
+        moved = x.astype(complex)
+        moved[i] += 1e-30j
+        columns.append(np.imag(function(moved)) / 1e-30)
+    return np.array(columns).T
+
+
+def literal_step(x, P, y, psi, seen, T, Q, R, told):
+    """One step of equations (25) to (34); `told` is track, its rate, speed and rail."""
+    F = np.eye(5) + T * jacobian(lambda z: slopes(z, y, psi, *told)[0], x)
+    x = x + T * slopes(x, y, psi, *told)[0]
+    P = F @ P @ F.T + Q
+    H = np.array([jacobian(lambda z: np.array([slopes(z, y, psi, *told)[1]]), x)[0], [0, 1, 0, 0, 0]])
+    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+    x = x + K @ (seen - np.array([slopes(x, y, psi, *told)[1], x[1]]))
+    return x, (np.eye(5) - K @ H) @ P

@@ -1,0 +1,121 @@
+"""The loop in C against the same loop in Python, and how it says no."""
+
+import numpy as np
+import pytest
+
+from harness.lateral.filters import FURTHER, party
+from harness.loop.compiled import LoopError, Observer, Source, run
+from harness.twins.lateral import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
+
+STEPS = 300
+SPEED = 25.0
+
+
+@pytest.fixture
+def drawn():
+    return course(TESTS[0].shortened(STEPS * PERIOD), 5, Irregularity())
+
+
+@pytest.fixture
+def table(drawn):
+    return np.column_stack([drawn.inputs, drawn.track_rate, np.full(STEPS, SPEED)])
+
+
+def parties(kept):
+    names = ("literal", "known_track", "unknown_track")
+    return [party(name, DRY, Irregularity(), kept / "estimators") for name in names]
+
+
+def in_c(table, noise, observers, kept, pieces=((0, STEPS),), **options):
+    with wheelset(SPEED, {"rolling_creep": 0.0}) as plant:
+        plant.start(table[0, :5])
+        return [
+            run(plant, table[a:b], further=FURTHER, readings=tuple(READINGS), noise=noise[a:b], observers=observers,
+                directory=kept / "loop", **options)
+            for a, b in pieces
+        ]  # fmt: skip
+
+
+def test_c_and_python_agree_to_the_last_bit(drawn, table, kept):
+    (record,) = in_c(table, drawn.noise, [one.observer for one in parties(kept)], kept)
+    others = parties(kept)
+    beliefs = [None] * 3
+    with wheelset(SPEED, {"rolling_creep": 0.0}) as plant:
+        plant.start(table[0, :5])
+        for k in range(STEPS):
+            outputs = plant.step(table[k, :5])
+            assert np.array_equal(outputs, record.outputs[k])
+            for i, one in enumerate(others):
+                filter_ = one.filter
+                known = dict(
+                    zip(("track", "mu0", "A_falling", "B_falling", "motor_torque", *FURTHER), table[k], strict=True)
+                )
+                for j, name in enumerate(filter_.design.inputs):
+                    source = one.observer.sources[name]
+                    if source.kind == "column":
+                        filter_.held[j] = known[source.name]
+                    else:
+                        state = filter_.design.states.index(source.name)
+                        filter_.held[j] += PERIOD * filter_.mean[state]
+                filter_.seen[:] = outputs[:2] + drawn.noise[k]
+                filter_.advance()
+                beliefs[i] = filter_.mean.copy()
+                assert np.array_equal(beliefs[i], record.beliefs[one.name].mean[k]), (one.name, k)
+
+
+def test_a_run_in_pieces_is_the_run(drawn, table, kept):
+    (whole,) = in_c(table, drawn.noise, [one.observer for one in parties(kept)], kept, every=10)
+    pieces = in_c(table, drawn.noise, [one.observer for one in parties(kept)], kept, ((0, 120), (120, STEPS)), every=10)
+    assert np.array_equal(whole.sample, np.concatenate([piece.sample for piece in pieces]))
+    assert np.array_equal(whole.outputs, np.concatenate([piece.outputs for piece in pieces]))
+    for name, belief in whole.beliefs.items():
+        assert np.array_equal(belief.covariance, np.concatenate([piece.beliefs[name].covariance for piece in pieces]))
+
+
+def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table, kept):
+    noise = drawn.noise.copy()
+    noise[100, 1] = np.inf
+    two = parties(kept)[1:]
+    clean = Observer(name="again", filter=parties(kept)[1].filter, sources=two[0].observer.sources)
+    (record,) = in_c(table, noise, [two[0].observer], kept)
+    belief = record.beliefs["known_track"]
+    assert belief.diverged == 3
+    assert belief.diverged_at == 101
+    assert np.isfinite(belief.mean[99]).all()
+    assert np.isnan(belief.mean[100:]).all()
+    assert np.isfinite(record.outputs).all()
+    assert clean.name == "again"
+
+
+def test_a_reading_may_feed_a_filter(drawn, table, kept):
+    """Fed the yaw rate in place of the speed, as nonsense, the filter holds the reading of the sample before."""
+    one = parties(kept)[1]
+    fed = {"speed": one.observer.sources["speed"], "track": Source(kind="reading", name="yaw_rate")}
+    first = np.array([0.0, 3e-3])
+    in_c(table[:1], drawn.noise[:1], [Observer(name="fed", filter=one.filter, sources=fed)], kept, ((0, 1),),
+         first_reading=first)  # fmt: skip
+    assert one.filter.held[one.filter.design.inputs.index("track")] == 3e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda s: {**s, "track": Source(kind="column", name="trakc")}, "no column 'trakc'"),
+        (lambda s: {"speed": s["speed"]}, "wants a source for each of"),
+        (lambda s: {**s, "track": Source(kind="reading", name="yaw_rate")}, "give first_reading"),
+    ],
+)
+def test_a_source_that_is_none_is_refused(drawn, table, kept, change, sentence):
+    one = parties(kept)[1]
+    wrong = Observer(name="wrong", filter=one.filter, sources=change(dict(one.observer.sources)))
+    with pytest.raises(LoopError, match=sentence):
+        in_c(table, drawn.noise, [wrong], kept)
+
+
+def test_tables_that_do_not_fit_are_refused(drawn, table, kept):
+    with pytest.raises(LoopError, match="inputs of shape"):
+        in_c(table[:, :-1], drawn.noise, [], kept)
+    with pytest.raises(LoopError, match="not a finite number"):
+        in_c(np.where(table == SPEED, np.nan, table), drawn.noise, [], kept)
+    with pytest.raises(LoopError, match="1 or more"):
+        in_c(table, drawn.noise, [], kept, every=0)

@@ -1,0 +1,119 @@
+"""The literal filter against the printed equations, Euler in both filters, and what the well-posed one achieves."""
+
+import mal
+import numpy as np
+import pytest
+
+from estimators.compiled import CompiledFilter
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.errors import EstimatorError
+from estimators.prediction import CasadiPrediction
+from fmus.native import lower
+from harness.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
+from harness.lateral.judge import beliefs_about
+from harness.lateral.run import Case, simulate
+from harness.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
+
+
+def test_the_literal_filter_is_equations_25_to_36(kept):
+    """Step by step beside a transcription with (I − KH)P and Jacobians by complex steps."""
+    speed, rail = 25.0, mal.Rail(DRY.mu0, DRY.A, DRY.B)
+    ours = CompiledFilter(
+        prediction("literal"), literal_density(DRY, PERIOD), READING_NOISE, PERIOD, order=1,
+        directory=kept / "estimators",
+    )  # fmt: skip
+    x, P = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]), np.diag([1e-6, 1e-8, 1e-10, 1e-4, 1e2])
+    belief = ours.start(x, P)
+    y, psi, rng = 1e-3, -2e-4, np.random.default_rng(1)
+    names = ours.design.inputs
+    for k in range(200):
+        track, rate = 2e-3 * np.sin(10 * k * PERIOD), 2e-2 * np.cos(10 * k * PERIOD)
+        y, psi = y + PERIOD * x[0], psi + PERIOD * x[1]
+        told = (track, rate, speed, rail)
+        _, ddy = mal.slopes(x, y, psi, *told)
+        seen = np.array([ddy, x[1]]) + rng.standard_normal(2) * np.sqrt(READING_NOISE)
+        given = {"lateral_position": y, "yaw_angle": psi, "track": track, "track_rate": rate, "speed": speed,
+                 "mu0": rail.u0, "A_falling": rail.A, "B_falling": rail.B}  # fmt: skip
+        belief = ours.step(belief, np.array([given[name] for name in names]), seen)
+        x, P = mal.literal_step(x, P, y, psi, seen, PERIOD, np.diag(LITERAL_NOISE["dry"]), np.diag(READING_NOISE), told)
+    size = np.array([1e-2, 1e-2, 1e-4, 0.4, 1e3])
+    # Rounding of P = (I − KH)P, whose entries span twenty orders of magnitude, grown over 200 steps.
+    assert belief.mean / size == pytest.approx(x / size, abs=1e-6)
+    assert belief.deviation == pytest.approx(np.sqrt(np.diag(P)), rel=1e-4)
+
+
+def test_euler_is_the_same_in_both_filters_and_is_euler(kept):
+    arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
+    plain = ExtendedKalmanFilter(*arguments, order=1)
+    fast = CompiledFilter(*arguments, order=1, directory=kept / "estimators")
+    first, covariance = np.array([1e-3, 0.02, 1e-4, 0.01, -1.2]), np.full(5, 1e-6)
+    held, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
+    assert prediction("known_track").inputs == ("speed", "track")
+    by_hand = first + PERIOD * prediction("known_track").derivative(first, held)
+    phi = np.eye(5) + PERIOD * prediction("known_track").derivative_jacobian(first, held)
+    for one in (plain, fast):
+        after = one.step(one.start(first, covariance), held, nothing)
+        # Nothing is seen, so the step is the prediction alone: the same sums in another order.
+        assert after.mean == pytest.approx(by_hand, rel=1e-13)
+        assert after.covariance == pytest.approx(
+            phi @ np.diag(covariance) @ phi.T + 1e-6 * PERIOD * np.eye(5), rel=1e-12
+        )
+
+
+def test_an_order_that_does_not_exist_is_refused():
+    with pytest.raises(EstimatorError, match=r"1 \(forward Euler\) or 4"):
+        ExtendedKalmanFilter(prediction("known_track"), np.ones(5), READING_NOISE, PERIOD, order=2)  # pyright: ignore
+
+
+def test_a_filter_told_of_another_process_noise_uses_it(kept):
+    arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
+    told, fresh = (CompiledFilter(*arguments, directory=kept / "estimators") for _ in range(2))
+    told.change_process_noise(np.full(5, 4e-6))
+    held, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
+    grown = [one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), held, nothing).covariance for one in (told, fresh)]
+    # Three more parts of 1e-6·50 µs on a diagonal of 1e-6: differences lose some digits.
+    assert np.diag(grown[0] - grown[1]) == pytest.approx(np.full(5, 3e-6 * PERIOD), rel=1e-6)
+    with pytest.raises(EstimatorError, match="negative eigenvalue"):
+        told.change_process_noise(np.full(5, -1.0))
+
+
+def test_partial_derivatives_of_the_force_are_those_of_the_force():
+    """The literal model's own slopes against differences of equation (8)."""
+    model = lower("RailBraking.FMUs.LateralLiteral")
+    literal = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
+    x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
+    given = {"speed": 25.0, "mu0": 0.3, "A_falling": 0.4, "B_falling": 2.0, "lateral_position": 2e-3}
+    rates = literal.derivative(x, np.array([given.get(name, 0.0) for name in literal.inputs]))
+    h = 1e-3
+    ahead = mal.force(x[2] * (1 + h), x[3]) - mal.force(x[2] * (1 - h), x[3])
+    aside = mal.force(x[2], x[3] * (1 + h)) - mal.force(x[2], x[3] * (1 - h))
+    expected = ahead / (2 * h * x[2]) * rates[2] + aside / (2 * h * x[3]) * rates[3]
+    assert rates[4] == pytest.approx(expected, rel=1e-5)  # h² of central differences, some ten times over
+
+
+def test_friction_of_the_worst_rail_is_found_without_being_told(kept):
+    """From 0.25 to 0.10 within a second, track known; and a filter with a perfect model knows its errors."""
+    worst = Trial(name="worst", changes=((0.0, WORST),), duration=1.0)
+    trace = simulate(Case(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",), kept)
+    said = beliefs_about(trace, "known_track")
+    late = trace.time > 0.5
+    assert np.abs(said["friction"].mean - trace.truth["friction"])[late].max() < 0.02
+    for quantity in ("creep", "creep_force", "lateral_velocity"):
+        share = np.mean(np.abs(said[quantity].mean - trace.truth[quantity]) < 3 * said[quantity].deviation)
+        # 99.7 % for a Gaussian; the start from exactly known rest is deterministic and may stand out.
+        assert share > 0.97, quantity
+
+
+def test_the_literal_filter_keeps_its_friction_when_the_rail_changes(kept):
+    """Its friction moves with the creep only: told of a new condition, it does not take it over."""
+    change = Trial(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
+    trace = simulate(Case(test=change, speed=25.0, plant="paper", seed=1), ("literal",), kept)
+    said = beliefs_about(trace, "literal")["friction"].mean
+    assert said[-1] > 0.4
+    assert trace.truth["friction"][-1] < 0.11
+
+
+def test_each_filter_is_fed_everything_it_wants(kept):
+    for name in ("literal", "known_track", "unknown_track"):
+        made = party(name, DRY, Irregularity(), kept / "estimators")
+        assert set(made.observer.sources) == set(made.filter.design.inputs)

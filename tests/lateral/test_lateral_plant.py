@@ -1,0 +1,79 @@
+"""The wheelset as an FMU against its equations solved by scipy, and its modes against those published for it."""
+
+import casadi as ca
+import mal
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from fmus.native import lower
+from harness.twins.lateral import DRY, INPUTS, WORST, output_columns, wheelset
+
+
+@pytest.mark.parametrize("rolling", [0.0, 1.0])
+@pytest.mark.parametrize("condition", [DRY, WORST], ids=lambda c: c.name)
+def test_the_fmu_solves_equations_1_to_17(rolling, condition):
+    """A track that steps aside by 3 mm: both creepages, saturation on the worst rail, and the axle's twist."""
+    speed, period, steps, track = 25.0, 50e-6, 1600, 3e-3
+    with wheelset(speed, {"rolling_creep": rolling}) as plant:
+        inputs = np.array([track, condition.mu0, condition.A, condition.B, 0.0])
+        plant.start(inputs)
+        rows = np.array([plant.step(inputs) for _ in range(steps)])
+    rail = mal.Rail(condition.mu0, condition.A, condition.B)
+    exact = solve_ivp(
+        lambda t, x: mal.wheelset(x, track, rail, rolling), (0, steps * period),
+        [0, 0, 0, 0, speed, speed / mal.R0, speed / mal.R0, 0], method="Radau", rtol=1e-9, atol=1e-13,
+        t_eval=period * np.arange(1, steps + 1),
+    ).y  # fmt: skip
+    where = output_columns(("lateral_position", "lateral_velocity", "yaw_angle", "yaw_rate", "speed", "creep"))
+    for name, row in (
+        ("lateral_position", 0),
+        ("lateral_velocity", 1),
+        ("yaw_angle", 2),
+        ("yaw_rate", 3),
+        ("speed", 4),
+    ):
+        found = rows[:, where[name]][:, 0]
+        # Solver tolerance 1e-6 a step of 50 µs, and 1 mm/s taken off the creep speed by the rounded falling friction
+        # (4e-4 of the friction), which saturated forces feel in full.
+        assert found == pytest.approx(exact[row], abs=2e-3 * np.max(np.abs(exact[row]))), name
+
+
+@pytest.mark.parametrize(
+    ("speed", "dominant", "hertz", "fastest"), [(10.0, -1.8, 1.0, -1900.0), (55.0, -6.8, 5.5, -350.0)]
+)
+def test_the_modes_are_those_of_the_wheelset_in_the_literature_of_this_model(speed, dominant, hertz, fastest):
+    """Kinematic mode and fastest mode of the linearised lateral dynamics, computed apart from this model."""
+    model = lower("RailBraking.FMUs.LateralPrediction")
+    x = ca.SX.sym("x", 5)
+    u = [speed, 0.0] if model.inputs[0].name == "speed" else [0.0, speed]
+    rates = model.derivative(0, x, u, [p.start for p in model.parameters])
+    at_rest = ca.Function("A", [x], [ca.jacobian(rates, x)])([0, 0, 0, 0, np.log(DRY.mu0)])
+    poles = np.linalg.eigvals(np.array(at_rest)[:4, :4])
+    kinematic = poles[np.argmax(poles.real)]
+    # The reference values have two digits.
+    assert kinematic.real == pytest.approx(dominant, rel=0.03)
+    assert abs(kinematic.imag) / (2 * np.pi) == pytest.approx(hertz, rel=0.05)
+    assert np.min(poles.real) == pytest.approx(fastest, rel=0.03)
+
+
+def test_the_slope_of_the_force_is_that_of_hertz_and_kalker():
+    """a = 6.76 mm, b = 4.81 mm by elliptic integrals, c11 = 4.53 from Kalker's table: G a b c11 a creep."""
+    values = {"displacement": 1e-9 * 0.5 / 0.15, "speed": 25.0, "mu0": 0.46}
+    model = lower("RailBraking.FMUs.LateralContact")
+    given = [values.get(v.name, 0.0) for v in model.inputs]
+    creep, force, _ = np.array(model.output(0, [], given, [p.start for p in model.parameters])).ravel()
+    exact = 2.1e11 / (2 * 1.28) * 6.76e-3 * 4.81e-3 * 4.53
+    # Greenwood's ellipse is within 0.1 % in area, the parabola through Kalker's table within 0.2 %, three digits given.
+    assert force / creep == pytest.approx(exact, rel=0.006)
+
+
+def test_the_force_never_exceeds_friction_times_load():
+    with wheelset(25.0, {"rolling_creep": 0.0}) as plant:
+        inputs = np.array([0.02, WORST.mu0, WORST.A, WORST.B, 0.0])
+        plant.start(inputs)
+        rows = np.array([plant.step(inputs) for _ in range(2000)])
+    forces = rows[:, output_columns(("creep_force",))["creep_force"]]
+    assert forces.max() < WORST.mu0 * mal.N
+    assert forces.max() > 0.95 * WORST.mu0 * mal.N
+    assert len(INPUTS) == 5

@@ -1,0 +1,88 @@
+"""Detector of the condition, statistics over seeds, and the study's cache."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from estimators.condition import UNDECIDED, ConditionDetector, confusion
+from estimators.errors import EstimatorError
+from harness.lateral.report import write_report
+from harness.lateral.study import Plan, conduct
+from harness.lateral.tables import spread
+from harness.twins.lateral import DRY, WET, Trial
+
+LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
+
+
+def detector(**changes):
+    return ConditionDetector(**{"levels": LEVELS, "confidence": 0.9, "hold": 0.003, "model_deviation": 0.0, **changes})
+
+
+def test_probabilities_are_those_of_a_gaussian_between_midpoints():
+    shares = detector().probabilities(np.array([0.28]), np.array([0.05]))[0]
+    exact = [norm.sf((0.38 - 0.28) / 0.05), None, None, norm.cdf((0.15 - 0.28) / 0.05)]
+    assert shares[0] == pytest.approx(exact[0], rel=1e-12)
+    assert shares[3] == pytest.approx(exact[3], rel=1e-12)
+    assert shares.sum() == pytest.approx(1.0, rel=1e-15)
+
+
+def test_a_condition_is_announced_after_it_has_held_and_stays_while_none_is_sure():
+    mean = np.array([0.46] * 5 + [0.38] * 3 + [0.10] * 5)
+    labels = detector().labels(mean, np.full(13, 0.01), 1e-3)
+    assert labels.tolist() == [UNDECIDED] * 2 + [0] * 3 + [0] * 3 + [0] * 2 + [3] * 3
+
+
+def test_a_belief_that_is_none_announces_nothing():
+    labels = detector(hold=0.0).labels(np.array([np.nan, 0.2]), np.array([np.nan, 0.001]), 1e-3)
+    assert labels.tolist() == [UNDECIDED, 2]
+
+
+def test_model_errors_make_the_detector_wait():
+    sure, wary = (
+        detector(hold=0.0, model_deviation=d).labels(np.array([0.22]), np.array([1e-4]), 1e-3) for d in (0.0, 0.05)
+    )
+    assert (sure[0], wary[0]) == (2, UNDECIDED)
+
+
+def test_confusion_counts_every_sample_once():
+    counts = confusion(np.array([0, 0, 1, 3]), np.array([0, UNDECIDED, 2, 3]), 4)
+    assert counts.sum() == 4
+    assert (counts[0, 0], counts[0, 4], counts[1, 2], counts[3, 3]) == (1, 1, 1, 1)
+
+
+@pytest.mark.parametrize("wrong", [{"confidence": 0.3}, {"levels": {"dry": 0.4}}, {"hold": -1.0}])
+def test_a_detector_that_cannot_decide_is_refused(wrong):
+    with pytest.raises(EstimatorError, match="ConditionDetector"):
+        detector(**wrong)
+
+
+def test_the_interval_of_ten_seeds_is_second_to_ninth():
+    """Binomial: the median of ten lies between the second and the ninth value with 1 − 22/1024."""
+    found = spread([float(k) for k in range(1, 11)])
+    assert (found.median, found.low, found.high) == (5.5, 2.0, 9.0)
+    assert found.confidence == pytest.approx(1 - 22 / 1024)
+
+
+def test_runs_without_a_figure_count_as_infinite():
+    found = spread([1.0, 2.0, None, None, None])
+    assert math.isinf(found.median)
+    assert math.isinf(found.high)
+    assert found.low == 1.0
+
+
+def test_what_has_been_run_is_found_again_and_reported(tmp_path):
+    """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
+    short = Trial(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
+    plan = Plan(tests=(short,), speeds=(25.0,), seeds=1)
+    told: list[bool] = []
+    first = conduct(plan, tmp_path, workers=1, tell=lambda case, found: told.append(found))
+    again = conduct(plan, tmp_path, workers=1, tell=lambda case, found: told.append(found))
+    assert told == [False] * 3 + [True] * 3
+    assert [result.measures for result in first] == [result.measures for result in again]
+    page = write_report(plan, again, tmp_path)
+    text = page.read_text(encoding="utf-8")
+    assert "well posed, track unknown" in text
+    assert len(list(tmp_path.glob("*.png"))) == 3
+    assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + 3 * 3 * 5

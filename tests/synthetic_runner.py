@@ -1,0 +1,37 @@
+"""A runner that needs no FMU: braking as the scenario's seed says, importable by the processes of a campaign."""
+
+import time
+from pathlib import Path
+
+from synthetic import stop_of
+
+from harness.record.outcome import Outcome
+from harness.scenario.error import ScenarioError
+from harness.scenario.schema import Scenario
+
+DECELERATION = {
+    "full_brake": 0.5,
+    "slip_two_state": 0.8,
+    "slip_three_state": 0.85,
+    "adhesion_based": 0.95,
+    "adhesion_literal": 0.9,
+    "ideal_bound": 1.0,
+}
+
+
+def run_stop(scenario: Scenario, progress=None, tell=None):
+    """Brake at the controller's rate; the scenario's description may ask for trouble."""
+    if progress is not None:
+        progress(scenario.start.speed / 2)
+    match scenario.description.split():
+        case ["refuse"]:
+            raise ScenarioError(f"{scenario.name}: the plant has no brakes")
+        case ["break"]:
+            raise RuntimeError("a mistake of the program")
+        case ["slide"]:
+            return stop_of(scenario, 0.4, Outcome.HORIZON, "Still moving at 3 m/s.")
+        case ["wait", marker]:
+            # Say that it runs, then take longer than anybody waits.
+            Path(marker).touch()
+            time.sleep(300)
+    return stop_of(scenario, DECELERATION[scenario.controller.kind])

@@ -1,0 +1,74 @@
+"""Imports point one way, as the plan of the house says."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+ROOMS = ("fmus", "estimators", "controllers", "harness")
+
+# Room or module → what it may import of ours; the longest matching name decides.
+ALLOWED = {
+    "fmus": ("fmus",),
+    "estimators": ("estimators", "fmus.native", "fmus.errors"),
+    "controllers": ("controllers",),
+    "harness": ("harness", "controllers", "estimators", "fmus"),
+    # The loop knows protocols and the values that pass between parties, no party.
+    "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.record.signals",
+                     "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
+    "harness.scenario": ("harness.scenario",),
+    "harness.record": ("harness.record", "harness.scenario"),
+    "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario"),
+    # What the compiled loop calls is described where it is called.
+    "harness.fmu": ("harness.fmu", "estimators.prediction", "fmus.native.toolchain", "harness.loop.compiled.Calls"),
+}  # fmt: skip
+
+
+def modules():
+    """Every module of ours."""
+    for room in ROOMS:
+        for path in sorted((ROOT / room).rglob("*.py")):
+            name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+            yield pytest.param(name, path, id=name)
+
+
+def imported(path):
+    """Names of modules that a file imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: imports are absolute"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def inside(name, package):
+    return name == package or name.startswith(f"{package}.")
+
+
+@pytest.mark.parametrize(("name", "path"), list(modules()))
+def test_imports_point_one_way(name, path):
+    allowed = ALLOWED[max((room for room in ALLOWED if inside(name, room)), key=len)]
+    for other in imported(path):
+        ours = other.split(".")[0] in ROOMS
+        assert not ours or any(inside(other, room) for room in allowed), f"{name} imports {other}"
+
+
+@pytest.mark.parametrize(("name", "path"), list(modules()))
+def test_only_the_fmu_room_of_the_harness_imports_fmpy(name, path):
+    # fmus/ may use fmpy's checker on what it has built; it runs nothing through it.
+    if not inside(name, "harness.fmu") and not inside(name, "fmus"):
+        assert not any(inside(other, "fmpy") for other in imported(path))
+
+
+@pytest.mark.parametrize(("name", "path"), list(modules()))
+def test_only_assembly_names_concrete_laws_and_filters(name, path):
+    concrete = ("controllers.full_brake", "controllers.slip_based", "controllers.adhesion_based", "estimators.ekf",
+                "estimators.compiled")  # fmt: skip
+    if inside(name, "harness.loop") or inside(name, "harness.verdict") or inside(name, "harness.record"):
+        assert not any(inside(other, part) for other in imported(path) for part in concrete)
+
+
+def test_no_room_is_called_after_nothing():
+    assert not [path for room in ROOMS for path in (ROOT / room).rglob("*") if path.stem in {"core", "common", "utils"}]

@@ -1,0 +1,54 @@
+"""Positions are where another library and the field test's authors put them."""
+
+import numpy as np
+import pyproj
+import pytest
+
+from harness.track.geodesy import Place, geocentric, geodetic, local
+
+MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
+"""Middle of the test track of Schwarz, Lüdicke and Heckmann, §3.2."""
+
+
+def test_the_middle_of_the_test_track_is_where_the_paper_has_it():
+    paper = [3.95777632e6, 8.91479549e5, 4.90551675e6]
+    # The paper rounds to 1e-4 degrees: 5.6 m north, 3.5 m east.
+    assert np.abs(geocentric(MIDDLE.latitude, MIDDLE.longitude, MIDDLE.height) - paper).max() < 6.0
+
+
+def test_geocentric_coordinates_are_those_of_proj():
+    random = np.random.default_rng(1)
+    latitude, longitude = random.uniform(-89, 89, 50), random.uniform(-180, 180, 50)
+    height = random.uniform(-100, 5000, 50)
+    to_ecef = pyproj.Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
+    expected = np.stack(to_ecef.transform(longitude, latitude, height), axis=-1)
+    # Both are closed forms in doubles: at 6e6 m rounding is 1e-9 m, a few operations make it 1e-8.
+    np.testing.assert_allclose(geocentric(latitude, longitude, height), expected, rtol=0, atol=1e-6)
+
+
+def test_the_local_frame_is_that_of_proj():
+    random = np.random.default_rng(2)
+    latitude = MIDDLE.latitude + random.uniform(-0.02, 0.02, 50)
+    longitude = MIDDLE.longitude + random.uniform(-0.02, 0.02, 50)
+    height = MIDDLE.height + random.uniform(-50, 50, 50)
+    east_north_up = pyproj.Transformer.from_pipeline(
+        "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step +proj=cart +ellps=WGS84 "
+        f"+step +proj=topocentric +ellps=WGS84 +lon_0={MIDDLE.longitude} +lat_0={MIDDLE.latitude} +h_0={MIDDLE.height}"
+    )
+    east, north, up = east_north_up.transform(longitude, latitude, height)
+    found = local(latitude, longitude, height, MIDDLE)
+    np.testing.assert_allclose(found, np.stack([north, east, -np.asarray(up)], axis=-1), rtol=0, atol=1e-6)
+
+
+def test_the_way_there_and_back_ends_where_it_began():
+    points = np.random.default_rng(3).uniform(-2000, 2000, (50, 3))
+    there = geodetic(points[:, 0], points[:, 1], points[:, 2], MIDDLE)
+    back = local(there[:, 0], there[:, 1], there[:, 2], MIDDLE)
+    # The way from ECEF to a height is iterated by the library, to about a nanometre.
+    np.testing.assert_allclose(back, points, rtol=0, atol=1e-6)
+
+
+def test_a_level_kilometre_seems_to_fall_by_eight_centimetres():
+    """d²/2R, R the radius of the ellipsoid along the meridian there, 6.374e6 m to 0.3 %."""
+    down = local(MIDDLE.latitude + np.degrees(1000 / 6.374e6), MIDDLE.longitude, MIDDLE.height, MIDDLE)[2]
+    assert down == pytest.approx(1000**2 / 2 / 6.374e6, rel=0.01)

@@ -1,0 +1,60 @@
+"""A laid track has the heading, height and plan that its pieces say."""
+
+import numpy as np
+import pytest
+from scipy.special import fresnel
+
+from harness.track.geodesy import Place, local
+from harness.track.laid import Element, LaidTrack, Linear, course_of, grades_of
+
+MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
+FLAT = Linear(np.array([0.0]), np.array([0.0]))
+
+
+def track(curvature: Linear, slope: Linear = FLAT, heading: float = 0.0) -> LaidTrack:
+    return LaidTrack(origin=MIDDLE, middle=0.0, length=400.0, heading=heading, curvature=curvature, slope=slope)
+
+
+def test_a_transition_curve_is_a_clothoid():
+    """North and east of a clothoid κ = s/A² are Fresnel's integrals."""
+    length, radius = 200.0, 250.0
+    plan = track(
+        course_of((Element(length=length, curvature=1 / radius), Element(length=200, curvature=1 / radius)))
+    ).plan()
+    scale = np.sqrt(np.pi * length * radius)  # Fresnel's integrals take π t²/2 for s²/(2A²)
+    sine, cosine = fresnel(length / scale)
+    # Simpson over half a metre: (h⁵/2880) of a fourth derivative below 1e-6, four hundred times.
+    np.testing.assert_allclose(plan.horizontal_at(length), [scale * cosine, scale * sine], rtol=0, atol=1e-7)
+
+
+def test_an_arc_turns_by_its_length_over_its_radius_about_its_centre():
+    laid = track(Linear(np.array([0.0]), np.array([1 / 300.0])))
+    assert laid.heading_at(300.0) == pytest.approx(1.0)
+    plan = laid.plan()
+    centre = np.array([0.0, 300.0])  # to the right of north is east
+    distances = np.linalg.norm(plan.horizontal_at(np.arange(0, 400, 0.5)) - centre, axis=1)
+    np.testing.assert_allclose(distances, 300.0, rtol=0, atol=1e-7)
+
+
+def test_a_slope_change_is_a_parabola_through_its_tangents():
+    laid = track(FLAT, grades_of(-0.01, ((200.0, 0.01, 5000.0),)))
+    # Tangents meet at 200 m, 2 m below the beginning; the parabola passes l²/(2R) above, l = 50 m.
+    assert laid.height_at(100.0) - MIDDLE.height == pytest.approx(-1.0)
+    assert laid.height_at(200.0) - MIDDLE.height == pytest.approx(-2.0 + 50.0**2 / (2 * 5000.0))
+    assert laid.height_at(300.0) - MIDDLE.height == pytest.approx(-1.0)
+
+
+def test_overlapping_roundings_are_refused():
+    with pytest.raises(ValueError, match="begins at 170 m, before 250 m"):
+        grades_of(-0.01, ((200.0, 0.01, 5000.0), (205.0, 0.003, 10000.0)))
+
+
+def test_positions_lie_on_the_plan_and_carry_the_height_over_the_ellipsoid():
+    laid = track(Linear(np.array([0.0]), np.array([1 / 300.0])), grades_of(0.01, ()), heading=0.4)
+    plan = laid.plan()
+    distance = np.array([0.0, 150.0, 400.0])
+    found = plan.positions(distance)
+    flat = local(found[:, 0], found[:, 1], found[:, 2], MIDDLE)
+    # Lifting a point by 4 m along its own vertical, 400 m off, moves it by 4·400/6.4e6 m in the plane of the origin.
+    np.testing.assert_allclose(flat[:, :2], plan.horizontal_at(distance), rtol=0, atol=5e-4)
+    np.testing.assert_allclose(found[:, 2], MIDDLE.height + 0.01 * distance)

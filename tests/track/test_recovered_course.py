@@ -1,0 +1,120 @@
+"""What is recovered of a track is what was laid, as far as the low-pass lets through."""
+
+import numpy as np
+import pytest
+
+from harness.estimate.error import EstimationError
+from harness.track.course import LowPass, course_of
+from harness.track.geodesy import Place
+from harness.track.laid import Element, LaidTrack, grades_of
+from harness.track.laid import course_of as laid_course
+from harness.track.motion import Trust, motion_of
+from harness.track.smoother import smooth
+
+LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
+TRACK = LaidTrack(
+    origin=Place(latitude=50.6, longitude=12.7, height=300.0),
+    middle=0.0,
+    length=1200.0,
+    heading=0.5,
+    curvature=laid_course(
+        (
+            Element(length=300, curvature=0),
+            Element(length=80, curvature=1 / 500),
+            Element(length=400, curvature=1 / 500),
+            Element(length=80, curvature=0),
+            Element(length=340, curvature=0),
+        )
+    ),
+    slope=grades_of(-0.006, ((600.0, 0.004, 8000.0),)),
+)
+
+
+def test_perfect_positions_give_back_curvature_and_slope():
+    distance = np.arange(0.0, 1200.0, 1.7)
+    course = course_of(distance, TRACK.plan().horizontal_at(distance), TRACK.height_at(distance), LOW_PASS)
+    inside = (course.distance > 100) & (course.distance < 1100)
+    # Corners of κ, which changes by 2.5e-5/m in the transitions, are rounded over L/2π = 10 m: half of that at most.
+    assert np.abs(course.curvature - TRACK.curvature(course.distance))[inside].max() < 1.25e-4
+    arc = (course.distance > 480) & (course.distance < 680)
+    # Within the arc nothing is rounded; what is left is the memory of its ends, over a wavelength away.
+    assert np.abs(course.curvature[arc] - 1 / 500).max() < 4e-6
+    # Likewise for the slope, which changes by 1/8000 a metre.
+    assert np.abs(course.slope - TRACK.slope(course.distance))[inside].max() < 6e-4
+
+
+def test_a_wave_of_the_cut_off_length_is_halved():
+    """1/(1 + (L/l)⁴) at l = L, on a height that waves."""
+    distance = np.arange(0.0, 2000.0, 1.0)
+    wave = 2 * np.pi * distance / LOW_PASS.height
+    straight = np.column_stack([distance, np.zeros_like(distance)])
+    course = course_of(distance, straight, np.sin(wave), LOW_PASS)
+    inside = slice(300, -300)
+    left = np.sqrt(2) * np.std(course.height[inside])
+    # Whole waves inside up to one of 23: 1/46 of the amplitude.
+    assert left == pytest.approx(0.5, abs=0.02)
+
+
+def test_positions_over_a_few_metres_are_refused():
+    with pytest.raises(EstimationError, match="say nothing about curvature over 10 m"):
+        course_of(np.linspace(0, 4, 9), np.zeros((9, 2)), np.zeros(9), LOW_PASS)
+
+
+def test_the_smoother_is_the_least_squares_of_all_readings():
+    """For a linear Gaussian model the smoothed mean minimises all weighted squares; solved here as one system."""
+    random = np.random.default_rng(4)
+    F, Q = np.array([[1.0, 0.5], [0.0, 0.9]]), np.array([[0.3, 0.1], [0.1, 0.2]])
+    sight = random.normal(size=(12, 2, 2))
+    noise = np.array([0.5, 2.0])
+    seen = random.normal(size=(12, 2))
+    seen[3, 0] = seen[7] = np.nan
+    start, spread = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
+    rows, right = [], []
+
+    def add(block: np.ndarray, at: int, value: np.ndarray, covariance: np.ndarray, before: np.ndarray | None = None):
+        weight = np.linalg.inv(np.linalg.cholesky(covariance))
+        row = np.zeros((len(value), 24))
+        row[:, 2 * at : 2 * at + 2] = block
+        if before is not None:
+            row[:, 2 * at - 2 : 2 * at] = before
+        rows.append(weight @ row)
+        right.append(weight @ value)
+
+    add(np.eye(2), 0, start, spread)
+    for j in range(12):
+        if j:
+            add(np.eye(2), j, np.zeros(2), Q, -F)
+        for i in range(2):
+            if np.isfinite(seen[j, i]):
+                add(sight[j, i : i + 1], j, seen[j, i : i + 1], noise[i : i + 1, None])
+    expected = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0].reshape(12, 2)
+    found = smooth(transition=F, noise=Q, sight=sight, reading_noise=noise, seen=seen, start=start, spread=spread).mean
+    # Both solve the same well-conditioned system in doubles.
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+def test_a_speed_sensor_that_reads_too_much_is_found_out_by_gnss():
+    """0.5 % over 800 m are 4 m; positions are good for centimetres."""
+    period, count = 0.05, 1200
+    time = period * np.arange(count)
+    v = np.clip(0.6 * time, 0.0, 18.0)
+    distance = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * period)])
+    random = np.random.default_rng(5)
+    horizontal = TRACK.plan().horizontal_at(distance) + 0.02 * random.standard_normal((count, 2))
+    horizontal[1::2] = np.nan
+    height = TRACK.height_at(distance) + 0.03 * random.standard_normal(count)
+    height[1::2] = np.nan
+    acceleration = np.gradient(v, period)[:, None] + [0.05, -0.02] + 0.05 * random.standard_normal((count, 2))
+    motion = motion_of(
+        period=period,
+        speed=1.005 * v + 0.02 * random.standard_normal(count),
+        accelerations=acceleration,
+        horizontal=horizontal,
+        height=height,
+        trust=Trust(speed=0.02, scale=5e-3, acceleration=0.05, bias=0.1, drift=0.01, jerk=0.7, position=0.1),
+        low_pass=LOW_PASS,
+    )
+    # A tenth of the scale error is what 0.02 m of position over 800 m and a smoothed path leave.
+    assert motion.distance[-1] == pytest.approx(distance[-1], rel=5e-4)
+    assert motion.scale == pytest.approx(0.005, abs=5e-4)
+    assert np.sqrt(np.mean((motion.speed - v) ** 2)) < 0.01

@@ -1,0 +1,29 @@
+"""Results on disk for every verdict."""
+
+from pathlib import Path
+
+import pytest
+from synthetic_runner import run_stop
+
+import harness.scenario
+from harness.campaign import write_description
+from harness.record.stop import write_stop
+from harness.scenario.campaign import load_campaign
+
+TABLE1 = Path(harness.scenario.__file__).parent / "campaigns" / "table1.toml"
+COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
+
+
+@pytest.fixture(scope="session")
+def write_campaign():
+    """Write results of some stops of table 1 as if they had been run; return the campaign of these."""
+
+    def write(directory, keep, overrides=()):
+        whole = load_campaign(TABLE1, [*COARSE, *overrides])
+        kept = whole.only(keep)
+        write_description(kept, directory)
+        for stop in kept.stops:
+            write_stop(run_stop(stop.scenario), directory / stop.name)
+        return kept
+
+    return write

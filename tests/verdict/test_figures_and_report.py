@@ -1,0 +1,106 @@
+"""Figures have labels and units, show the data of the results, and make one self-contained page."""
+
+import re
+
+import numpy as np
+import pytest
+
+from harness.record.error import RecordError
+from harness.verdict import style
+from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from harness.verdict.report import write_report
+from harness.verdict.results import read_results
+from harness.verdict.table import rows_of
+
+KEPT = {"slip_two_state", "adhesion_based"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, write_campaign):
+    directory = tmp_path_factory.mktemp("report")
+    write_campaign(
+        directory,
+        lambda stop: stop.variants["edge"] == "ideal" and stop.variants["controller"] in KEPT,
+    )
+    return directory
+
+
+@pytest.fixture(scope="module")
+def stops(folder):
+    return {stop.name: stop for stop in read_results(folder).stops}
+
+
+def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
+    chosen = [stops[f"{name}-ideal-slip_two_state"] for name in ("trapezoid", "sine_sweep", "random")]
+    panels = friction_figure(chosen).axes
+    assert len(panels) == 3
+    for panel, stop in zip(panels, chosen, strict=True):
+        assert "mu_0" in panel.get_ylabel()
+        mu0 = stop.record.trace()["mu0"].values
+        # Coupled wheelsets find the same friction: one line for both, labelled with both.
+        assert len(panel.lines) == len(np.unique(mu0, axis=1).T) == 4
+        assert panel.lines[0].get_ydata() == pytest.approx(mu0[:, 0])
+        assert panel.lines[-1].get_ydata() == pytest.approx(mu0[:, 5])
+        assert panel.lines[0].get_color() == pytest.approx(style.lead_to_trail(6)[0])
+    assert "[s]" in panels[-1].get_xlabel()
+    assert panels[0].get_legend().get_texts()[0].get_text() == "wheelsets 1, 2"
+
+
+def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
+    sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
+    panel = adhesion_figure(sbc, abc).axes[0]
+    lines = {line.get_label(): line for line in panel.lines}
+    assert list(lines) == ["SBC, two-state", "ABC", "ABC, estimated", "greatest possible", "limit 0.15"]
+    trace = abc.record.trace()
+    assert lines["ABC"].get_ydata() == pytest.approx(trace["adhesion"].values[:, 0])
+    assert lines["greatest possible"].get_ydata() == pytest.approx(trace["peak_adhesion"].values[:, 0])
+
+
+def test_distances_stand_beside_the_published_ones(folder):
+    rows = rows_of(read_results(folder))
+    panel = distance_figure(rows).axes[0]
+    heights = sorted(bar.get_height() for bar in panel.patches)
+    assert heights == pytest.approx(sorted(row.distance_m for row in rows))
+    marks = sorted(float(line.get_ydata()[0]) for line in panel.lines if len(line.get_ydata()) == 2)
+    assert marks == sorted([382.9, 333.4, 316.2, 286.6, 339.6, 309.6])
+
+
+def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
+    made = stop_figure(stops["trapezoid-ideal-adhesion_based"])
+    labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
+    assert labels == ["speed [km/h]", "slip [%]", "adhesion", "pad friction", "cylinder pressure [bar]"]
+    assert len(made.axes) == 20
+    assert made.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
+
+
+def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
+    stop = stops["trapezoid-ideal-slip_two_state"]
+    one, other = (style.save(friction_figure([stop]), tmp_path / f"{k}.png").read_bytes() for k in (1, 2))
+    assert one == other
+
+
+def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
+    page = write_report(folder, panels=False)
+    text = page.read_text(encoding="utf-8")
+    assert not re.search(r'(src|href)="(?!data:)', text)
+    assert "http" not in text.replace("http-equiv", "")
+    assert text.count("data:image/png;base64,") == 2 + 3
+    assert (folder / "table1.json").exists()
+    assert (folder / "figures" / "friction.png").exists()
+    assert "longest lock" in text
+
+
+def test_a_single_stop_has_a_page_too(folder):
+    page = write_report(folder / "trapezoid-ideal-adhesion_based")
+    assert "data:image/png" in page.read_text(encoding="utf-8")
+
+
+def test_a_campaign_without_any_result_still_has_a_page(tmp_path, write_campaign):
+    kept = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-full_brake")
+    (tmp_path / kept.stops[0].name / "stop.json").unlink()
+    assert "Not run: trapezoid-ideal-full_brake" in write_report(tmp_path).read_text(encoding="utf-8")
+
+
+def test_a_folder_with_nothing_in_it_is_refused(tmp_path):
+    with pytest.raises(RecordError, match=r"has neither campaign\.json nor stop\.json"):
+        write_report(tmp_path)

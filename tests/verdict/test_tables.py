@@ -1,0 +1,86 @@
+"""The table of distances: rows, reductions and what the paper says beside them."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic_runner import DECELERATION
+
+from harness.record.error import RecordError
+from harness.verdict.results import read_results
+from harness.verdict.table import rows_of, write_table
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, write_campaign):
+    directory = tmp_path_factory.mktemp("table")
+    write_campaign(directory, lambda stop: stop.variants["scenario"] == "trapezoid")
+    return directory
+
+
+def test_reductions_are_against_sbc_in_the_same_conditions(folder):
+    rows = {(row.actuation, row.controller): row for row in rows_of(read_results(folder))}
+    expected = 1 - DECELERATION["slip_two_state"] / DECELERATION["adhesion_based"]
+    for actuation in ("ideal", "pneumatic"):
+        # 1e-3: stops end on a sample of 10 ms
+        assert rows[actuation, "adhesion_based"].reduction_vs_sbc == pytest.approx(expected, abs=1e-3)
+        assert rows[actuation, "slip_two_state"].reduction_vs_sbc is None
+    assert rows["ideal", "adhesion_based"].paper_distance_m == 333.4
+    assert rows["ideal", "adhesion_based"].paper_reduction == pytest.approx(0.129, abs=5e-4)
+    assert rows["pneumatic", "adhesion_based"].paper_distance_m is None
+
+
+def test_json_has_the_rows_that_were_asked_for(folder):
+    as_json, as_markdown = write_table(read_results(folder), folder)
+    content = json.loads(as_json.read_text(encoding="utf-8"))
+    wanted = {
+        "scenario", "actuation", "sensors", "controller", "estimator", "distance_m", "duration_s",
+        "reduction_vs_sbc", "utilisation", "paper_distance_m",
+    }  # fmt: skip
+    assert as_json.name == "table1.json"
+    assert wanted <= set(content["rows"][0])
+    text = as_markdown.read_text(encoding="utf-8")
+    assert "## Actuation ideal, sensors ideal, creep curve" in text
+    assert "## Actuation pneumatic, sensors service" in text
+    assert "−12.9 %" in text
+
+
+def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
+    results = read_results(folder)
+    without_air = replace(results.stops[0].record, metrics=replace(results.stops[0].record.metrics, air_used=np.nan))
+    results = replace(results, stops=(replace(results.stops[0], record=without_air), *results.stops[1:]))
+    as_json, as_markdown = write_table(results, folder)
+    assert json.loads(as_json.read_text(encoding="utf-8"))["rows"][0]["air_l"] is None
+    assert as_markdown.read_text(encoding="utf-8").splitlines()[8].endswith(" s |  |")
+
+
+def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, write_campaign):
+    write_campaign(
+        tmp_path, lambda stop: stop.name in {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-adhesion_based"},
+        overrides=["description=slide"],
+    )  # fmt: skip
+    rows = rows_of(read_results(tmp_path))
+    assert [row.distance_m for row in rows] == [None, None]
+    assert [row.reduction_vs_sbc for row in rows] == [None, None]
+    assert {row.outcome for row in rows} == {"horizon"}
+    assert "none: horizon" in write_table(read_results(tmp_path), tmp_path)[1].read_text(encoding="utf-8")
+
+
+def test_results_that_are_not_there_or_of_another_scenario_are_missing(tmp_path, write_campaign):
+    kept = write_campaign(tmp_path, lambda stop: stop.name.startswith("random-ideal-slip"))
+    first, second = (stop.name for stop in kept.stops)
+    (tmp_path / first / "stop.json").unlink()
+    path = tmp_path / second / "stop.json"
+    path.write_text(path.read_text(encoding="utf-8").replace(kept.stops[1].scenario.digest(), "0"), encoding="utf-8")
+    results = read_results(tmp_path)
+    assert results.stops == ()
+    assert set(results.missing) == {first, second}
+
+
+@pytest.mark.parametrize("content", [None, "{", "[]", '{"name": 1}'])
+def test_a_folder_that_is_no_campaign_is_refused(tmp_path, content):
+    if content is not None:
+        (tmp_path / "campaign.json").write_text(content, encoding="utf-8")
+    with pytest.raises(RecordError, match=r"campaign\.json: (there is no such file|is not the description)"):
+        read_results(tmp_path)
