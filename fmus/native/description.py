@@ -56,8 +56,9 @@ class Writer:
         head |= {"causality": causality, "variability": variability}
         if initial:
             head["initial"] = initial
-        value = f"<{type_}{attributes_text(inner)}/>"
-        self.rows.append(f"    <ScalarVariable{attributes_text(head)}>{value}</ScalarVariable>")
+        self.rows.append(
+            f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
+        )
 
 
 def attributes_text(values: dict[str, str]) -> str:

@@ -29,7 +29,8 @@ class Discrete:
         period: Between calls, s.
         states, inputs, parameters, outputs: In the order of the function's vectors; outputs hold their start values
             until the first call. Parameters are set before the first step.
-        step: (state, input, parameter) → (state, output), columns; the parameter may be missing when there is none.
+        step: (state, input, parameter) → (state, output), dense columns; without parameters the third may be
+            missing.
     """
 
     name: str
@@ -42,7 +43,7 @@ class Discrete:
     step: ca.Function
 
     def __post_init__(self) -> None:
-        """Check that the function fits the variables."""
+        """Refuse a period that is none and functions that do not fit."""
         if not self.period > 0:
             raise WrongQuestion(f"{self.name}: the period is a positive time, got {self.period} s.")
         takes = [self.step.numel_in(i) for i in range(self.step.n_in())]

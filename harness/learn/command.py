@@ -32,7 +32,7 @@ def learn(
     """Learn friction from axle-box accelerations: train, judge, report, and export as an FMU."""
     if (runs is None) != (labels is None):
         raise typer.BadParameter("--runs and --labels go together")
-    page = own(runs, labels, out) if runs and labels else paper(quick, out, workers)
+    page = own(runs, labels, out, workers) if runs and labels else paper(quick, out, workers)
     Console().print(str(page), highlight=False, soft_wrap=True)
 
 
@@ -60,7 +60,7 @@ def paper(quick: bool, out: Path, workers: int) -> Path:
     return page
 
 
-def own(runs: Path, labels: Path, out: Path) -> Path:
+def own(runs: Path, labels: Path, out: Path, workers: int) -> Path:
     """Train and judge on a user's runs, write the report and the FMU of the estimator for all speeds."""
     from harness.learn.own import judge_own
     from harness.learn.users import read_runs
@@ -70,7 +70,7 @@ def own(runs: Path, labels: Path, out: Path) -> Path:
         task = bar.add_task("reading", total=None)
         read = read_runs(runs, labels)
         bar.update(task, description="training")
-        text, ensemble = judge_own(read)
+        text, ensemble = judge_own(read, workers=workers)
         bar.update(task, description="FMU")
         _export(ensemble, out)
     page = out / "report.md"
