@@ -6,6 +6,7 @@ Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence o
 import sys
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -87,9 +88,10 @@ def run(
             lambda sentence: bar.console.print(sentence, markup=False, highlight=False, soft_wrap=True),
         )
     metrics = stop.metrics
+    # A plant from outside may not show its adhesion; then there is no share of it to tell.
+    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
     _out.print(
-        f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s, "
-        f"{100 * metrics.utilisation:.1f} % of the possible adhesion used",
+        f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}",
         highlight=False,
     )
     _out.print(f"{directory}/stop.json", highlight=False)
@@ -279,7 +281,8 @@ def _progress(*columns: ProgressColumn) -> Generator[Progress]:
     """Show progress on standard error; Ctrl-C ends in a sentence (left to typer, it would end in silence)."""
     around = (SpinnerColumn(), TextColumn("{task.description}"), *columns, TimeElapsedColumn())
     try:
-        with Progress(*around, console=_err, transient=True) as bar:
+        # Where nobody watches, rich would leave an empty line.
+        with Progress(*around, console=_err, transient=True, disable=not _err.is_terminal) as bar:
             yield bar
     except KeyboardInterrupt:
         _err.print("Interrupted; what had finished is kept.", highlight=False)

@@ -17,7 +17,7 @@ from harness.record.atomic import PARTIAL, write_text
 from harness.record.error import RecordError
 from harness.record.outcome import Outcome
 from harness.record.stop import read_stop
-from harness.run import SOURCES, Runner, run
+from harness.run import SOURCES, Runner, make_folder, run
 from harness.scenario.campaign import Campaign, PlannedStop
 from harness.scenario.schema import Scenario
 from harness.sources import sources_digest
@@ -65,8 +65,10 @@ def run_campaign(
         tell: Called as soon as something became of a stop.
 
     Raises:
+        RecordError: Results cannot be written there; nothing was run.
         KeyboardInterrupt: After the running stops were ended.
     """
+    make_folder(directory)
     write_description(campaign, directory)
     reports: dict[str, Report] = {}
 

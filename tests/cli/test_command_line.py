@@ -66,6 +66,14 @@ def test_a_wrong_question_exits_2_with_a_sentence(railgrip, arguments, sentence)
     assert done.out == ""
 
 
+@pytest.mark.parametrize("command", [("run", "wet.toml"), ("campaign", "pair.toml")], ids=" ".join)
+def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, project, command):
+    (project / "taken").write_text("a file", encoding="utf-8")
+    done = railgrip(*command, "--set", "description=break", "--out", "taken/out")
+    assert done.code == 2
+    assert "taken/out: results cannot be written there: Not a directory; name another folder by --out" in done.err
+
+
 def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
     with pytest.raises(RuntimeError, match="a mistake of the program"):
         railgrip("run", "wet.toml", "--set", "description=break")

@@ -1,0 +1,97 @@
+/* A train as an FMI 2.0 FMU for tests, with the names and units of this project: it slows down as it is braked, and
+ * after a tenth of a second it misbehaves in one way.
+ *
+ * Value references: 0-3 pressure_command, 4-9 mu0, 10 speed_start, 11 distance, 12 speed, 13 acceleration,
+ * 14-17 wheelset_speed, 18-21 cylinder_pressure.                                                                */
+#include <math.h>
+#include "quiet.h"
+
+#define WELL 0
+#define ERROR_STATUS 1
+#define DISCARD 2
+#define NAN_OUTPUT 3
+#define NEVER_RETURNS 4
+#define NEVER_HALTS 5
+#define CRASH 6
+
+#define RADIUS 0.38
+#define SOON 0.1 /* s */
+#define RATE 4e-6 /* m/s2 per Pa */
+
+typedef struct {
+    const fmi2CallbackFunctions *call;
+    double t, v[22];
+} Mule;
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions *call, fmi2Boolean visible, fmi2Boolean logging) {
+    (void)name; (void)type; (void)guid; (void)resources; (void)visible; (void)logging;
+    Mule *m = call->allocateMemory(1, sizeof *m);
+    m->call = call;
+    m->v[10] = 20;
+    return m;
+}
+void fmi2FreeInstance(fmi2Component c) { if (c) ((Mule *)c)->call->freeMemory(c); }
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t, fmi2Boolean sd, fmi2Real stop) {
+    (void)c; (void)td; (void)tol; (void)t; (void)sd; (void)stop; return fmi2OK;
+}
+static void show(Mule *m) {
+    for (int i = 0; i < 4; i++) { m->v[14 + i] = m->v[12] / RADIUS; m->v[18 + i] = m->v[i]; }
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) { Mule *m = c; m->v[12] = m->v[10]; show(m); return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
+    for (size_t i = 0; i < n; i++) v[i] = ((Mule *)c)->v[vr[i]];
+    return fmi2OK;
+}
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[]) {
+    for (size_t i = 0; i < n; i++) ((Mule *)c)->v[vr[i]] = v[i];
+    return fmi2OK;
+}
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
+    Mule *m = c;
+    (void)no;
+    if (t >= SOON) switch (MISBEHAVIOUR) {
+        case ERROR_STATUS:
+            m->call->logger(m->call->componentEnvironment, "mule", fmi2Error, "logStatusError", "the wheel came off");
+            return fmi2Error;
+        case DISCARD: return fmi2Discard;
+        case NEVER_RETURNS: for (volatile int k = 0;; k = 0) { (void)k; }
+        case CRASH: { volatile int *nowhere = NULL; *nowhere = 1; break; }
+        default: break;
+    }
+    m->v[13] = MISBEHAVIOUR == NEVER_HALTS ? 0 : -RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4;
+    m->v[11] += h * m->v[12];
+    m->v[12] = fmax(0, m->v[12] + h * m->v[13]);
+    show(m);
+    if (MISBEHAVIOUR == NAN_OUTPUT && t >= SOON) m->v[12] = NAN;
+    return fmi2OK;
+}
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String v[]) {
+    (void)c; (void)vr; (void)v; return n ? fmi2Error : fmi2OK;
+}
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c; (void)state; return fmi2Error; }
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) { (void)c; (void)state; return fmi2Error; }
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) { (void)c; (void)state; return fmi2Error; }
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference z[], size_t nz,
+                                        const fmi2ValueReference w[], size_t nw, const fmi2Real dw[], fmi2Real dz[]) {
+    (void)c; (void)z; (void)nz; (void)w; (void)nw; (void)dw; (void)dz; return fmi2Error;
+}
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k, fmi2Real *v) {
+    (void)c; (void)k; (void)v; return fmi2Discard;
+}
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind k, fmi2Boolean *v) {
+    (void)c; (void)k; (void)v; return fmi2Discard;
+}

@@ -1,0 +1,79 @@
+"""Makes the train FMU of mule.c, well-behaved or misbehaving in one way."""
+
+import zipfile
+from pathlib import Path
+
+import fmpy
+from tiny_fmu import HEADERS
+
+from fmus.native.toolchain import shared_library
+
+HERE = Path(__file__).parent
+SOURCES = {name: (HERE / name).read_text() for name in ("mule.c", "quiet.h")}
+UNITS = {
+    "Pa": '<BaseUnit kg="1" m="-1" s="-2"/>',
+    "m": '<BaseUnit m="1"/>',
+    "m/s": '<BaseUnit m="1" s="-1"/>',
+    "m/s2": '<BaseUnit m="1" s="-2"/>',
+    "rad/s": '<BaseUnit rad="1" s="-1"/>',
+    "1": "<BaseUnit/>",
+}
+
+
+def mule(folder: Path, misbehaviour: str = "WELL", *, speed_unit: str = "m/s", platform: str = fmpy.platform) -> Path:
+    """Build the FMU in `folder` and return its file.
+
+    Args:
+        folder: Where the library is compiled (and kept) and the FMU written.
+        misbehaviour: A name defined in mule.c.
+        speed_unit: What it says the unit of its speed is.
+        platform: Folder of the binary inside the FMU.
+    """
+    library = shared_library(
+        SOURCES,
+        folder / "libraries",
+        f"mule_{misbehaviour.lower()}",
+        include=(HEADERS,),
+        flags=(f"-DMISBEHAVIOUR={misbehaviour}",),
+    )
+    file = folder / f"{misbehaviour.lower()}.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", _description(speed_unit))
+        archive.write(library, f"binaries/{platform}/mule{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def _description(speed_unit: str) -> str:
+    inputs = [(f"pressure_command[{i}]", "Pa") for i in range(1, 5)] + [(f"mu0[{i}]", "1") for i in range(1, 7)]
+    outputs = [
+        *(("distance", "m"), ("speed", speed_unit), ("acceleration", "m/s2")),
+        *((f"wheelset_speed[{i}]", "rad/s") for i in range(1, 5)),
+        *((f"cylinder_pressure[{i}]", "Pa") for i in range(1, 5)),
+    ]
+    rows = [
+        *(('input" variability="continuous', name, unit, ' start="0"') for name, unit in inputs),
+        ('parameter" variability="fixed" initial="exact', "speed_start", "m/s", ' start="20"'),
+        *(('output" variability="continuous" initial="calculated', name, unit, "") for name, unit in outputs),
+    ]
+    variables = "\n".join(
+        f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{how}"><Real unit="{unit}"{start}/>'
+        "</ScalarVariable>"
+        for reference, (how, name, unit, start) in enumerate(rows)
+    )
+    unknowns = "".join(f'<Unknown index="{i}"/>' for i in range(len(inputs) + 2, len(rows) + 1))
+    return "\n".join(
+        [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            '<fmiModelDescription fmiVersion="2.0" modelName="Mule" guid="{mule}"',
+            '    variableNamingConvention="structured">',
+            '<CoSimulation modelIdentifier="mule" canHandleVariableCommunicationStepSize="true"/>',
+            "<UnitDefinitions>",
+            *(f'<Unit name="{name}">{base}</Unit>' for name, base in UNITS.items()),
+            "</UnitDefinitions>",
+            '<LogCategories><Category name="logStatusError"/></LogCategories>',
+            f"<ModelVariables>{variables}</ModelVariables>",
+            f"<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>"
+            "</ModelStructure>",
+            "</fmiModelDescription>",
+        ]
+    )

@@ -1,0 +1,184 @@
+"""`railgrip run` with a plant from outside: whatever is wrong with it ends in a sentence and an exit code.
+
+The whole way is real: scenario file, mapping, FMU in a process of its own or in this one, loop, result.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import pytest
+from mule_fmu import mule
+
+from harness import assemble
+from harness.__main__ import main
+
+SCENARIO = """
+name = "town"
+seed = 1
+[vehicle]
+plant = "{plant}"
+trust = {trust}
+{more}
+[start]
+speed = "36 km/h"
+[adhesion]
+kind = "constant"
+polach = "dry"
+mu0 = 0.3
+[sensors]
+kind = "ideal"
+[actuation]
+kind = "ideal"
+[estimator]
+kind = "none"
+[controller]
+kind = "full_brake"
+[periods]
+communication = "10 ms"
+estimator = "10 ms"
+controller = "10 ms"
+trace = "10 ms"
+[limits]
+horizon = "30 s"
+stop_speed = "0.1 m/s"
+alpha_max = "tsi"
+"""
+
+
+@dataclass(frozen=True)
+class Done:
+    code: int
+    out: str
+    err: str
+
+
+Railgrip = Callable[..., Done]
+
+
+@pytest.fixture
+def railgrip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Railgrip:
+    """Run town.toml with a plant, in this process; results go to `out`."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(plant: Path, *, trust: bool = True, more: str = "") -> Done:
+        text = SCENARIO.format(plant=plant, trust=str(trust).lower(), more=more)
+        (tmp_path / "town.toml").write_text(text)
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as end:
+            main(["run", "town.toml", "--out", "out"])
+        out, err = capfd.readouterr()
+        assert "Traceback" not in err
+        return Done(code=int(end.value.code or 0), out=out, err=err)
+
+    return run
+
+
+def test_a_plant_with_our_names_needs_no_table(railgrip: Railgrip, foundry: Path):
+    done = railgrip(mule(foundry))
+    assert done.code == 0, done.err
+    # 3.4, 2, 2 and 3.4 bar on average times its rate are 1.08 m/s2. It moves on with the speed at the beginning of a
+    # step: over all steps of 10 ms together half a step at 10 m/s too far.
+    assert "town: standstill" in done.out
+    # It does not show its adhesion, so there is no share of it, and none is printed.
+    assert "nan" not in done.out
+    content = json.loads(Path("out/stop.json").read_text())
+    assert content["distance_m"] == pytest.approx((10**2 - 0.1**2) / 2 / 1.08 + 0.05, abs=2e-3)
+
+
+@pytest.mark.parametrize("trust", [True, False])
+@pytest.mark.parametrize(
+    ("misbehaviour", "sentence"),
+    [
+        ("ERROR_STATUS", "fmi2DoStep returned fmi2Error; it says: error: the wheel came off."),
+        ("DISCARD", "fmi2DoStep returned fmi2Discard"),
+        ("NAN_OUTPUT", "output 'speed' is not a finite number (nan)."),
+    ],
+)
+def test_a_plant_that_fails_is_a_result_and_exits_3(
+    railgrip: Railgrip, foundry: Path, misbehaviour: str, sentence: str, trust: bool
+):
+    done = railgrip(mule(foundry, misbehaviour), trust=trust)
+    assert done.code == 3
+    assert "town: no braking distance, the stop ended with plant_failed: " in done.err
+    assert sentence in done.err
+    content = json.loads(Path("out/stop.json").read_text())
+    assert content["outcome"] == "plant_failed"
+    # What came before is kept.
+    assert content["duration_s"] == pytest.approx(0.1, abs=0.011)
+
+
+@pytest.mark.parametrize(
+    ("misbehaviour", "sentence"),
+    [
+        ("NEVER_RETURNS", "the FMU did not return (within 2 s of real time, it was stopped)."),
+        ("CRASH", "the FMU crashed (its process was ended by SIGSEGV)."),
+    ],
+)
+def test_a_plant_that_hangs_or_crashes_does_not_take_the_program_along(
+    railgrip: Railgrip, foundry: Path, monkeypatch: pytest.MonkeyPatch, misbehaviour: str, sentence: str
+):
+    monkeypatch.setattr(assemble, "open_plant", partial(assemble.open_plant, patience=2.0))
+    done = railgrip(mule(foundry, misbehaviour), trust=False)
+    assert done.code == 3
+    assert sentence in done.err
+    assert json.loads(Path("out/stop.json").read_text())["outcome"] == "plant_failed"
+
+
+def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundry: Path):
+    done = railgrip(mule(foundry, "NEVER_HALTS"))
+    assert done.code == 3
+    assert "the stop ended with horizon: Still moving at 10.00 m/s after 30 s and 300.0 m." in done.err
+    assert json.loads(Path("out/stop.json").read_text())["outcome"] == "horizon"
+
+
+def not_a_zip(foundry: Path) -> Path:
+    file = foundry / "text.fmu"
+    file.write_text("not a zip")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("make", "more", "sentence"),
+    [
+        (lambda _: "gone.fmu", "", "town.toml: [vehicle] plant names 'gone.fmu', but there is no file"),
+        (not_a_zip, "", "text.fmu: not an FMU: it is not a zip archive"),
+        (
+            lambda foundry: mule(foundry, platform="win32").rename(foundry / "windows.fmu"),
+            "",
+            "windows.fmu: no binary for this platform, ",
+        ),
+        (
+            mule,
+            '[vehicle.map]\nspeed = "sped"',
+            "town: [vehicle.map] speed: well.fmu has no variable 'sped'; did you mean 'speed' or 'speed_start'?",
+        ),
+        (
+            mule,
+            '[vehicle.map]\nmu1 = "mu0[{i}]"',
+            "town: [vehicle.map] has no signal 'mu1'; did you mean 'mu0'?",
+        ),
+        (
+            lambda foundry: mule(foundry, speed_unit="Pa").rename(foundry / "wrong_unit.fmu"),
+            "",
+            "wrong_unit.fmu: output 'speed' is in 'Pa', the harness reads 'speed' in 'm/s'",
+        ),
+        (
+            mule,
+            "[vehicle.parameters]\nspeed_strat = 3",
+            "town: [vehicle.parameters] has no parameter 'speed_strat'; did you mean 'speed_start'?",
+        ),
+    ],
+    ids=["missing", "no zip", "other platform", "no such variable", "no such signal", "wrong unit", "no parameter"],
+)
+def test_a_plant_that_does_not_fit_is_a_wrong_question_and_exits_2(
+    railgrip: Railgrip, foundry: Path, make: Callable[[Path], Path], more: str, sentence: str
+):
+    done = railgrip(make(foundry), more=more)
+    assert done.code == 2
+    assert sentence in done.err
+    assert done.out == ""
+    assert not Path("out/stop.json").exists()
