@@ -11,6 +11,7 @@ from typing import Any
 import rumoca
 
 from fmus.errors import Refused, WrongQuestion
+from fmus.native.complaint import places
 
 FRONT = Path(__file__).parent / "front"
 SCHEMA = ("rumoca.checked-dae-template", 6)
@@ -128,9 +129,9 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         printed = model.codegen(str(FRONT)).files[0].content
         files = model.to_dict("dae")["source_map"]["files"]
     except rumoca.RumocaError as error:
-        raise WrongQuestion(
-            f"{class_name} does not compile ({path}): {str(error).replace(alias, str(path))}"
-        ) from error
+        said = str(error).replace(alias, str(path))
+        found_at = "".join(f"\n  {place}" for place in places(said, path))
+        raise WrongQuestion(f"{class_name} does not compile ({path}): {said}{found_at}") from error
     content = json.loads(printed)
     found = (content["schema"]["name"], content["schema"]["version"])
     if found != SCHEMA:

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -153,13 +154,21 @@ def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
     assert "Traceback" not in done.stderr
 
 
-def test_the_command_line_without_a_c_compiler_ends_with_3(tmp_path):
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("fmus", "build", "ContactPoint", "--compiler", "native"),
+        ("harness", "run", "harness/scenario/library/trapezoid.toml"),
+    ],
+    ids=["fmus build", "harness run"],
+)
+def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
     """An interpreter without site-packages' ziglang: it is hidden, and the PATH is empty."""
     hide = (
         "import sys, importlib.util as u; real = u.find_spec;"
         "u.find_spec = lambda n, *a: None if n == 'ziglang' else real(n, *a);"
-        "from fmus.__main__ import main;"
-        "sys.argv = ['fmus', 'build', 'ContactPoint', '--compiler', 'native']; main()"
+        f"from {command[0]}.__main__ import main;"
+        f"sys.argv = {list(command)}; main()"
     )
     done = subprocess.run(
         [sys.executable, "-c", hide],
@@ -171,6 +180,42 @@ def test_the_command_line_without_a_c_compiler_ends_with_3(tmp_path):
     )
     assert done.returncode == 3, done.stderr
     assert "no C compiler" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.fixture
+def house(tmp_path):
+    """A copy of the project's sources, to break."""
+    for room in ("fmus", "modelica", "estimators", "controllers", "harness"):
+        shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("fmus", "build", "TwoPartTrain"),
+        ("harness", "run", "harness/scenario/library/trapezoid.toml"),
+    ],
+    ids=["fmus build", "harness run"],
+)
+def test_a_class_that_does_not_compile_ends_both_command_lines_with_file_line_and_2(house, command):
+    file = house / "modelica" / "RailBraking" / "Vehicles" / "PartialTwoPartTrain.mo"
+    text = file.read_text()
+    file.write_text(text.replace("der(air) = air_flow;", "der(air) = air_flwo;"))
+    line = text.splitlines().index("  der(air) = air_flow;") + 1
+    done = subprocess.run(
+        [sys.executable, "-m", *command],
+        cwd=house,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(house)},
+    )
+    assert done.returncode == 2, done.stderr
+    assert "RailBraking.FMUs.TwoPartTrain does not compile" in done.stderr
+    assert "unresolved component reference: 'air_flwo'" in done.stderr
+    assert f"modelica/RailBraking/Vehicles/PartialTwoPartTrain.mo:{line}: der(air) = air_flwo;" in done.stderr
     assert "Traceback" not in done.stderr
 
 

@@ -71,6 +71,32 @@ def test_a_modelica_error_keeps_the_front_ends_words(tmp_path):
         lower("M", file)
 
 
+BROKEN = {
+    "syntax": ("h = 1;", "h = 1", "Broken/Inner.mo:5: unexpected `equation`"),
+    "component": ("der(x) = -h*x;", "der(x) = -hh*x;", "Broken/Inner.mo:6: der(x) = -hh*x;"),
+    "class": ("Real x", "Rael x", "Broken/Inner.mo:3: Rael x(start=1, fixed=true);"),
+}
+
+
+@pytest.mark.parametrize("mistake", BROKEN)
+def test_a_mistake_in_a_library_is_told_with_file_and_line(tmp_path, mistake):
+    """The front end names the thing, for a library of many files not where it stands."""
+    right, wrong, place = BROKEN[mistake]
+    library = tmp_path / "Broken"
+    library.mkdir()
+    (library / "package.mo").write_text("package Broken\nend Broken;\n")
+    inner = (
+        "within Broken;\nmodel Inner\n  Real x(start=1, fixed=true);\n  parameter Real h = 1;\n"
+        "equation\n  der(x) = -h*x;\nend Inner;\n"
+    )
+    (library / "Inner.mo").write_text(inner)
+    assert [v.name for v in lower("Broken.Inner", library).states] == ["x"]
+    (library / "Inner.mo").write_text(inner.replace(right, wrong))
+    with pytest.raises(WrongQuestion, match=r"Broken\.Inner does not compile") as refusal:
+        lower("Broken.Inner", library)
+    assert place in str(refusal.value)
+
+
 def test_too_few_equations_are_counted(tmp_path):
     file = tmp_path / "Model.mo"
     file.write_text("model M Real x; Real y; equation x = 1; end M;")

@@ -1,0 +1,52 @@
+"""Where a Modelica error stands: the front end names the thing, but for a library seldom the file and line."""
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import rumoca
+
+_MOST = 3
+"""Places worth reading."""
+
+
+def places(said: str, path: Path) -> tuple[str, ...]:
+    """Return `file.mo:line: what stands there` for an error of the front end, as far as it can be found.
+
+    Args:
+        said: The front end's words.
+        path: The file that was read: `package.mo` stands for all files of its library.
+    """
+    files = sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]
+    texts = {_short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in files}
+    syntax = [place for name, text in texts.items() for place in _syntax(name, text)]
+    if syntax:
+        return tuple(syntax[:_MOST])
+    words = re.findall(r"unresolved[^']*'([^']+)'", said)
+    return tuple(_written(words, texts))[:_MOST]
+
+
+def _syntax(name: str, text: str) -> Iterator[str]:
+    """Yield the first syntax error of a file; those behind it mostly follow from it."""
+    for problem in rumoca.validate_source(text):
+        if problem.rule == "syntax-error":
+            what = re.search(r"× (.+)", problem.message)
+            where = re.search(r"\[[^\]]*:(\d+):\d+\]", problem.message)
+            yield f"{name}:{where[1] if where else problem.line}: {what[1] if what else 'syntax error'}"
+            return
+
+
+def _written(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
+    """Yield where names are written that nothing declares."""
+    for word in dict.fromkeys(words):
+        whole = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")
+        for name, text in texts.items():
+            for number, line in enumerate(text.splitlines(), start=1):
+                if whole.search(line):
+                    yield f"{name}:{number}: {line.strip()}"
+
+
+def _short(file: Path, path: Path) -> str:
+    """Return a file's path from the folder that holds its library, as the refusals give it."""
+    base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
+    return file.relative_to(base).as_posix()
