@@ -19,7 +19,7 @@ SURFACES = {
     "BroadLeaf": (0.04, 0.015, 0.10, 0.5, 0.10),
 }
 PEAKS = {
-    # (surface, km/h): slip at the peak in per cent and adhesion there, from an independent computation with
+    # (surface, km/h): slip at the peak in per cent and adhesion there where known, from an independent computation with
     # elliptic integrals and Kalker's table, Q = 68.7 kN, r = 0.38 m
     ("Dry", 5): (9.8, 0.501),
     ("Dry", 20): (5.0, 0.459),
@@ -33,11 +33,27 @@ PEAKS = {
     ("Wet", 120): (5.6, 0.207),
     ("LowAdhesion", 5): (11.7, 0.058),
     ("LowAdhesion", 20): (5.9, 0.0556),
+    ("LowAdhesion", 40): (4.2, 0.054),
     ("LowAdhesion", 80): (3.0, 0.0518),
+    ("LowAdhesion", 120): (2.5, 0.050),
+    ("MalDry", 5): (2.0, 0.454),
+    ("MalDry", 20): (1.35, None),
+    ("MalDry", 40): (1.1, None),
     ("MalDry", 80): (0.91, 0.418),
+    ("MalDry", 120): (0.81, None),
+    ("MalWorst", 5): (0.75, 0.0997),
+    ("MalWorst", 20): (0.53, None),
+    ("MalWorst", 40): (0.44, None),
     ("MalWorst", 80): (0.37, 0.098),
+    ("MalWorst", 120): (0.33, None),
+    ("BroadSoap", 5): (37, None),
+    ("BroadSoap", 20): (19, None),
+    ("BroadSoap", 40): (13.5, None),
     ("BroadSoap", 80): (9.5, 0.0722),
     ("BroadSoap", 120): (7.6, 0.068),
+    ("BroadLeaf", 5): (60, None),
+    ("BroadLeaf", 20): (30, None),
+    ("BroadLeaf", 40): (22, None),
     ("BroadLeaf", 80): (15.6, 0.0751),
     ("BroadLeaf", 120): (12.8, 0.071),
 }
@@ -63,7 +79,7 @@ def test_peaks_lie_where_they_were_computed(point: Model, surface: str, km_h: fl
     curve = adhesion(point, surface, SLIP, km_h / 3.6)
     slip, alpha = PEAKS[surface, km_h]
     assert SLIP[curve.argmax()] == pytest.approx(slip * PER_CENT, rel=0.03)
-    assert curve.max() == pytest.approx(alpha, rel=0.01)
+    assert alpha is None or curve.max() == pytest.approx(alpha, rel=0.01)
 
 
 def test_the_shape_beyond_the_peak(point: Model) -> None:

@@ -41,6 +41,21 @@ def test_energy_becomes_heat_and_work(train: Train) -> None:
     assert stop["contact_heat"][-1] > 0.5 * stop["kinetic_energy"][0]
 
 
+def test_energy_becomes_heat_and_work_with_valves_too(pneumatic_train: Train) -> None:
+    """Wheels that lock and turn again many times, as valves open and close; a millionth, as above."""
+    valves = lambda t: [1.0 if t % 1.5 < 0.9 else -1.0 if t % 1.5 < 1.2 else 0.0] * 4  # noqa: E731
+    inputs = {"valve_command": valves, "mu0": friction(0.10), "track_force": lambda t: 3000.0 * np.sin(t)}
+    stop = pneumatic_train.run(WET | {"speed_start": 60 / 3.6}, inputs, 60.0)
+    assert stop["speed"][-1] == 0.0
+    locked = stop["locked"][:, 0] > 0.5
+    assert np.sum(locked[1:] & ~locked[:-1]) >= 5
+    assert balance(stop) == pytest.approx(1.0, abs=1e-5)
+    # Each filling is paid for: what a group holds at most, many times over.
+    volume = 3e-3 * np.array([3, 2, 2, 3])
+    assert stop["air_used"][-1] > 5 * volume @ stop["cylinder_pressure"].max(axis=0) / 1.01325e5
+    assert np.all(np.diff(stop["air_used"]) >= 0)
+
+
 def test_discs_hold_the_heat_of_their_pads(train: Train) -> None:
     """Without cooling and pad share the discs' energy is exactly the pad heat."""
     adiabatic = {"G_rest": 0.0, "G_speed": 0.0, "pad_share": 0.0}

@@ -1,0 +1,94 @@
+"""Every parameter of the plants can be set before initialisation, and decides something."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from fmus.build import fmu
+from harness.fmu import Binding, CoSimulation, Description, Signal, bind, describe
+
+PERIOD = 0.05
+
+NUMERICS = {"v_rest": 20.0, "F_small": 500.0, "tau_small": 20.0, "v_small": 2.0}
+"""Factors for what only rounds a corner: one per cent more of it may change no digit of an output."""
+
+DEAD_TIMES = {"dead_fill": 1.5, "dead_vent": 1.5}
+"""They have a resolution of 2 ms."""
+
+
+def plant(name: str) -> tuple[Description, Binding]:
+    found = describe(fmu(name))
+    signals = {
+        side: [Signal(name=n, unit=found.variables[n].unit_name or "1", size=0, needed=True) for n in found.named(side)]
+        for side in ("input", "output")
+    }
+    return found, bind(found, inputs=signals["input"], outputs=signals["output"])
+
+
+def course(plant: tuple[Description, Binding], parameters: Mapping[str, float]) -> np.ndarray:
+    """Outputs of 15 s: braking, a lock on bad rail, a release, braking to rest, and a pull that grows until it goes."""
+    found, binding = plant
+
+    def value(name: str, t: float) -> float:
+        if name.startswith("mu0"):
+            return 0.03 if 1.5 < t < 3.0 else 0.25
+        if name == "track_force":
+            return 500.0 if t < 11.0 else 8e4 + 2e4 * (t - 11.0)
+        braked = t < 1.0 or 1.3 < t < 3.0 or t > 3.5
+        return (1.0 if braked else -1.0) if name.startswith("valve") else 4e5 if braked else 0.0
+
+    inputs = [np.array([value(n, k * PERIOD) for n in found.named("input")]) for k in range(300)]
+    with CoSimulation(found, binding, period=PERIOD, parameters=parameters) as running:
+        return np.array([running.start(inputs[0]), *(running.step(u) for u in inputs)])
+
+
+def changed(found: Description, name: str) -> float:
+    """One per cent beside the value that a parameter has."""
+    variable = found.variables[name]
+    value = float(variable.start or 0.0)
+    factor = (NUMERICS | DEAD_TIMES).get(name, 1.01)
+    if variable.maximum is not None and factor * value > variable.maximum:
+        factor = 0.99
+    return factor * value if value else 0.01
+
+
+def numbers(found: Description) -> list[str]:
+    return [n for n in found.named("parameter") if found.variables[n].kind == "Real" and not n.startswith("_")]
+
+
+@pytest.fixture(scope="module")
+def ideal() -> tuple[Description, Binding]:
+    return plant("TwoPartTrain")
+
+
+def test_the_course_sees_lock_release_rest_and_departure(ideal: tuple[Description, Binding]) -> None:
+    """Without these, parameters of lock and rest could not show."""
+    outputs = ideal[0].named("output")
+    rows = course(ideal, {"speed_start": 10.0})
+    locked, rest = rows[:, outputs.index("locked[1]")] > 0.5, rows[:, outputs.index("standstill")] > 0.5
+    moving = ~rest
+    assert np.any(locked & moving)
+    assert np.any(locked[:-1] & ~locked[1:] & moving[1:])
+    assert np.any(rest[:-1] & ~rest[1:])
+
+
+def test_every_parameter_of_the_train_decides_something(ideal: tuple[Description, Binding]) -> None:
+    names = numbers(ideal[0])
+    assert len(names) > 100
+    start = {"speed_start": 10.0}
+    base = course(ideal, start)
+    assert np.array_equal(course(ideal, start), base)
+    silent = [n for n in names if np.array_equal(course(ideal, start | {n: changed(ideal[0], n)}), base)]
+    assert silent == []
+
+
+def test_every_parameter_of_the_valves_decides_something(ideal: tuple[Description, Binding]) -> None:
+    """Supply pressure, leak, time constants and dead times: what the train has only with valves."""
+    valves = plant("TwoPartTrainPneumatic")
+    names = sorted(set(numbers(valves[0])) - set(numbers(ideal[0])))
+    assert {"T_fill", "T_vent", "leak", "rate_choked", "dead_fill", "dead_vent"} <= set(names)
+    start = {"speed_start": 10.0}
+    base = course(valves, start)
+    for name in (*names, "p_max[1]"):
+        assert not np.array_equal(course(valves, start | {name: changed(valves[0], name)}), base), name
