@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from braking import DRY, FULL, MASS, WET, G, Record, Train, brake, friction
+from braking import DRY, FULL, MASS, WET, G, Record, Train, brake, emergency_stop, friction
 
 
 def balance(stop: Record) -> np.ndarray:
@@ -14,13 +14,13 @@ def balance(stop: Record) -> np.ndarray:
 @pytest.mark.parametrize(("km_h", "metres"), [(85, 264), (115, 474), (120, 515)])
 def test_emergency_stops_on_a_dry_rail_take_the_published_distance(train: Train, km_h: float, metres: float) -> None:
     """Two per cent is the agreement asked for with parameters that are estimates to five."""
-    stop = brake(train, km_h, 0.55, DRY)
+    stop = emergency_stop(train, km_h)
     assert stop["speed"][-1] == 0.0
     assert stop["distance"][-1] == pytest.approx(metres, rel=0.02)
 
 
 def test_the_stop_from_85_km_h_takes_21_seconds_and_heats_pads_as_measured(train: Train) -> None:
-    stop = brake(train, 85, 0.55, DRY)
+    stop = emergency_stop(train, 85)
     assert stop["time"][-1] == pytest.approx(21.0, rel=0.02)
     # Pad friction rises towards the stop, to 0.399 (motor bogies) and 0.407 (trailer) in an independent
     # computation with a sharp instead of a rounded law of settling: 2 %.
@@ -70,7 +70,8 @@ def test_braking_shifts_load_by_the_moment_of_the_traction_rod(train: Train) -> 
 
     The forces drift by 1 % a second with pad friction and the frames follow within 0.05 s: 0.1 %.
     """
-    stop = brake(train, 85, 0.55, DRY, until=8.0)
+    whole = emergency_stop(train, 85)
+    stop = {name: values[: 1 + round(8.0 / 0.01)] for name, values in whole.items()}
     force = (stop["adhesion"] * stop["wheelset_load"])[-1]
     torque, a = stop["brake_torque"][-1], stop["acceleration"][-1]
     static = G * np.array([13400, 14100, 14500, 14500, 14100, 13400])
@@ -176,7 +177,7 @@ def test_the_communication_step_does_not_decide_the_distance(train: Train) -> No
 
 def test_slip_regularisation_does_not_decide_the_distance(train: Train) -> None:
     """Doubling v_small from 0.1 m/s moves a stop by less than 1 mm in 265 m."""
-    once = brake(train, 85, 0.55, DRY)
+    once = emergency_stop(train, 85)
     twice = brake(train, 85, 0.55, DRY | {"v_small": 0.2})
     assert once["distance"][-1] == pytest.approx(twice["distance"][-1], abs=1e-3)
 
