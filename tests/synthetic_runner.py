@@ -33,5 +33,5 @@ def run_stop(scenario: Scenario, progress=None, tell=None):
         case ["wait", marker]:
             # Say that it runs, then take longer than anybody waits.
             Path(marker).touch()
-            time.sleep(300)
+            time.sleep(3600)
     return stop_of(scenario, DECELERATION[scenario.controller.kind])

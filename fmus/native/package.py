@@ -1,6 +1,7 @@
 """A system as an FMU: C code compiled for this platform, modelDescription.xml, zipped reproducibly."""
 
 import hashlib
+import os
 import platform
 import re
 import struct
@@ -106,7 +107,7 @@ def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FLAGS) -> Path:
             "modelDescription.xml": source.xml.encode(),
             f"binaries/{platform_folder()}/{source.identifier}{SUFFIX}": library.read_bytes(),
         } | {f"sources/{name}": text.encode() for name, text in source.files.items()}
-    half = path.with_suffix(".part")
+    half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
     with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in sorted(members.items()):
             archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)

@@ -144,20 +144,20 @@ def test_ctrl_c_leaves_what_had_finished_and_nothing_half_written(program, proje
         encoding="utf-8",
     )
     process = program("campaign", "pair.toml", "--out", "out", "--no-panels")
-    patience = time.monotonic() + 100  # until both workers have started; the stop itself waits for the signal
+    patience = time.monotonic() + 600  # against hanging for ever; the stop itself waits for the signal
     while not (marker.exists() and stops_in(project / "out") == ["wet-sbc"]):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < patience
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=600)
     assert process.returncode == 130
     assert "Interrupted; what had finished is kept." in err
     assert "Traceback" not in err
     assert stops_in(project / "out") == ["wet-sbc"]
     assert list((project / "out").rglob("*.partial")) == []
-    # Python's own resource tracker ends a moment after its parent; a worker would sleep for minutes.
-    patience = time.monotonic() + 20
+    # Python's own resource tracker ends a moment after its parent; a worker would sleep for an hour.
+    patience = time.monotonic() + 600
     while is_alive(process.pid):
         assert time.monotonic() < patience, "a worker was left behind"
         time.sleep(0.05)
