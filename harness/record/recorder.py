@@ -1,6 +1,6 @@
 """Rows of a stop while it runs: one preallocated block, written in place by the loop."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -13,8 +13,9 @@ from harness.record.trace import trace_of
 class Recorder:
     """Preallocated rows and where each signal stands in them.
 
-    The loop keeps `rows` and the slices it needs as locals and writes `rows[k, columns["slip"]] = slip`; a
-    signal of the train may also be written by its number, `rows[k, at["speed"]] = speed`.
+    The loop keeps `rows` and the columns it needs as locals and writes `rows[k, columns["slip"]] = slip`, or signals
+    that stand side by side at once in their `block`; a signal of the train may also be written by its number,
+    `rows[k, at["speed"]] = speed`.
 
     Attributes:
         rows: Shape (capacity, width), NaN until written.
@@ -32,6 +33,10 @@ class Recorder:
         self.columns = MappingProxyType({signal.name: slice(begin, end) for signal, begin, end in spans})
         self.at = MappingProxyType({name: columns.start for name, columns in self.columns.items()})
         self.rows = np.full((capacity, first[-1]), np.nan)
+
+    def block(self, signals: Sequence[Signal]) -> slice:
+        """Return the columns of signals that stand side by side in the rows, in their order."""
+        return slice(self.columns[signals[0].name].start, self.columns[signals[-1].name].stop)
 
     def trace(self, count: int, period: float) -> xarray.Dataset:
         """Return the first `count` rows, sampled every `period` [s] from the brake demand on, as a trace.
