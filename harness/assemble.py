@@ -116,8 +116,7 @@ def run_stop(
                 progress=progress,
             )
         except PlantFailed as failed:
-            written = int(np.sum(~np.isnan(recorder.rows[:, recorder.at["speed"]])))
-            ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=written)
+            ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
     return judged(scenario, recorder, ended, plant_file, fmus)
 
 

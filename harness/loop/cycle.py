@@ -133,6 +133,7 @@ def run(
             inputs[FRICTION] = rail.mu0(time, distance)
             inputs[FORCE] = rail.force(distance)
     finally:
+        recorder.written = written
         watch.complete(rows[:written])
     return Ended(
         outcome=Outcome.HORIZON,

@@ -18,12 +18,13 @@ class Recorder:
     `rows[k, at["speed"]] = speed`.
 
     Attributes:
-        rows: Shape (capacity, width), NaN until written.
+        rows: Shape (capacity, width). Memory is taken as they are written: what was not written means nothing.
+        written: Number of rows that the loop filled, from the first on.
         columns: Signal name → columns of a row.
         at: Signal name → first column.
     """
 
-    __slots__ = ("_signals", "at", "columns", "rows")
+    __slots__ = ("_signals", "at", "columns", "rows", "written")
 
     def __init__(self, signals: Iterable[Signal], capacity: int) -> None:
         """Make room for `capacity` samples of the signals, in their order."""
@@ -32,7 +33,9 @@ class Recorder:
         spans = zip(self._signals, first[:-1], first[1:], strict=True)
         self.columns = MappingProxyType({signal.name: slice(begin, end) for signal, begin, end in spans})
         self.at = MappingProxyType({name: columns.start for name, columns in self.columns.items()})
-        self.rows = np.full((capacity, first[-1]), np.nan)
+        # Not filled with NaN: a stop of half a minute leaves most of its horizon unused, some 50 MB.
+        self.rows = np.empty((capacity, first[-1]))
+        self.written = 0
 
     def block(self, signals: Sequence[Signal]) -> slice:
         """Return the columns of signals that stand side by side in the rows, in their order."""
