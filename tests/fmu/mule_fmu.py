@@ -1,7 +1,9 @@
 """Makes the train FMU of mule.c, well-behaved or misbehaving in one way."""
 
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import fmpy
 from tiny_fmu import HEADERS
@@ -20,7 +22,14 @@ UNITS = {
 }
 
 
-def mule(folder: Path, misbehaviour: str = "WELL", *, speed_unit: str = "m/s", platform: str = fmpy.platform) -> Path:
+def mule(
+    folder: Path,
+    misbehaviour: str = "WELL",
+    *,
+    speed_unit: str = "m/s",
+    platform: str = fmpy.platform,
+    names: Mapping[str, str] = MappingProxyType({}),
+) -> Path:
     """Build the FMU in `folder` and return its file.
 
     Args:
@@ -28,6 +37,7 @@ def mule(folder: Path, misbehaviour: str = "WELL", *, speed_unit: str = "m/s", p
         misbehaviour: A name defined in mule.c.
         speed_unit: What it says the unit of its speed is.
         platform: Folder of the binary inside the FMU.
+        names: Our name → the name it gives to that variable.
     """
     library = shared_library(
         SOURCES,
@@ -38,12 +48,12 @@ def mule(folder: Path, misbehaviour: str = "WELL", *, speed_unit: str = "m/s", p
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", _description(speed_unit))
+        archive.writestr("modelDescription.xml", _description(speed_unit, names))
         archive.write(library, f"binaries/{platform}/mule{fmpy.sharedLibraryExtension}")
     return file
 
 
-def _description(speed_unit: str) -> str:
+def _description(speed_unit: str, names: Mapping[str, str]) -> str:
     inputs = [(f"pressure_command[{i}]", "Pa") for i in range(1, 5)] + [(f"mu0[{i}]", "1") for i in range(1, 7)]
     outputs = [
         *(("distance", "m"), ("speed", speed_unit), ("acceleration", "m/s2")),
@@ -56,8 +66,8 @@ def _description(speed_unit: str) -> str:
         *(('output" variability="continuous" initial="calculated', name, unit, "") for name, unit in outputs),
     ]
     variables = "\n".join(
-        f'<ScalarVariable name="{name}" valueReference="{reference}" causality="{how}"><Real unit="{unit}"{start}/>'
-        "</ScalarVariable>"
+        f'<ScalarVariable name="{names.get(name, name)}" valueReference="{reference}" causality="{how}">'
+        f'<Real unit="{unit}"{start}/></ScalarVariable>'
         for reference, (how, name, unit, start) in enumerate(rows)
     )
     unknowns = "".join(f'<Unknown index="{i}"/>' for i in range(len(inputs) + 2, len(rows) + 1))

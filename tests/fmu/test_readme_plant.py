@@ -1,0 +1,105 @@
+"""What the README prints about a plant of one's own works as printed."""
+
+import json
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+from mule_fmu import mule
+
+from harness.__main__ import main
+from harness.fmu import Signal, bind, describe
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+REST = """
+name = "mine"
+seed = 1
+[start]
+speed = "36 km/h"
+[adhesion]
+kind = "constant"
+polach = "dry"
+mu0 = 0.3
+[sensors]
+kind = "ideal"
+[actuation]
+kind = "ideal"
+[estimator]
+kind = "none"
+[controller]
+kind = "slip_two_state"
+[periods]
+communication = "10 ms"
+estimator = "10 ms"
+controller = "10 ms"
+trace = "10 ms"
+[limits]
+horizon = "30 s"
+stop_speed = "0.1 m/s"
+alpha_max = "tsi"
+"""
+
+THEIRS = (
+    {f"pressure_command[{i}]": f"cylinder[{i}].demand" for i in range(1, 5)}
+    | {f"mu0[{i}]": f"rail[{i}].grip" for i in range(1, 7)}
+    | {f"wheelset_speed[{i}]": name for i, name in enumerate(("front.n", "axle3.n", "axle4.n", "rear.n"), start=1)}
+    | {"acceleration": "retardation"}
+)
+
+
+@pytest.fixture
+def printed() -> str:
+    """The README's example of a mapping, as a reader copies it."""
+    block = re.search(r"^    \[vehicle\]\n(?:    .*\n|\n)+", README, re.MULTILINE)
+    assert block
+    return re.sub(r"^    ", "", block[0], flags=re.MULTILINE)
+
+
+def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
+    """Their friction counts in per cent, so 0.3 of ours is 30 of theirs; what slows down is negative to us."""
+    table = tomllib.loads(printed)["vehicle"]["map"]
+    binding = bind(
+        describe(mule(foundry, names=THEIRS)),
+        inputs=[
+            Signal(name="pressure_command", unit="Pa", size=4, needed=True),
+            Signal(name="mu0", unit="1", size=6, needed=True),
+        ],
+        outputs=[
+            Signal(name="wheelset_speed", unit="rad/s", size=4, needed=True),
+            Signal(name="acceleration", unit="m/s2", size=0, needed=True),
+        ],
+        table=table,
+    )
+    sent, seen = binding.inputs.channels[0], binding.outputs.channels[0]
+    gain = dict(zip((*sent.variables, *seen.variables), (*sent.gain, *seen.gain), strict=True))
+    assert gain["rail[6].grip"] == pytest.approx(100.0)
+    assert gain["cylinder[4].demand"] == gain["axle3.n"] == 1.0
+    assert gain["retardation"] == -1.0
+
+
+def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    mule(foundry, names=THEIRS).rename(tmp_path / "MyTrain.fmu")
+    name, _, rest = REST.partition("[start]")
+    (tmp_path / "mine.toml").write_text(f"{name}\n{printed}\n[start]{rest}")
+    with pytest.raises(SystemExit) as end:
+        main(["run", "mine.toml"])
+    assert (end.value.code or 0) == 0
+    assert json.loads((tmp_path / "build/runs/mine/stop.json").read_text())["outcome"] == "standstill"
+
+
+def test_the_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Those that stop a train; at 20 km/h, to be short. What builds is under test with the builder."""
+    monkeypatch.chdir(ROOT)
+    commands = re.findall(r"^    \.venv/bin/railgrip (run .*)$", README, re.MULTILINE)
+    assert len(commands) == 2
+    for k, command in enumerate(commands):
+        folder = tmp_path / str(k)
+        with pytest.raises(SystemExit) as end:
+            main([*shlex.split(command), "--set", "start.speed=20 km/h", "--out", str(folder)])
+        assert (end.value.code or 0) == 0
+        assert json.loads((folder / "stop.json").read_text())["outcome"] == "standstill"
