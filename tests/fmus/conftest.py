@@ -1,62 +1,18 @@
 """FMUs of small Modelica models, built once per run, and ways to run them."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import fmpy
-import numpy as np
 import pytest
-import rumoca
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as AllocateType
 from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as FreeType
+from small_fmus import FEATURES, Fmu, Running
 
 from fmus.native.dae import read
 from fmus.native.package import pack, sources
 from fmus.native.system import explicit
-
-FEATURES = Path(__file__).parent / "modelica" / "Features"
-
-
-@dataclass(frozen=True, slots=True)
-class Fmu:
-    """A built FMU: the zip, its unpacked folder and its description."""
-
-    path: Path
-    folder: Path
-    description: fmpy.model_description.ModelDescription
-
-    def reference(self, name: str) -> int:
-        return next(v.valueReference for v in self.description.modelVariables if v.name == name)
-
-    def names(self, causality: str, *types: str) -> list[str]:
-        return [
-            v.name for v in self.description.modelVariables
-            if v.causality == causality and (not types or v.type in types)
-        ]  # fmt: skip
-
-
-@dataclass(slots=True)
-class Running:
-    """An instance between initialisation and termination, addressed by names."""
-
-    fmu: Fmu
-    instance: FMU2Slave | FMU2Model
-    messages: list[str] = field(default_factory=list)
-
-    def get(self, *names: str) -> list[float]:
-        return self.instance.getReal([self.fmu.reference(n) for n in names])
-
-    def count(self, name: str) -> int:
-        return self.instance.getInteger([self.fmu.reference(name)])[0]
-
-    def set(self, **values: float) -> None:
-        self.instance.setReal([self.fmu.reference(n) for n in values], list(values.values()))
-
-    def steps(self, count: int, size: float, first: int = 0) -> None:
-        for k in range(first, first + count):
-            self.instance.doStep(k * size, size)
 
 
 @pytest.fixture(scope="session")
@@ -136,18 +92,3 @@ def run() -> Iterator[Callable[..., Running]]:
     for running in alive:
         running.instance.terminate()
         running.instance.freeInstance()
-
-
-def reference_run(library: Path, class_name: str, stop: float, step: float) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return rumoca's own simulation at the grid points that no event is near, and its variables there.
-
-    Around an event one of two simulators is a rounding error early; 2 ms on either side are left out.
-    """
-    model = rumoca.Session(roots=[str(library.parent)]).load(str(library / "package.mo"), model=class_name)
-    result = model.simulate((0, stop), dt=step, config=rumoca.SimConfig(solver="bdf", rtol=1e-10, atol=1e-12))
-    time = np.asarray(result.time)
-    doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]
-    on_grid = np.abs(time - np.round(time / step) * step) < 1e-9
-    clear = np.array([np.all(np.abs(t - doubled) > 2e-3) for t in time])
-    keep = on_grid & clear
-    return time[keep], {name: np.asarray(result[name])[keep] for name in result.names if name != "time"}

@@ -10,7 +10,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from conftest import FEATURES
+from small_fmus import FEATURES
 from typer.testing import CliRunner
 
 from fmus import build as building

@@ -5,8 +5,8 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from conftest import FEATURES, reference_run
 from fmpy.validation import validate_fmu
+from small_fmus import FEATURES, reference_run
 
 CLASSES = sorted(f.stem for f in FEATURES.glob("*.mo") if f.stem != "package")
 # rumoca's simulate needs values for inputs; Driven has tests of its own.

@@ -7,8 +7,8 @@ import fmpy
 import numpy as np
 import pytest
 import rumoca
-from conftest import Fmu
 from fmpy.validation import validate_fmu
+from small_fmus import Fmu
 
 from fmus.build import build
 from fmus.lock import differences, read_lock
