@@ -43,8 +43,9 @@ calibrate: fmus  ## fit the levels of the scenarios to the published distances o
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m harness bench
 
+# A file stays in one process: its tests share what they have built and run.
 test: check fmus  ## lint, types, tests, and braking distances against the accepted ones
-	$(RUN) -m pytest
+	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 	$(RUN) -m harness regress
 
 test-omc: $(READY)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
