@@ -246,7 +246,7 @@ def _print_rows(rows: "Sequence[Row]") -> None:
 
     texts = [
         {
-            "scenario": row.scenario,
+            "scenario": row.label,
             "actuation": row.actuation,
             "sensors": row.sensors,
             "controller": CONTROLLERS.get(row.controller, row.controller),

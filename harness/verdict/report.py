@@ -126,7 +126,7 @@ def _distance_table(rows: Sequence[Row]) -> str:
     lines: list[str] = []
     for row in rows:
         controller = CONTROLLERS.get(row.controller, row.controller)
-        texts = (row.scenario, row.actuation, row.sensors, row.polach, controller, row.estimator)
+        texts = (row.label, row.actuation, row.sensors, row.polach, controller, row.estimator)
         values = (
             f"{row.distance_m:.1f}" if row.distance_m is not None else f'<span class="bad">{row.outcome}</span>',
             "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f}",
