@@ -14,7 +14,8 @@ from fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from fmus.recipe import read_recipes
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
-out = Console()
+# Where nobody watches, a table is not cut to a screen that is not there.
+out = Console(width=None if sys.stdout.isatty() else 140)
 err = Console(stderr=True)
 
 Names = Annotated[list[str] | None, typer.Argument(help="FMUs of recipes.toml; all when none is named")]
@@ -38,7 +39,9 @@ def build_command(names: Names = None, compiler: Choice = "auto") -> None:
 def list_command() -> None:
     """Show the recipes and which FMUs are there."""
     book = read_recipes()
-    table = Table("FMU", "class", "interfaces", "solver", "tolerance", "on disk")
+    table = Table()
+    for title in ("FMU", "class", "interfaces", "solver", "tolerance", "on disk"):
+        table.add_column(title, no_wrap=True)
     for name, recipe in book.recipes.items():
         there = (OUTPUT / f"{name}.fmu").exists()
         table.add_row(

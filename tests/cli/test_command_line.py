@@ -1,13 +1,17 @@
 """The command line: 0 a result, 2 a wrong question, 3 a run that failed; always a sentence, never a traceback."""
 
+import importlib
 import json
 import os
 import signal
 import time
+import tomllib
+from pathlib import Path
 
 import pytest
 import synthetic_runner
 
+from harness.__main__ import main
 from harness.campaign import is_there
 from harness.run import run
 from harness.scenario.campaign import load_campaign
@@ -16,6 +20,12 @@ from harness.sources import sources_digest
 
 def stops_in(folder):
     return sorted(path.parent.name for path in folder.glob("*/stop.json"))
+
+
+def test_the_console_script_is_this_command_line():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    module, _, function = project["scripts"]["railgrip"].partition(":")
+    assert getattr(importlib.import_module(module), function) is main
 
 
 def test_a_run_prints_its_distance_and_keeps_its_result(railgrip, project):
