@@ -70,9 +70,16 @@ def test_half_the_communication_step_gives_the_same_distance(controller, bound):
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_energy_is_accounted_for(scenario):
-    """Kinetic energy lost = heat and work of resistance, within 0.1 %."""
-    assert abs(stop(scenario).metrics.energy_residual) < 1e-3
-    assert abs(stop(scenario, "controller.kind=slip_two_state", *WITHOUT).metrics.energy_residual) < 1e-3
+    """Kinetic energy lost = heat and work of resistance, within 0.1 %.
+
+    What is not exact is known: pitching frames heat their dampers and do not slow the train for it, 0.07 % where slip
+    control throws the brakes on and off. Without the dampers the balance is the solver's, a millionth.
+    """
+    for one in (stop(scenario), stop(scenario, "controller.kind=slip_two_state", *WITHOUT)):
+        assert abs(one.metrics.energy_residual) < 1e-3
+        start = float(one.trace["kinetic_energy"].values[0])
+        dampers = np.ptp(one.trace["damper_heat"].values) / start
+        assert one.metrics.energy_residual + dampers == pytest.approx(0.0, abs=1e-6)
 
 
 def test_without_protection_wheels_lock_and_with_it_they_do_not():

@@ -45,7 +45,8 @@ href=\"modelica://RailBraking.Validation.LoadTransfer\">LoadTransfer</a> for the
 <p>
 Those of <code>deflectionAcceleration</code>. All masses move along the track at the speed of the train: the power that
 pitching draws from the longitudinal motion, <code>work_power</code>, is not taken back from it. Its integral is exactly
-the heat of the dampers plus <code>stored_energy</code>, some tens of joules in a stop of tens of megajoules.
+the heat of the dampers plus <code>stored_energy</code>: of twenty megajoules, some ten joules in a smooth stop and
+15 kJ where slip control throws the brakes on and off throughout.
 </p>
 </html>"));
 end BogieFrame;

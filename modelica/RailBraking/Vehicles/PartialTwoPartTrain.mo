@@ -282,7 +282,8 @@ resistance and, with its sign, the track force. <code>damper_heat</code> stands 
 moved by
 the braking forces but do not slow the train, see <a
 href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a>;
-that is some ten joules in a stop of twenty megajoules.
+that is some ten joules in a smooth stop of twenty megajoules, and 15 kJ, 0.07 %, where slip control throws the brakes
+on and off throughout.
 </p>
 <h4>Limitations</h4>
 <p>
