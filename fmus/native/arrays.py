@@ -36,7 +36,7 @@ def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
 
 def is_number(value: SX) -> bool:
     """Return whether an expression is a plain number."""
-    return SX(value).is_constant()
+    return (value if isinstance(value, SX) else SX(value)).is_constant()
 
 
 def whole(value: SX) -> int:
