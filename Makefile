@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
+DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen report regress accept calibrate bench test test-omc check estimate tune lateral learn \
         monitor clean
@@ -11,14 +12,20 @@ READY  := $(VENV)/.ready
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | sort
 
+# Without --no-compile pip spends longer on bytecode, most of which is never imported, than on everything else.
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "railgrip needs Python 3.11 or newer; set PYTHON=/path/to/python3.11"; exit 2; }
 	$(PYTHON) -m venv $(VENV)
-	$(RUN) -m pip install --quiet --upgrade "pip>=25.1"
-	$(RUN) -m pip install --quiet --editable . --group dev
+	$(RUN) -m pip install --quiet --no-compile --editable .
 	@touch $@
 
-install: $(READY)  ## make .venv with everything declared in pyproject.toml
+# What only developing needs takes as long to install again, so whoever just simulates does without.
+$(DEV): $(READY)
+	$(RUN) -m pip install --quiet --no-compile --upgrade "pip>=25.1"
+	$(RUN) -m pip install --quiet --no-compile --group dev
+	@touch $@
+
+install: $(DEV)  ## make .venv with everything declared in pyproject.toml
 
 fmus: $(READY)  ## build the FMUs that are not up to date
 	$(RUN) -m fmus build
@@ -51,14 +58,14 @@ test: check fmus  ## lint, types, tests, and braking distances against the accep
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 	$(RUN) -m harness regress
 
-test-omc: $(READY)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
+test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
 	$(RUN) -m pytest -m omc tests/fmus
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(RUN) -m harness monitor-study
 
-check: $(READY)
+check: $(DEV)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright

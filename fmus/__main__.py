@@ -4,13 +4,11 @@ import sys
 from typing import Annotated
 
 import typer
-from fmpy.validation import validate_fmu
 from rich.console import Console
 from rich.table import Table
 
 from fmus.build import OUTPUT, Compiler, build, choose, translate
 from fmus.errors import FmuError
-from fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from fmus.recipe import read_recipes
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
@@ -62,6 +60,11 @@ def check_command(
     update: Annotated[bool, typer.Option("--update", help="write lock.toml instead of comparing")] = False,
 ) -> None:
     """Validate FMUs against the FMI standard and compare them with lock.toml."""
+    # Half a second of imports that no other command needs.
+    from fmpy.validation import validate_fmu
+
+    from fmus.lock import LOCK, Entry, differences, read_lock, write_lock
+
     book = read_recipes()
     complaints: list[str] = []
     faces: dict[str, Entry] = {}

@@ -1,24 +1,23 @@
 """From recipe to FMU, doing only what has to be done again."""
 
-import hashlib
 import json
 import shutil
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
-from importlib.metadata import version
-from multiprocessing import get_context
+from functools import cache, lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from fmus import lock, openmodelica
+from fmus import openmodelica
 from fmus.errors import CompilerMissing, FmuError, WrongQuestion
-from fmus.lock import Entry
-from fmus.native import package, toolchain
-from fmus.native.dae import read
-from fmus.native.system import explicit
+from fmus.native import toolchain
+from fmus.native.digest import compiler_digest, digest
+from fmus.native.library import library_digest
 from fmus.recipe import Cookbook, Recipe, read_recipes
+
+if TYPE_CHECKING:
+    from fmus.native.package import Source
 
 ROOM = Path(__file__).parent
 OUTPUT = ROOM.parent / "build" / "fmus"
@@ -42,7 +41,7 @@ class Stamp:
     inputs: str
     source: str
     compiler: str
-    face: Entry
+    face: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +57,7 @@ class Built:
     path: Path
     compiler: str
     action: Action
-    face: Entry
+    face: dict[str, Any]
 
 
 def fmu(name: str, compiler: Compiler = "auto", directory: Path = OUTPUT) -> Path:
@@ -77,32 +76,21 @@ def build_one(
 ) -> Built:  # fmt: skip
     """Bring the FMU of one recipe up to date, from the library of its class unless another is given."""
     recipe = (read_recipes() if book is None else book)[name]
-    library = library or recipe.library
-    chosen = choose(compiler)
-    path, stamp_file = directory / f"{name}.fmu", directory / f"{name}.json"
-    stamp = _read_stamp(stamp_file) if path.exists() else None
-    inputs = _inputs_digest(recipe, chosen, library)
-
-    def done(action: Action, stamp: Stamp) -> Built:
-        if action != "current":
-            stamp_file.write_text(json.dumps(asdict(stamp)))
-        return Built(name=name, path=path, compiler=chosen, action=action, face=stamp.face)
-
-    if stamp is not None and stamp.inputs == inputs:
-        return done("current", stamp)
-    if chosen == "openmodelica":
-        openmodelica.export(recipe, library, path)
-        return done("built", Stamp(inputs=inputs, source=inputs, compiler=chosen, face={}))
-    source, face = translate(recipe, library)
-    key = source.digest + toolchain_digest()
-    if stamp is not None and stamp.compiler == chosen and stamp.source == key:
-        return done("unchanged", replace(stamp, inputs=inputs))
-    package.pack(source, path)
-    return done("built", Stamp(inputs=inputs, source=key, compiler=chosen, face=face))
+    order = _Order(
+        name=name, recipe=recipe, library=library or recipe.library, compiler=choose(compiler), directory=directory
+    )
+    inputs = _inputs_digest(recipe, order.compiler, library_digest(order.library))
+    return _current(order, inputs) or _made(order, inputs, _translated(order))
 
 
-def translate(recipe: Recipe, library: Path | None = None) -> tuple[package.Source, Entry]:
+def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", dict[str, Any]]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its face for lock.toml."""
+    # CasADi, rumoca and scipy take half a second to import; when everything is up to date nobody needs them.
+    from fmus.lock import face
+    from fmus.native import package
+    from fmus.native.dae import read
+    from fmus.native.system import explicit
+
     system = explicit(read(recipe.class_name, library or recipe.library))
     source = package.sources(
         system,
@@ -111,7 +99,7 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple[package.Sour
         tolerance=recipe.tolerance,
         step=recipe.step,
     )
-    return source, lock.face(recipe, system, source.digest)
+    return source, face(recipe, system, source.digest)
 
 
 def build(
@@ -119,27 +107,98 @@ def build(
 ) -> Iterator[Built]:
     """Bring FMUs up to date, all of them when none is named, and yield each when it is.
 
+    Modelica is translated here, one class after the other and the large ones, which lead recipes.toml, first; meanwhile
+    `jobs` C compilers work on what is translated. So the library is read once and CasADi loaded once.
+
     Raises:
         FmuError: The first one that could not be built; those begun before it still finish.
     """
     book = read_recipes()
     wanted = list(names) or list(book.recipes)
-    for name in wanted:
-        book[name]
-    stale = [name for name in wanted if not _is_current(name, book, compiler, directory)]
-    yield from (build_one(name, compiler, directory) for name in wanted if name not in stale)
-    if len(stale) <= 1:
-        yield from (build_one(name, compiler, directory) for name in stale)
-        return
-    # Largest first, in file order otherwise: plants lead recipes.toml. Spawned, because CasADi holds threads.
-    with ProcessPoolExecutor(min(jobs, len(stale)), mp_context=get_context("spawn")) as pool:
-        running: list[Future[Built]] = [pool.submit(build_one, name, compiler, directory) for name in stale]
+    chosen = choose(compiler)
+    read = cache(library_digest)
+    orders = [
+        _Order(name=name, recipe=book[name], library=book[name].library, compiler=chosen, directory=directory)
+        for name in wanted
+    ]
+    stale: list[tuple[_Order, str]] = []
+    for order in orders:
+        inputs = _inputs_digest(order.recipe, chosen, read(order.library))
+        if (current := _current(order, inputs)) is not None:
+            yield current
+        else:
+            stale.append((order, inputs))
+    running: set[Future[Built]] = set()
+    with ThreadPoolExecutor(jobs) as pool:
         try:
+            for order, inputs in stale:
+                running.add(pool.submit(_made, order, inputs, _translated(order)))
+                for done in [future for future in running if future.done()]:
+                    running.remove(done)
+                    yield done.result()
             for done in as_completed(running):
                 yield done.result()
         except FmuError:
             pool.shutdown(cancel_futures=True)
             raise
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Order:
+    """What is to be built, with what and where to."""
+
+    name: str
+    recipe: Recipe
+    library: Path
+    compiler: Literal["openmodelica", "native"]
+    directory: Path
+
+    @property
+    def path(self) -> Path:
+        return self.directory / f"{self.name}.fmu"
+
+    @property
+    def stamp_file(self) -> Path:
+        return self.directory / f"{self.name}.json"
+
+    def stamp(self) -> Stamp | None:
+        return _read_stamp(self.stamp_file) if self.path.exists() else None
+
+    def built(self, action: Action, face: dict[str, Any]) -> Built:
+        return Built(name=self.name, path=self.path, compiler=self.compiler, action=action, face=face)
+
+
+_Translation = tuple["Source", dict[str, Any]]
+
+
+def _current(order: _Order, inputs: str) -> Built | None:
+    """Return the FMU when it is on disk and was made from these very inputs."""
+    stamp = order.stamp()
+    return order.built("current", stamp.face) if stamp is not None and stamp.inputs == inputs else None
+
+
+def _translated(order: _Order) -> _Translation | None:
+    return translate(order.recipe, order.library) if order.compiler == "native" else None
+
+
+def _made(order: _Order, inputs: str, translation: _Translation | None) -> Built:
+    """Compile what was translated, unless that is what the FMU on disk was compiled from, and leave a stamp."""
+    if translation is None:
+        openmodelica.export(order.recipe, order.library, order.path)
+        made, action = Stamp(inputs=inputs, source=inputs, compiler=order.compiler, face={}), "built"
+    else:
+        from fmus.native import package
+
+        source, face = translation
+        key = source.digest + toolchain_digest()
+        before = order.stamp()
+        if before is not None and before.compiler == order.compiler and before.source == key:
+            made, action = replace(before, inputs=inputs), "unchanged"
+        else:
+            package.pack(source, order.path)
+            made, action = Stamp(inputs=inputs, source=key, compiler=order.compiler, face=face), "built"
+    order.stamp_file.write_text(json.dumps(asdict(made)))
+    return order.built(action, made.face)
 
 
 def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
@@ -161,11 +220,6 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
     return compiler
 
 
-def _is_current(name: str, book: Cookbook, compiler: Compiler, directory: Path) -> bool:
-    stamp = _read_stamp(directory / f"{name}.json") if (directory / f"{name}.fmu").exists() else None
-    return stamp is not None and stamp.inputs == _inputs_digest(book[name], choose(compiler), book[name].library)
-
-
 def _read_stamp(file: Path) -> Stamp | None:
     """Return a stamp, or None when there is none that this version can read; then the FMU is built again."""
     try:
@@ -174,35 +228,15 @@ def _read_stamp(file: Path) -> Stamp | None:
         return None
 
 
-def _inputs_digest(recipe: Recipe, compiler: str, library: Path) -> str:
+def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:
+    """Return a digest over everything that is read: `library` is that of the Modelica files."""
     native = compiler == "native"
-    tool = _native_digest() + toolchain_digest() if native else openmodelica.version_line()
-    return _digest([recipe.model_dump_json(), compiler, tool, _library_digest(library)])
-
-
-def _library_digest(library: Path) -> str:
-    """Return a digest over the names and contents of a library's Modelica files."""
-    files = sorted(library.rglob("*.mo")) + sorted(library.rglob("package.order")) if library.is_dir() else [library]
-    return _digest(part for file in files for part in (str(file.relative_to(library.parent)), file.read_text()))
-
-
-@lru_cache(maxsize=1)
-def _native_digest() -> str:
-    """Return a digest over the built-in compiler itself and the packages it rests on."""
-    native = ROOM / "native"
-    files = sorted(file for file in native.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
-    return _digest([version("rumoca"), version("casadi"), *(file.read_text() for file in files)])
+    tool = compiler_digest() + toolchain_digest() if native else openmodelica.version_line()
+    return digest([recipe.model_dump_json(), compiler, tool, library])
 
 
 @lru_cache(maxsize=1)
 def toolchain_digest() -> str:
     """Return a digest over the C compiler and its options."""
     chosen = toolchain.compiler()
-    return _digest([*chosen.command, chosen.version, *toolchain.FLAGS, *package.FLAGS])
-
-
-def _digest(parts: Iterable[str]) -> str:
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(part.encode() + b"\0")
-    return digest.hexdigest()
+    return digest([*chosen.command, chosen.version, *toolchain.FLAGS, *toolchain.FMU_FLAGS])

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fmus.native.code import layout
-from fmus.native.model import output_scalars
+from fmus.native.lowering import output_scalars
 from fmus.native.system import System
 from fmus.native.variables import Scalar
 from fmus.recipe import Cookbook, Recipe

@@ -34,9 +34,9 @@ def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
     return lambda *arguments: boxed(lifted(*arguments))
 
 
-def is_number(value: SX) -> bool:
+def is_number(value: SX | float) -> bool:
     """Return whether an expression is a plain number."""
-    return SX(value).is_constant()
+    return (value if isinstance(value, SX) else SX(value)).is_constant()
 
 
 def whole(value: SX) -> int:

@@ -1,6 +1,5 @@
 """The C file of an FMU: sizes, tables and model functions, followed by the static FMI side in `runtime/`."""
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,22 +8,25 @@ from pathlib import Path
 import casadi as ca
 
 from fmus.native.arrays import SX
+from fmus.native.ctext import names, quoted, table
 from fmus.native.elimination import eliminate
 from fmus.native.structure import Loops
 from fmus.native.system import Assertion, System, column
+from fmus.native.tape import fits, tape
 from fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"
-PARTS = (
-    "layout.h",
-    "evaluate.c",
-    "events.c",
-    "rosenbrock.c",
-    "advance.c",
-    "fmi2.c",
-    "modelexchange.c",
-    "cosimulation.c",
-)
+SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")
+PARTS = {"me": ("modelexchange.c",), "cs": ("rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
+"""What each interface needs besides `SHARED`."""
+
+RARE = {
+    "me": frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop"}),
+    "cs": frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_directional"}),
+}
+"""Functions that no step of an importer calls: an estimator asks a Model Exchange FMU for directional derivatives at
+every sample, nobody does so in co-simulation."""
+
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
@@ -95,7 +97,7 @@ def jacobian(system: System) -> SX:
     return ca.jacobian(system.derivative, system.x)
 
 
-def functions(system: System) -> list[ca.Function]:
+def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     """Return the functions the runtime calls, as `runtime/layout.h` lists them."""
     v = system.variables
     here = [system.time, system.x, system.u, system.p, system.d, system.relation, system.guesses]
@@ -113,7 +115,7 @@ def functions(system: System) -> list[ca.Function]:
     ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
     definitions: list[tuple[str, list[SX], list[SX]]] = [
         ("f_ode", here, [system.derivative]),
-        ("f_jacobian", here, [system.derivative, jacobian(system), ft]),
+        *([("f_jacobian", here, [system.derivative, jacobian(system), ft])] if "cs" in interfaces else []),
         ("f_outputs", here, [outputs]),
         ("f_locals", here, [locals_]),
         ("f_indicators", here, [system.indicators]),
@@ -141,18 +143,20 @@ def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
     return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 
-def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> dict[str, str]:
+def c_sources(system: System, *, guid: str, interfaces: Sequence[str], solver: str, tolerance: float) -> dict[str, str]:
     """Return the C files of an FMU: `model.c`, which includes the others.
 
     Args:
+        interfaces: Of "me" and "cs".
         guid: Checked at instantiation.
         solver: rodas3 or rodas4, the default of the parameter `_solver`.
         tolerance: Relative error of an internal step, the default of `_tolerance`.
     """
     lay = layout(system)
-    pattern = jacobian(system)
-    rows, columns = pattern.sparsity().get_triplet()
-    elimination = eliminate(len(lay.states), list(zip(rows, columns, strict=True)))
+    solves = "cs" in interfaces
+    rows, columns = jacobian(system).sparsity().get_triplet() if solves else ([], [])
+    elimination = eliminate(len(lay.states), list(zip(rows, columns, strict=True))) if solves else None
+    parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
     texts = sum(isinstance(piece, SX) for a in system.assertions for piece in a.message)
     by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
     sizes = {
@@ -172,8 +176,8 @@ def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> di
         "NQ": len(system.start_loops.guesses),
         "NA": len(system.assertions),
         "NM": texts,
-        "NJ": pattern.nnz(),
-        "NLU": elimination.entries,
+        "NJ": len(rows),
+        "NLU": elimination.entries if elimination else 0,
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
         "DEFAULT_TOLERANCE": repr(float(tolerance)),
@@ -199,18 +203,18 @@ def c_sources(system: System, *, guid: str, solver: str, tolerance: float) -> di
         table("int", "jacobian_row", rows),
         table("int", "jacobian_column", columns),
         table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
-        _names("x_name", [s.name for s in lay.states]),
-        _names("assertion_place", [a.where for a in system.assertions]),
+        names("x_name", [s.name for s in lay.states]),
+        names("assertion_place", [a.where for a in system.assertions]),
         f"static const char loop_names[] = {quoted(', '.join(system.loops.guesses))};",
         f"static const char start_loop_names[] = {quoted(', '.join(system.start_loops.guesses))};",
-        _model_functions(system),
+        _model_functions(system, interfaces),
         '#include "layout.h"',
-        elimination.code,
+        elimination.code if elimination else "",
         _assertion_texts(system.assertions),
-        *(f'#include "{part}"' for part in PARTS[1:]),
+        *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]
-    return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in PARTS}
+    return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in ["tape.c", *parts]}
 
 
 def nominal(s: Scalar) -> float:
@@ -218,15 +222,22 @@ def nominal(s: Scalar) -> float:
     return abs(s.bound("nominal") or 1.0)
 
 
-def _model_functions(system: System) -> str:
+def _model_functions(system: System, interfaces: Sequence[str]) -> str:
+    rare = frozenset.intersection(*(RARE[i] for i in interfaces))
+    if not system.clocks:
+        rare |= {"f_event"}  # with clocks it is called at each tick
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions(system):
-        generator.add(function)
+    tapes: list[str] = []
+    for function in functions(system, interfaces):
+        if function.name() in rare and fits(function):
+            tapes.append(tape(function))
+        else:
+            generator.add(function)
     text = generator.dump()
     # CasADi allows any argument or result to be NULL; ours never are, and testing costs more than using.
     text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
     text = re.sub(r"if \(res\[(\d+)\]!=0\) res", "res", text)
-    return f"#include <math.h>\n#define CASADI_SYMBOL_EXPORT static\n{text}"
+    return "\n".join(["#include <math.h>", "#define CASADI_SYMBOL_EXPORT static", text, '#include "tape.c"', *tapes])
 
 
 def _assertion_texts(assertions: Sequence[Assertion]) -> str:
@@ -251,19 +262,3 @@ def _assertion_texts(assertions: Sequence[Assertion]) -> str:
             "}",
         ]
     )
-
-
-def table(type_: str, name: str, values: Sequence[float]) -> str:
-    """Return a C table of numbers."""
-    # One entry more, because C has no empty arrays.
-    listed = ", ".join([*(repr(float(v)) if type_ == "double" else str(int(v)) for v in values), "0"])
-    return f"static const {type_} {name}[] = {{ {listed} }};".replace("inf", "INFINITY").replace("nan", "NAN")
-
-
-def _names(name: str, values: Sequence[str]) -> str:
-    return f"static const char *const {name}[] = {{ {', '.join([*map(quoted, values), '0'])} }};"
-
-
-def quoted(text: str) -> str:
-    """Return a C string literal."""
-    return json.dumps(text)

@@ -1,6 +1,7 @@
 """The front end: rumoca reads Modelica and hands over the checked, flat DAE with operands resolved."""
 
 import json
+import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,10 +13,10 @@ import rumoca
 
 from fmus.errors import Refused, WrongQuestion
 from fmus.native.complaint import places
+from fmus.native.library import LIBRARY, library_digest
 
 FRONT = Path(__file__).parent / "front"
 SCHEMA = ("rumoca.checked-dae-template", 6)
-LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
 Node = dict[str, Any]
 """A piece of the DAE as rumoca spells it; field names are its own."""
@@ -123,7 +124,7 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     alias = f"single-file/{path.name}"
     try:
         if path.name == "package.mo":
-            model = rumoca.Session(roots=[str(path.parent.parent)]).load(str(path), model=class_name)
+            model = _session(path.parent).load(str(path), model=class_name)
         else:
             model = rumoca.Session().loads(path.read_text(), model=class_name, filename=alias)
         printed = model.codegen(str(FRONT)).files[0].content
@@ -146,6 +147,24 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     return Dae(class_name=class_name, content=content, sources=sources)
 
 
+_kept = threading.local()
+"""The last session of each thread, which it may not leave."""
+
+
+def _session(library: Path) -> rumoca.Session:
+    """Return a session that knows a library as it is on disk now.
+
+    Reading a library takes longer than flattening most of its classes, and a session does not look at a file twice.
+    """
+    state = (library, library_digest(library))
+    if getattr(_kept, "state", None) != state:
+        _kept.state, _kept.session = state, rumoca.Session(roots=[str(library.parent)])
+    return _kept.session
+
+
 def _short(file: Path, base: Path) -> str:
     """Return a file's path from `base`, so that it is the same on every machine."""
     return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()
+
+
+__all__ = ["LIBRARY", "Binding", "Dae", "Node", "read"]

@@ -13,10 +13,13 @@ from importlib.metadata import version
 import casadi as ca
 
 from fmus.errors import WrongQuestion
-from fmus.native.code import RUNTIME, quoted, table
+from fmus.native.code import RUNTIME
+from fmus.native.ctext import quoted, table
 from fmus.native.description import Writer, attributes_text, unit_definitions
 from fmus.native.model import Variable
 from fmus.native.package import Source
+
+PARTS = ("discrete.c", "instance.c", "status.c")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +70,7 @@ def sources(system: Discrete) -> Source:
     guid = hashlib.sha256("\0".join([xml, code]).encode()).hexdigest()[:32]
     return Source(
         identifier=identifier,
-        files={"model.c": _code(system, f"{{{guid}}}"), "discrete.c": (RUNTIME / "discrete.c").read_text()},
+        files={"model.c": _code(system, f"{{{guid}}}")} | {part: (RUNTIME / part).read_text() for part in PARTS},
         xml=_xml(system, identifier, f"{{{guid}}}"),
     )
 

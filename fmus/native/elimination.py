@@ -11,6 +11,12 @@ from dataclasses import dataclass
 MOST_OPERATIONS = 60_000
 """Multiply-adds above which straight-line code takes too long to compile; then elimination is dense."""
 
+LONGEST = 100
+"""Lines of one C function of the factorisation: compilers need more than twice the time for twice the length.
+
+The functions are called through a table of pointers, lest a compiler put them together again.
+"""
+
 SMALLEST_PIVOT = 1e-7
 """In units of c: below it the diagonal has cancelled, and without pivoting half the digits may be lost."""
 
@@ -63,11 +69,21 @@ def eliminate(n: int, pattern: list[tuple[int, int]]) -> Elimination:
         later = [j for j in sorted(rows[i]) if position[j] > position[i]]
         terms = "".join(f" - a[{at[i, j]}] * b[{j}]" for j in later)
         backward.append(f"    b[{i}] = (b[{i}]{terms}) * a[{at[i, i]}];")
+    arguments = "(const double *restrict jacobian, double c, double *restrict a)"
+    parts: list[str] = []
+    for k, part in enumerate([load, *(work[k : k + LONGEST] for k in range(0, len(work), LONGEST))]):
+        parts += [f"static int factor{k}{arguments} {{", "    (void)jacobian; (void)c; (void)a;"]
+        parts += [*part, "    return 0;", "}"]
+    count = sum(line.startswith("static") for line in parts)
     code = "\n".join(
         [
-            "static int sparse_factor(const double *restrict jacobian, double c, double *restrict a) {",
-            *load,
-            *work,
+            *parts,
+            f"static int (*const factor_parts[]){arguments} = {{",
+            f"    {', '.join(f'factor{k}' for k in range(count))}",
+            "};",
+            f"static int sparse_factor{arguments} {{",
+            f"    for (int k = 0; k < {count}; k++)",
+            "        if (factor_parts[k](jacobian, c, a)) return 1;",
             "    return 0;",
             "}",
             "static void sparse_solve(const double *restrict a, double *restrict b) {",

@@ -1,16 +1,22 @@
 """A Modelica class as CasADi functions, for whoever wants its equations without an FMU."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import json
+import os
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import casadi as ca
+from fmus.native.digest import compiler_digest, digest
+from fmus.native.library import LIBRARY, library_digest
 
-from fmus.errors import Refused
-from fmus.native.arrays import SX
-from fmus.native.dae import read
-from fmus.native.system import System, column, explicit
-from fmus.native.variables import Scalar, vector
+if TYPE_CHECKING:
+    import casadi as ca
+
+KEPT = Path(__file__).parents[2] / "build" / "native" / "models"
+"""Where the classes of libraries are kept once they are lowered: every process of a campaign needs them."""
+
+GROUPS = ("states", "inputs", "parameters", "outputs")
+FUNCTIONS = ("derivative", "output", "initial")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,9 +55,9 @@ class Model:
     inputs: tuple[Variable, ...]
     parameters: tuple[Variable, ...]
     outputs: tuple[Variable, ...]
-    derivative: ca.Function
-    output: ca.Function
-    initial: ca.Function
+    derivative: "ca.Function"
+    output: "ca.Function"
+    initial: "ca.Function"
 
 
 def lower(class_name: str, modelica_path: Path | None = None) -> Model:
@@ -65,62 +71,59 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
         WrongQuestion: No such file or class, or Modelica has an error.
         Refused: The class has events, discrete variables, nonlinear loops, or what is not translated.
     """
-    return _without_events(explicit(read(class_name, modelica_path)))
+    library = LIBRARY if modelica_path is None else Path(modelica_path)
+    if not library.is_dir():
+        return _lowered(class_name, library)
+    file, key = KEPT / f"{class_name}.json", digest([class_name, library_digest(library), compiler_digest()])
+    model = _kept(file, key)
+    if model is None:
+        _keep(file, key, _lowered(class_name, library))
+        # Also the first time what was written is read, so that every process computes with the same functions.
+        model = _kept(file, key)
+        assert model is not None
+    return model
 
 
-def _without_events(system: System) -> Model:
-    hindrances = {
-        "relations that cause events (write noEvent(...) or smooth(...))": system.relation.numel(),
-        "discrete variables": system.d.numel(),
-        "time events": system.instants.numel() + len(system.clocks),
-        "nonlinear algebraic loops": len(system.loops.guesses) + len(system.start_loops.guesses),
+def _lowered(class_name: str, modelica_path: Path) -> Model:
+    # A process that finds what it needs does without rumoca and scipy's graphs, a quarter of a second of imports.
+    from fmus.native.lowering import lowered
+
+    return lowered(class_name, modelica_path)
+
+
+def _keep(file: Path, key: str, model: Model) -> None:
+    content = {
+        "key": key,
+        "class_name": model.class_name,
+        **{group: [asdict(v) for v in getattr(model, group)] for group in GROUPS},
+        **{name: getattr(model, name).serialize() for name in FUNCTIONS},
     }
-    found = [f"{count} {what}" for what, count in hindrances.items() if count]
-    if found:
-        raise Refused(f"{system.class_name} is not a plain differential equation: it has {', '.join(found)}.")
-    v = system.variables
-    free = vector(v.free)
-    arguments = [system.time, system.x, system.u, free]
-    values = column([system.derivative, output_values(system), system.start])
-    if v.dependent:
-        values = ca.substitute(values, vector(v.dependent), column(v.dependent_values))
-    nx, ny = len(system.states), len(output_scalars(system))
-    names = ["t", "x", "u", "p"]
+    file.parent.mkdir(parents=True, exist_ok=True)
+    # Moved into place whole: other processes may be reading it, or writing the same.
+    half = file.with_suffix(f".{os.getpid()}")
+    half.write_text(json.dumps(content))
+    half.replace(file)
+
+
+def _kept(file: Path, key: str) -> Model | None:
+    """Return the model of a file, or None when there is none that was made from what `key` stands for."""
+    try:
+        content = json.loads(file.read_text())
+    except (FileNotFoundError, json.JSONDecodeError):
+        return None
+    if content["key"] != key:
+        return None
+    import casadi as ca
+
+    states, inputs, parameters, outputs = (tuple(Variable(**v) for v in content[group]) for group in GROUPS)
+    derivative, output, initial = (ca.Function.deserialize(content[name]) for name in FUNCTIONS)
     return Model(
-        class_name=system.class_name,
-        states=_edge(system.states),
-        inputs=_edge(v.inputs),
-        parameters=_edge(v.free),
-        outputs=_edge(output_scalars(system)),
-        derivative=ca.Function("derivative", arguments, [values[:nx]], names, ["dx"]),
-        output=ca.Function("output", arguments, [values[nx : nx + ny]], names, ["y"]),
-        initial=ca.Function("initial", [free], [values[nx + ny :]], ["p"], ["x"]),
-    )
-
-
-def output_scalars(system: System) -> list[Scalar]:
-    """Return the variables declared `output`, in declaration order."""
-    every = [s for own in system.variables.of_id.values() for s in own]
-    return [s for s in every if s.causality == "output"]
-
-
-def output_values(system: System) -> SX:
-    """Return the expressions of `output_scalars`."""
-    known = {s.name: s.symbol for s in [*system.states, *system.variables.discretes]}
-    known |= {s.name: system.algebraic[i] for i, s in enumerate(system.algebraics)}
-    return column([known[s.name] for s in output_scalars(system)])
-
-
-def _edge(scalars: Sequence[Scalar]) -> tuple[Variable, ...]:
-    return tuple(
-        Variable(
-            name=s.name,
-            unit=s.attributes.get("unit") or "",
-            start=s.start,
-            description=s.attributes.get("description") or "",
-            minimum=s.bound("minimum"),
-            maximum=s.bound("maximum"),
-            nominal=s.bound("nominal") or 1.0,
-        )
-        for s in scalars
+        class_name=content["class_name"],
+        states=states,
+        inputs=inputs,
+        parameters=parameters,
+        outputs=outputs,
+        derivative=derivative,
+        output=output,
+        initial=initial,
     )

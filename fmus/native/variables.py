@@ -244,7 +244,7 @@ def _default_values(every: list[Scalar], v: Variables) -> None:
         dependent = ca.substitute(dependent, vector(v.free), free)
     numbers = ca.vertcat(v.constants[1], free, dependent)
     open_ = [s for s in every if s.expression is not None and not is_number(s.expression)]
-    for s in open_:
-        value = ca.substitute(s.binding, symbols, numbers)
+    values = ca.substitute([s.binding for s in open_], [symbols], [numbers]) if open_ else []
+    for s, value in zip(open_, values, strict=True):
         if is_number(value):
             s.start = float(value)

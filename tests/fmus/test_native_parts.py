@@ -2,13 +2,18 @@
 
 import ctypes
 import math
+import shutil
 
+import casadi as ca
 import numpy as np
 import pytest
+from conftest import FEATURES
 
 from fmus.errors import BuildFailed, CompilerMissing
-from fmus.native import lower, toolchain
-from fmus.native.elimination import eliminate
+from fmus.native import lower, model, toolchain
+from fmus.native.code import RUNTIME
+from fmus.native.elimination import LONGEST, eliminate
+from fmus.native.tape import tape
 from fmus.native.units import BASE, parse
 
 
@@ -72,6 +77,44 @@ def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed):
     assert solution == pytest.approx(np.linalg.solve(shift * np.eye(n) - dense, right), abs=1e-11)
 
 
+def test_a_long_elimination_is_many_functions():
+    """Tridiagonal: some three lines per pivot, so 3·LONGEST pivots cannot fit into fewer than 3 functions."""
+    n = 3 * LONGEST
+    pattern = [(i, j) for j in range(n) for i in (j - 1, j, j + 1) if 0 <= i < n]
+    code = eliminate(n, pattern).code
+    bodies = code.split("static int factor")[2:]
+    assert len(bodies) > 3
+    assert all(body.count("\n") <= LONGEST + 40 for body in bodies[:-1])
+
+
+def test_a_tape_plays_what_casadi_computes(tmp_path):
+    """Every operation of the tape on both sides of its branches, against CasADi's own evaluation, to the last bit."""
+    x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
+    a, b = x[0], x[1]
+    every = [
+        a + b, a - b, a * b, a / b, -a, 1 / a, a * a, 2 * a, ca.sqrt(a), a**b, a**2.5, ca.exp(b), ca.expm1(b),
+        ca.log(a), ca.log1p(a), ca.sin(a), ca.cos(a), ca.tan(a), ca.asin(b / 9), ca.acos(b / 9), ca.atan(a),
+        ca.atan2(a, b), ca.sinh(b), ca.cosh(b), ca.tanh(b), ca.asinh(a), ca.acosh(1 + a), ca.atanh(b / 9), ca.erf(b),
+        ca.hypot(a, b), ca.fabs(b), ca.sign(b), ca.sign(-a), ca.copysign(a, b), ca.floor(b), ca.ceil(b),
+        ca.fmod(a, b), ca.remainder(a, b), ca.fmin(a, b), ca.fmax(a, b), a < b, a <= b, a == b, a != b,
+        ca.logic_not(a), ca.logic_and(a, b), ca.logic_or(a, 0 * b), ca.if_else(a < b, a, y), y, 3.25 * y,
+    ]  # fmt: skip
+    function = ca.Function("f_every", [x, y], [ca.vertcat(*every), a + y])
+    code = (RUNTIME / "tape.c").read_text() + tape(function)
+    code += '__attribute__((visibility("default"))) int run(const double **a, double **r) {'
+    code += " return f_every(a, r, 0, 0, 0); }"
+    library = ctypes.CDLL(str(toolchain.shared_library({"tape.c": code}, tmp_path, "tape")))
+    pointer = ctypes.POINTER(ctypes.c_double)
+    for values in ([2.5, 1.75], [1.75, 2.5], [0.5, -1.25]):
+        given = [np.array(values), np.array([-7.5])]
+        found = [np.zeros(len(every)), np.zeros(1)]
+        arguments, results = ((pointer * 2)(*(v.ctypes.data_as(pointer) for v in group)) for group in (given, found))
+        assert library.run(arguments, results) == 0
+        wanted = [np.asarray(w).ravel() for w in function(*given)]
+        np.testing.assert_array_equal(found[0], wanted[0])
+        np.testing.assert_array_equal(found[1], wanted[1])
+
+
 def test_a_cancelled_pivot_is_reported(tmp_path):
     code = eliminate(1, [(0, 0)]).code.replace("static int", '__attribute__((visibility("default"))) int')
     library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": "#include <math.h>\n" + code}, tmp_path, "lu")))
@@ -101,6 +144,26 @@ def test_a_lowered_class_is_its_equations(tmp_path):
     assert float(model.derivative(0, 3, 5, [2, 1])) == (5 - 2 * 3) / 2
     assert float(model.output(0, 3, 5, [2, 4])) == 6
     assert float(model.initial([7, 1])) == 7
+
+
+def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes(tmp_path, monkeypatch):
+    library = tmp_path / "Features"
+    shutil.copytree(FEATURES, library)
+    monkeypatch.setattr(model, "KEPT", tmp_path / "kept")
+
+    def pull():
+        """der(v) = −4 x + 3 cos t at x = 1 and t = 0."""
+        return float(lower("Features.Oscillator", library).derivative(0, [1, 0], [], [])[1])
+
+    assert pull() == -1
+    with monkeypatch.context() as kept:
+        kept.setattr(model, "_lowered", lambda *_: pytest.fail("it was kept"))
+        assert pull() == -1
+    file = library / "Oscillator.mo"
+    file.write_text(file.read_text().replace("-4*x", "-9*x"))
+    assert pull() == -6
+    (tmp_path / "kept" / "Features.Oscillator.json").write_text("not a model")
+    assert pull() == -6
 
 
 def test_without_any_c_compiler_the_sentence_says_what_to_install(monkeypatch):

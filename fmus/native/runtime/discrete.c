@@ -24,6 +24,7 @@ typedef struct {
     State s;
     fmi2CallbackFunctions callbacks;
     fmi2Boolean logging;
+    char failure[512];
     double next_x[NX + 1], next_y[NY + 1];
     double work[WORK + 1]; /* of f_step */
     int index[INDEX + 1];
@@ -32,18 +33,7 @@ typedef struct {
     char name[1]; /* rest follows */
 } Instance;
 
-#define M ((Instance *)c)
-
-static fmi2Status refuse(Instance *m, const char *format, ...) {
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    if (m->callbacks.logger)
-        m->callbacks.logger(m->callbacks.componentEnvironment, m->name, fmi2Error, "logStatusError", "%s", text);
-    return fmi2Error;
-}
+#include "instance.c"
 
 static void reset(State *s) {
     memset(s, 0, sizeof *s);
@@ -53,39 +43,13 @@ static void reset(State *s) {
     memcpy(s->v + Y, start_y, NY * sizeof(double));
 }
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return fmi2Version; }
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-    (void)n;
-    (void)categories;
-    M->logging = on;
-    return fmi2OK;
-}
-
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
-    Instance *m;
-    (void)resources;
-    (void)visible;
-    if (!name || !guid || !(m = calloc(1, sizeof *m + strlen(name)))) return NULL;
-    strcpy(m->name, name);
-    if (callbacks) m->callbacks = *callbacks;
-    m->logging = logging;
-    if (strcmp(guid, MODEL_GUID) || type != fmi2CoSimulation) {
-        if (type != fmi2CoSimulation)
-            refuse(m, "this FMU is for co-simulation only");
-        else
-            refuse(m, "the GUID %s is not that of this FMU, %s", guid, MODEL_GUID);
-        free(m);
-        return NULL;
+static int begin(Instance *m, fmi2Type type) {
+    if (type != fmi2CoSimulation) {
+        refuse(m, "this FMU is for co-simulation only");
+        return 0;
     }
     reset(&m->s);
-    return m;
-}
-void fmi2FreeInstance(fmi2Component c) { free(c); }
-fmi2Status fmi2Reset(fmi2Component c) {
-    reset(&M->s);
-    return fmi2OK;
+    return 1;
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
@@ -106,10 +70,6 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     if (M->s.phase != INITIALIZING) return refuse(M, "fmi2ExitInitializationMode: not in initialisation mode");
     M->s.phase = RUNNING;
-    return fmi2OK;
-}
-fmi2Status fmi2Terminate(fmi2Component c) {
-    M->s.phase = TERMINATED;
     return fmi2OK;
 }
 
@@ -148,8 +108,6 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
         }
     return fmi2OK;
 }
-fmi2Status fmi2CancelStep(fmi2Component c) { return refuse(M, "fmi2CancelStep: steps are never pending"); }
-
 /* ---- values ---- */
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {
     for (size_t i = 0; i < n; i++) {
@@ -176,47 +134,8 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     }
 NONE(fmi2GetInteger, fmi2Integer, "Integer")
 NONE(fmi2GetBoolean, fmi2Boolean, "Boolean")
-NONE(fmi2GetString, fmi2String, "String")
 NONE(fmi2SetInteger, const fmi2Integer, "Integer")
 NONE(fmi2SetBoolean, const fmi2Boolean, "Boolean")
-NONE(fmi2SetString, const fmi2String, "String")
-
-/* ---- FMU state: one copy ---- */
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    if (!*state && !(*state = malloc(sizeof(State)))) return refuse(M, "fmi2GetFMUstate: out of memory");
-    memcpy(*state, &M->s, sizeof(State));
-    return fmi2OK;
-}
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    if (!state) return refuse(M, "fmi2SetFMUstate: no state given");
-    memcpy(&M->s, state, sizeof(State));
-    return fmi2OK;
-}
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    (void)c;
-    if (state) {
-        free(*state);
-        *state = NULL;
-    }
-    return fmi2OK;
-}
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
-    (void)c;
-    (void)state;
-    *size = sizeof(State);
-    return fmi2OK;
-}
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-    if (size < sizeof(State)) return refuse(M, "fmi2SerializeFMUstate: the buffer is too small");
-    memcpy(bytes, state, sizeof(State));
-    return fmi2OK;
-}
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
-    if (size != sizeof(State)) return refuse(M, "fmi2DeSerializeFMUstate: these bytes are not a state of this FMU");
-    if (!*state && !(*state = malloc(size))) return refuse(M, "fmi2DeSerializeFMUstate: out of memory");
-    memcpy(*state, bytes, size);
-    return fmi2OK;
-}
 
 /* ---- not offered ---- */
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
@@ -230,45 +149,4 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     (void)result;
     return refuse(M, "fmi2GetDirectionalDerivative: not offered");
 }
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-                                       const fmi2Real value[]) {
-    (void)vr;
-    (void)order;
-    (void)value;
-    return n ? refuse(M, "fmi2SetRealInputDerivatives: inputs are samples") : fmi2OK;
-}
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-                                        fmi2Real value[]) {
-    (void)vr;
-    (void)order;
-    (void)value;
-    return n ? refuse(M, "fmi2GetRealOutputDerivatives: outputs are samples") : fmi2OK;
-}
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
-    (void)c;
-    (void)kind;
-    (void)value;
-    return fmi2Discard;
-}
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
-    if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
-    *value = M->s.v[TIME];
-    return fmi2OK;
-}
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
-    (void)c;
-    (void)kind;
-    (void)value;
-    return fmi2Discard;
-}
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
-    if (kind != fmi2Terminated) return fmi2Discard;
-    *value = M->s.phase == TERMINATED ? fmi2True : fmi2False;
-    return fmi2OK;
-}
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
-    (void)c;
-    (void)kind;
-    (void)value;
-    return fmi2Discard;
-}
+#include "status.c"

@@ -1,29 +1,5 @@
 /* Evaluation of the model: parameters, derivatives, nonlinear loops, outputs. */
 
-static void message(Instance *m, fmi2Status status, const char *category, const char *format, ...) {
-    char text[1024], escaped[2 * sizeof text], *to = escaped;
-    va_list arguments;
-    if (!m->callbacks.logger || (status < fmi2Warning && !m->logging)) return;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    /* The text itself is the format, not an argument of "%s": loggers in Python never see the arguments. */
-    for (const char *from = text; *from; from++) {
-        if (*from == '%') *to++ = '%';
-        *to++ = *from;
-    }
-    *to = 0;
-    m->callbacks.logger(m->callbacks.componentEnvironment, m->name, status, category, escaped);
-}
-
-static int failure(Instance *m, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(m->failure, sizeof m->failure, format, arguments);
-    va_end(arguments);
-    return 1;
-}
-
 /* Equations are evaluated strictly between two time events, so that `time < T` keeps its side of T. */
 static double inside(const State *s, double t) {
     return t >= s->hi ? nextafter(s->hi, -INFINITY) : t <= s->lo ? nextafter(s->lo, INFINITY) : t;
@@ -72,19 +48,6 @@ static int derivatives(Instance *m, double t, const double *x, double *dx) {
     double *r[] = { dx };
     if (NX) f_ode(a, r, 0, 0, 0);
     s->v[EVALUATIONS]++;
-    return 0;
-}
-
-/* Derivatives, their Jacobian and their partial derivative in time, sharing what they share. */
-static int linearise(Instance *m, double t, const double *x, double *dx, double *jacobian, double *ft) {
-    State *s = &m->s;
-    t = inside(s, t);
-    if (NG && loops(m, t, x)) return 1;
-    const double *a[] = ARGUMENTS(s, &t, x);
-    double *r[] = { dx, jacobian, ft };
-    f_jacobian(a, r, 0, 0, 0);
-    s->v[EVALUATIONS]++;
-    s->v[JACOBIANS]++;
     return 0;
 }
 

@@ -1,25 +1,4 @@
-/* FMI 2.0: what Model Exchange and Co-Simulation share. */
-#define M ((Instance *)c)
-
-static fmi2Status refuse(Instance *m, const char *function, const char *why) {
-    message(m, fmi2Error, "logStatusError", "%s: %s", function, why);
-    return fmi2Error;
-}
-/* Status of a call that left a sentence in `failure`. */
-static fmi2Status failed(Instance *m, fmi2Status status) {
-    message(m, status, "logStatusError", "%s", m->failure);
-    return status;
-}
-
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return fmi2Version; }
-
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-    (void)n;
-    (void)categories;
-    M->logging = on;
-    return fmi2OK;
-}
+/* FMI 2.0: what Model Exchange and Co-Simulation of a Modelica class share. */
 
 static void reset(State *s) {
     memset(s, 0, sizeof *s);
@@ -38,36 +17,17 @@ static void reset(State *s) {
     stale(s);
 }
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                              const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
-    Instance *m;
-    (void)resources;
-    (void)visible;
-    if (!name || !guid || !(m = calloc(1, sizeof *m + strlen(name)))) return NULL;
-    strcpy(m->name, name);
-    if (callbacks) m->callbacks = *callbacks;
-    m->logging = logging;
+static int begin(Instance *m, fmi2Type type) {
     m->co_simulation = type == fmi2CoSimulation;
-    if (strcmp(guid, MODEL_GUID)) {
-        message(m, fmi2Error, "logStatusError", "the GUID %s is not that of this FMU, %s", guid, MODEL_GUID);
-        free(m);
-        return NULL;
-    }
     reset(&m->s);
-    return m;
-}
-void fmi2FreeInstance(fmi2Component c) { free(c); }
-
-fmi2Status fmi2Reset(fmi2Component c) {
-    reset(&M->s);
-    return fmi2OK;
+    return 1;
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean has_stop, fmi2Real stop) {
     (void)has_stop;
     (void)stop;
-    if (M->s.phase != INSTANTIATED) return refuse(M, "fmi2SetupExperiment", "only before initialisation");
+    if (M->s.phase != INSTANTIATED) return refuse(M, "fmi2SetupExperiment: only before initialisation");
     M->s.v[TIME] = start;
     if (has_tolerance && tolerance > 0) M->s.v[TOLERANCE] = tolerance;
     return fmi2OK;
@@ -75,7 +35,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2R
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     State *s = &M->s;
-    if (s->phase != INSTANTIATED) return refuse(M, "fmi2EnterInitializationMode", "only once, after instantiation or reset");
+    if (s->phase != INSTANTIATED) return refuse(M, "fmi2EnterInitializationMode: only once, after instantiation or reset");
     s->phase = INITIALIZING;
     s->stale_start = 1;
     for (int i = 0; i < NT; i++) {
@@ -88,7 +48,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     State *s = &M->s;
     int jumped;
-    if (s->phase != INITIALIZING) return refuse(M, "fmi2ExitInitializationMode", "not in initialisation mode");
+    if (s->phase != INITIALIZING) return refuse(M, "fmi2ExitInitializationMode: not in initialisation mode");
     if (prepare(M) || assertions(M)) {
         s->phase = FAILED;
         return failed(M, fmi2Error);
@@ -102,11 +62,6 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     if (M->co_simulation && s->hi <= s->v[TIME] && events(M, 0, &jumped)) return failed(M, fmi2Error);
     s->v[EVENTS] = s->v[EVALUATIONS] = 0;
     s->inputs_set = 0;
-    return fmi2OK;
-}
-
-fmi2Status fmi2Terminate(fmi2Component c) {
-    M->s.phase = TERMINATED;
     return fmi2OK;
 }
 
@@ -143,16 +98,15 @@ static fmi2Status set(Instance *m, fmi2ValueReference k, double value) {
             s->x0[k - X] = value;
             s->x_set[k - X] = 1;
         } else if (m->co_simulation)
-            return refuse(m, "set", "states can be set before initialisation only");
+            return refuse(m, "set: states can be set before initialisation only");
     } else if (k >= D && k < TOLERANCE && s->phase < RUNNING) {
         s->d0[k - D] = value;
     } else if (k == TOLERANCE) {
-        if (!(value > 0 && value < 1)) return refuse(m, "set", "_tolerance must lie between 0 and 1");
+        if (!(value > 0 && value < 1)) return refuse(m, "set: _tolerance must lie between 0 and 1");
     } else if (k == SOLVER) {
-        if (value != 3 && value != 4) return refuse(m, "set", "_solver is 3 (RODAS3) or 4 (RODAS4)");
+        if (value != 3 && value != 4) return refuse(m, "set: _solver is 3 (RODAS3) or 4 (RODAS4)");
     } else {
-        message(m, fmi2Error, "logStatusError", "the variable with value reference %u cannot be set", k);
-        return fmi2Error;
+        return refuse(m, "the variable with value reference %u cannot be set", k);
     }
     s->v[k] = value;
     s->stale_derivatives = s->stale_outputs = s->stale_locals = 1;
@@ -169,54 +123,6 @@ SETTER(fmi2SetReal, fmi2Real)
 SETTER(fmi2SetInteger, fmi2Integer)
 SETTER(fmi2SetBoolean, fmi2Boolean)
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
-    (void)vr;
-    (void)value;
-    return n ? refuse(M, "fmi2GetString", "there are no String variables") : fmi2OK;
-}
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) {
-    (void)vr;
-    (void)value;
-    return n ? refuse(M, "fmi2SetString", "there are no String variables") : fmi2OK;
-}
-
-/* ---- FMU state ---- */
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    if (!*state && !(*state = malloc(sizeof(State)))) return refuse(M, "fmi2GetFMUstate", "out of memory");
-    memcpy(*state, &M->s, sizeof(State));
-    return fmi2OK;
-}
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    if (!state) return refuse(M, "fmi2SetFMUstate", "no state given");
-    memcpy(&M->s, state, sizeof(State));
-    return fmi2OK;
-}
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    (void)c;
-    if (state) {
-        free(*state);
-        *state = NULL;
-    }
-    return fmi2OK;
-}
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
-    (void)c;
-    (void)state;
-    *size = sizeof(State);
-    return fmi2OK;
-}
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-    if (size < sizeof(State)) return refuse(M, "fmi2SerializeFMUstate", "the buffer is too small");
-    memcpy(bytes, state, sizeof(State));
-    return fmi2OK;
-}
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
-    if (size != sizeof(State)) return refuse(M, "fmi2DeSerializeFMUstate", "these bytes are not a state of this FMU");
-    if (!*state && !(*state = malloc(size))) return refuse(M, "fmi2DeSerializeFMUstate", "out of memory");
-    memcpy(*state, bytes, size);
-    return fmi2OK;
-}
-
 /* ---- directional derivatives: of derivatives and outputs, along states, inputs and parameters ---- */
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
                                         const fmi2ValueReference known[], size_t n_known, const fmi2Real along[],
@@ -231,7 +137,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
         if (k >= X && k < DX) vx[k - X] = along[i];
         else if (k >= U && k < P) vu[k - U] = along[i];
         else if (k >= P && k < P + NF) vp[k - P] = along[i];
-        else return refuse(M, "fmi2GetDirectionalDerivative", "a known that is neither state, input nor parameter");
+        else return refuse(M, "fmi2GetDirectionalDerivative: a known that is neither state, input nor parameter");
     }
     if (prepare(M)) return failed(M, fmi2Error);
     t = inside(s, s->v[TIME]);
@@ -246,7 +152,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
         if (k >= DX && k < U) result[i] = dx[k - DX];
         else if (k >= O && k < L) result[i] = dy[k - O];
         else if (k >= X && k < DX) result[i] = vx[k - X];
-        else return refuse(M, "fmi2GetDirectionalDerivative", "an unknown that is neither derivative nor output");
+        else return refuse(M, "fmi2GetDirectionalDerivative: an unknown that is neither derivative nor output");
     }
     return fmi2OK;
 }

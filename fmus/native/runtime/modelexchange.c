@@ -37,19 +37,19 @@ fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) {
     return fmi2OK;
 }
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
-    if (n != NX) return refuse(M, "fmi2SetContinuousStates", "wrong number of states");
+    if (n != NX) return refuse(M, "fmi2SetContinuousStates: wrong number of states");
     memcpy(M->s.v + X, x, NX * sizeof *x);
     stale(&M->s);
     return fmi2OK;
 }
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
-    if (n != NX) return refuse(M, "fmi2GetContinuousStates", "wrong number of states");
+    if (n != NX) return refuse(M, "fmi2GetContinuousStates: wrong number of states");
     if (prepare(M)) return failed(M, fmi2Error);
     memcpy(x, M->s.v + X, NX * sizeof *x);
     return fmi2OK;
 }
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
-    if (n != NX) return refuse(M, "fmi2GetDerivatives", "wrong number of states");
+    if (n != NX) return refuse(M, "fmi2GetDerivatives: wrong number of states");
     if (fresh_derivatives(M)) return failed(M, fmi2Error);
     for (int i = 0; i < NX; i++) {
         if (!isfinite(M->s.v[DX + i])) {
@@ -62,7 +62,7 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
 }
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
     State *s = &M->s;
-    if (n != NZ) return refuse(M, "fmi2GetEventIndicators", "wrong number of event indicators");
+    if (n != NZ) return refuse(M, "fmi2GetEventIndicators: wrong number of event indicators");
     if (prepare(M) || (NG && loops(M, inside(s, s->v[TIME]), s->v + X))) return failed(M, fmi2Error);
     indicators(s, s->v[TIME], s->v + X, z);
     /* Hysteresis: when the importer has found the root, the relation has surely changed. */
@@ -70,7 +70,7 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
     return fmi2OK;
 }
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
-    if (n != NX) return refuse(M, "fmi2GetNominalsOfContinuousStates", "wrong number of states");
+    if (n != NX) return refuse(M, "fmi2GetNominalsOfContinuousStates: wrong number of states");
     memcpy(x, nominal_x, NX * sizeof *x);
     return fmi2OK;
 }

@@ -4,6 +4,19 @@
  * Sources: RODAS4 (order 4(3), 6 stages) Hairer and Wanner, Solving ODEs II (1996), §IV.7; RODAS3 (order 3(2),
  * 4 stages) Sandu et al., Atmospheric Environment 31 (1997) 3459. */
 
+/* Derivatives, their Jacobian and their partial derivative in time, sharing what they share. */
+static int linearise(Instance *m, double t, const double *x, double *dx, double *jacobian, double *ft) {
+    State *s = &m->s;
+    t = inside(s, t);
+    if (NG && loops(m, t, x)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { dx, jacobian, ft };
+    f_jacobian(a, r, 0, 0, 0);
+    s->v[EVALUATIONS]++;
+    s->v[JACOBIANS]++;
+    return 0;
+}
+
 static int dense_factor(double *a, int *pivot) {
     for (int k = 0; k < NX; k++) {
         int p = k;

@@ -1,0 +1,24 @@
+"""Libraries of Modelica classes on disk."""
+
+import hashlib
+import os
+from pathlib import Path
+
+LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
+
+
+def library_digest(library: Path) -> str:
+    """Return a digest over the names and contents of a library's Modelica files, or of one file."""
+    if not library.is_dir():
+        return hashlib.sha256(library.read_bytes()).hexdigest()
+    files = sorted(
+        Path(folder, name)
+        for folder, _, names in os.walk(library)
+        for name in names
+        if name.endswith(".mo") or name == "package.order"
+    )
+    out = hashlib.sha256()
+    for file in files:
+        out.update(file.relative_to(library.parent).as_posix().encode() + b"\0")
+        out.update(file.read_bytes() + b"\0")
+    return out.hexdigest()

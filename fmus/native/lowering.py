@@ -1,0 +1,76 @@
+"""From a flat class to CasADi functions in states, inputs and free parameters alone."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import casadi as ca
+
+from fmus.errors import Refused
+from fmus.native.arrays import SX
+from fmus.native.dae import read
+from fmus.native.model import Model, Variable
+from fmus.native.system import System, column, explicit
+from fmus.native.variables import Scalar, vector
+
+
+def lowered(class_name: str, modelica_path: Path) -> Model:
+    """Return the explicit ODE of a Modelica class; see `fmus.native.lower`."""
+    return _without_events(explicit(read(class_name, modelica_path)))
+
+
+def _without_events(system: System) -> Model:
+    hindrances = {
+        "relations that cause events (write noEvent(...) or smooth(...))": system.relation.numel(),
+        "discrete variables": system.d.numel(),
+        "time events": system.instants.numel() + len(system.clocks),
+        "nonlinear algebraic loops": len(system.loops.guesses) + len(system.start_loops.guesses),
+    }
+    found = [f"{count} {what}" for what, count in hindrances.items() if count]
+    if found:
+        raise Refused(f"{system.class_name} is not a plain differential equation: it has {', '.join(found)}.")
+    v = system.variables
+    free = vector(v.free)
+    arguments = [system.time, system.x, system.u, free]
+    values = column([system.derivative, output_values(system), system.start])
+    if v.dependent:
+        values = ca.substitute(values, vector(v.dependent), column(v.dependent_values))
+    nx, ny = len(system.states), len(output_scalars(system))
+    names = ["t", "x", "u", "p"]
+    return Model(
+        class_name=system.class_name,
+        states=_edge(system.states),
+        inputs=_edge(v.inputs),
+        parameters=_edge(v.free),
+        outputs=_edge(output_scalars(system)),
+        derivative=ca.Function("derivative", arguments, [values[:nx]], names, ["dx"]),
+        output=ca.Function("output", arguments, [values[nx : nx + ny]], names, ["y"]),
+        initial=ca.Function("initial", [free], [values[nx + ny :]], ["p"], ["x"]),
+    )
+
+
+def output_scalars(system: System) -> list[Scalar]:
+    """Return the variables declared `output`, in declaration order."""
+    every = [s for own in system.variables.of_id.values() for s in own]
+    return [s for s in every if s.causality == "output"]
+
+
+def output_values(system: System) -> SX:
+    """Return the expressions of `output_scalars`."""
+    known = {s.name: s.symbol for s in [*system.states, *system.variables.discretes]}
+    known |= {s.name: system.algebraic[i] for i, s in enumerate(system.algebraics)}
+    return column([known[s.name] for s in output_scalars(system)])
+
+
+def _edge(scalars: Sequence[Scalar]) -> tuple[Variable, ...]:
+    return tuple(
+        Variable(
+            name=s.name,
+            unit=s.attributes.get("unit") or "",
+            start=s.start,
+            description=s.attributes.get("description") or "",
+            minimum=s.bound("minimum"),
+            maximum=s.bound("maximum"),
+            nominal=s.bound("nominal") or 1.0,
+        )
+        for s in scalars
+    )

@@ -1,0 +1,57 @@
+"""CasADi functions as tables for the interpreter in `runtime/tape.c`."""
+
+from functools import cache
+
+import casadi as ca
+
+from fmus.native.ctext import table
+
+LARGEST = 65535
+"""Of a place in work, arguments, results and constants; `Operation` holds unsigned shorts."""
+
+
+def fits(function: ca.Function) -> bool:
+    """Return whether the places of a function can be written down; a larger one must be compiled."""
+    sizes = [function.nnz_in(i) for i in range(function.n_in())]
+    sizes += [function.nnz_out(i) for i in range(function.n_out())]
+    return max([function.sz_w(), function.n_instructions(), *sizes]) <= LARGEST
+
+
+def tape(function: ca.Function) -> str:
+    """Return C that plays an expanded (SX) function, with the signature of CasADi's generated code."""
+    name, constants = function.name(), dict[str, int]()
+    rows: list[str] = []
+    for k in range(function.n_instructions()):
+        operation = _names()[function.instruction_id(k)]
+        to, a = function.instruction_output(k), function.instruction_input(k)
+        if operation == "OP_CONST":
+            place = constants.setdefault(repr(function.instruction_constant(k)), len(constants))  # 0.0 is not -0.0
+            row = (to[0], place, 0)
+        elif operation == "OP_INPUT":
+            row = (to[0], *a)
+        elif operation == "OP_OUTPUT":
+            row = (to[0], a[0], to[1])
+        else:
+            row = (to[0], a[0], a[-1])
+        rows.append(f"{{{operation},{row[0]},{row[1]},{row[2]}}},")
+    lines = ["".join(rows[k : k + 6]) for k in range(0, len(rows), 6)]
+    return "\n".join(
+        [
+            table("double", f"{name}_constants", [float(c) for c in constants]),
+            # One operation more, because C has no empty arrays.
+            f"static const Operation {name}_tape[] = {{",
+            *lines,
+            "{OP_CONST,0,0,0}};",
+            f"static int {name}(const double **arg, double **res, int *iw, double *w, int mem) {{",
+            f"    double work[{function.sz_w() + 1}];",
+            "    (void)iw; (void)w; (void)mem;",
+            f"    play({name}_tape, {len(rows)}, {name}_constants, arg, res, work);",
+            "    return 0;",
+            "}",
+        ]
+    )
+
+
+@cache
+def _names() -> dict[int, str]:
+    return {getattr(ca, name): name for name in dir(ca) if name.startswith("OP_")}
