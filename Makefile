@@ -59,11 +59,19 @@ check: $(READY)
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright
 
+ESTIMATIONS := harness/estimate/library
+
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
 	$(RUN) -m harness rig
-	$(RUN) -m harness observability harness/estimate/library/rig_own.toml
-	$(RUN) -m harness observability harness/estimate/library/wagon.toml
-	$(RUN) -m harness estimate harness/estimate/library/wagon.toml
+	$(RUN) -m harness observability $(ESTIMATIONS)/rig_own.toml
+	$(RUN) -m harness observability $(ESTIMATIONS)/wagon.toml
+	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml
+	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-relaxing --set model.parameters.mu_b_relaxes=1
+	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-as-printed \
+	  --set model.parameters.adhesion_share=0.5 --set model.parameters.resistance_transfer=1 \
+	  --set model.parameters.adhesion_transfer=0
+	$(RUN) -m harness observability $(ESTIMATIONS)/field.toml
+	$(RUN) -m harness estimate $(ESTIMATIONS)/field.toml
 	$(RUN) -m harness field
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library

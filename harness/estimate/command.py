@@ -1,6 +1,7 @@
 """Commands of this room: observability, estimate and rig; `add_to` puts them on the command line."""
 
 import csv
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +14,8 @@ from harness.interrupted import status
 if TYPE_CHECKING:
     import xarray
 
-_out = Console()
+# Where nobody watches, a table is not cut to a screen that is not there.
+_out = Console(width=None if sys.stdout.isatty() else 140)
 _err = Console(stderr=True)
 
 OUT = Path("build/estimate")

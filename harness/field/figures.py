@@ -128,7 +128,9 @@ def friction_figure(task: Task, told: Mapping[str, Followed]) -> Figure:
             curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=style.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
             curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=NAMES[group])
-        style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ")
+        widest = 2 * np.sqrt(followed.variance[shown, 1 + GROUPS + MB1].max()) / NOMINAL
+        beyond = f" (up to ±{widest:.1f}, beyond the panel)" if widest > 1.0 else ""
+        style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ{beyond}")
         style.dress(curve, y="adhesion", title=f"{title}: adhesion over slip")
         pads.set_ylim(0.7, 1.4)
         curve.set_ylim(-0.02, 0.24)
