@@ -41,7 +41,7 @@ report: simulate  ## the same with the panels of every stop
 	$(RUN) -m harness report build/table1
 	$(RUN) -m harness report build/shapes
 
-regress: fmus  ## compare braking distances with tests/baselines
+regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(RUN) -m harness regress
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
@@ -54,7 +54,7 @@ bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m harness bench
 
 # A file stays in one process: its tests share what they have built and run.
-test: check fmus  ## lint, types, tests, and braking distances against the accepted ones
+test: check fmus  ## lint, types, tests, and distances and figures against the accepted ones
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 	$(RUN) -m harness regress
 
@@ -70,11 +70,19 @@ check: $(DEV)
 	$(RUN) -m ruff format --check .
 	$(RUN) -m pyright
 
+ESTIMATIONS := harness/estimate/library
+
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
 	$(RUN) -m harness rig
-	$(RUN) -m harness observability harness/estimate/library/rig_own.toml
-	$(RUN) -m harness observability harness/estimate/library/wagon.toml
-	$(RUN) -m harness estimate harness/estimate/library/wagon.toml
+	$(RUN) -m harness observability $(ESTIMATIONS)/rig_own.toml
+	$(RUN) -m harness observability $(ESTIMATIONS)/wagon.toml
+	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml
+	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-relaxing --set model.parameters.mu_b_relaxes=1
+	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-as-printed \
+	  --set model.parameters.adhesion_share=0.5 --set model.parameters.resistance_transfer=1 \
+	  --set model.parameters.adhesion_transfer=0
+	$(RUN) -m harness observability $(ESTIMATIONS)/field.toml
+	$(RUN) -m harness estimate $(ESTIMATIONS)/field.toml
 	$(RUN) -m harness field
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library

@@ -1,18 +1,20 @@
 """The command `bench`; `add_to` puts it on the command line."""
 
+import sys
 from pathlib import Path
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-_out = Console()
+_out = Console(width=None if sys.stdout.isatty() else 140)
 _err = Console(stderr=True)
 
 
 def bench() -> None:
     """Measure speed: medians, and ratios of what ran in turn. Times are shown beside their targets, never judged."""
     from fmus.build import fmu
+    from harness.bench.estimation import estimation_cost
     from harness.bench.fmi import step_cost
     from harness.bench.rig_filter import rig_filter_cost
     from harness.bench.stop import build_cost, filter_cost, machine, stop_cost
@@ -45,6 +47,21 @@ def bench() -> None:
             table.add_row("  filter in numpy over compiled", f"{filtering.reference / filtering.step:.0f}", "")
         status.update("filter of the roller rig")
         table.add_row("compiled filter of the roller rig, in place", f"{rig_filter_cost().advance:.1f} µs", "3 µs")
+        status.update("filter of the field test over a recording")
+        estimating = estimation_cost()
+        table.add_row(
+            f"13-state filter over a recording of {estimating.samples} samples, a sample",
+            f"{estimating.step:.1f} µs",
+            "5 µs",
+        )
+        table.add_row("  estimate of that recording", f"{1e3 * estimating.estimate:.0f} ms", "")
+        table.add_row("  track and track force from the run before", f"{estimating.course:.1f} s", "")
+        whole = 2 * 48 * 61 * estimating.evaluation / 60
+        table.add_row(
+            "tuning: a value over five brakings, one core",
+            f"{1e3 * estimating.evaluation:.0f} ms",
+            f"both objectives: {whole:.1f} min of 30",
+        )
         for what, overrides in {
             "adhesion-based control": (),
             "slip-based control": ("controller.kind=slip_two_state", "estimator.kind=none"),

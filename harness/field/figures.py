@@ -10,13 +10,16 @@ from estimators.compiled import Followed
 from harness.estimate.recording import truth_of
 from harness.field.braking import Braking
 from harness.field.degeneracy import Sweep
-from harness.field.filtering import START_MU_B, Task
+from harness.field.filtering import Task
 from harness.field.noise import GROUPS
 from harness.field.objective import R_WHEEL
 from harness.track.laid import Plan
 from harness.verdict import style
 
 MB1, JTB1 = 0, 1
+NOMINAL = 0.35
+"""Pad friction that the paper's figure is normalised by: that of new pads."""
+
 NAMES = ("MB 1", "JTB, front wheelset", "JTB, rear wheelset", "MB 2")
 COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE)
 
@@ -108,9 +111,9 @@ def friction_figure(task: Task, told: Mapping[str, Followed]) -> Figure:
     shown = time >= 0.3
     for (pads, curve), (title, followed) in zip(rows, told.items(), strict=True):
         for group in (MB1, JTB1):
-            mean = followed.mean[:, 1 + GROUPS + group] / START_MU_B
-            sd = np.sqrt(followed.variance[:, 1 + GROUPS + group]) / START_MU_B
-            true = task.truth[:, 1 + GROUPS + group] / START_MU_B
+            mean = followed.mean[:, 1 + GROUPS + group] / NOMINAL
+            sd = np.sqrt(followed.variance[:, 1 + GROUPS + group]) / NOMINAL
+            true = task.truth[:, 1 + GROUPS + group] / NOMINAL
             pads.fill_between(time[shown], (mean - 2 * sd)[shown], (mean + 2 * sd)[shown], color=COLOURS[group],
                               alpha=0.15, linewidth=0)  # fmt: skip
             pads.plot(time[shown], mean[shown], color=COLOURS[group], linewidth=1.1, label=NAMES[group])
@@ -125,7 +128,9 @@ def friction_figure(task: Task, told: Mapping[str, Followed]) -> Figure:
             curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=style.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
             curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=NAMES[group])
-        style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ")
+        widest = 2 * np.sqrt(followed.variance[shown, 1 + GROUPS + MB1].max()) / NOMINAL
+        beyond = f" (up to ±{widest:.1f}, beyond the panel)" if widest > 1.0 else ""
+        style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ{beyond}")
         style.dress(curve, y="adhesion", title=f"{title}: adhesion over slip")
         pads.set_ylim(0.7, 1.4)
         curve.set_ylim(-0.02, 0.24)

@@ -13,8 +13,7 @@ from harness.scenario.table import Duration, Friction, Length, Parameters, Speed
 from harness.scenario.track import CurveLaw
 from harness.track.geodesy import Place
 from harness.track.laid import Element, LaidTrack, course_of, grades_of
-
-LIBRARY = Path(__file__).parent / "library"
+from harness.twins.load import LIBRARY
 
 Slope = Annotated[float, Unit("1", above=-0.2, below=0.2)]
 Metres = Annotated[float, Unit("m")]
@@ -149,3 +148,16 @@ def field_scenario(path: Path | None = None) -> FieldScenario:
     """
     chosen = path or LIBRARY / "field.toml"
     return validated(FieldScenario, read_toml(chosen), directory=chosen.parent, origin=chosen.name)
+
+
+def field_case(name: str) -> tuple[FieldScenario, str]:
+    """Return field test and case of a name: `c6` of the library's, or `mine.toml:c6`.
+
+    Raises:
+        ScenarioError: The file is missing or not a field test.
+        EstimationError: There is no such case.
+    """
+    file, colon, case = name.rpartition(":")
+    scenario = field_scenario(Path(file) if colon else None)
+    scenario.case(case)
+    return scenario, case

@@ -1,0 +1,73 @@
+"""What estimating costs: the field test's filter over a recording, `estimate` of one, a value of the tuning."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+from time import perf_counter
+
+from harness.estimate.course import with_track_force
+from harness.estimate.spec import estimate_of
+from harness.field.braking import braking_of
+from harness.field.filtering import filter_of, follow, prediction, specification, task_of
+from harness.field.noise import PHYSICAL
+from harness.field.objective import evaluate
+from harness.field.runs import TEST
+from harness.twins.field_scenario import FieldScenario, field_scenario
+from harness.twins.field_train import run_case
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimationCost:
+    """Medians over rounds.
+
+    Attributes:
+        samples: Of the recording, from coasting to the stop.
+        step: Of the 13-state filter over all of them in one call, with what it tells of each [µs a sample].
+        estimate: Of the same recording as `railgrip estimate` runs it, its filter found compiled [s].
+        course: Of recovering track and track force from the whole run before [s].
+        evaluation: Of one value of the tuning's objective, over the five brakings, on one core [s].
+    """
+
+    samples: int
+    step: float
+    estimate: float
+    course: float
+    evaluation: float
+
+
+def _seconds(call: Callable[[], object]) -> float:
+    begun = perf_counter()
+    call()
+    return perf_counter() - begun
+
+
+def estimation_cost(scenario: FieldScenario | None = None, cases: int = 5, rounds: int = 9) -> EstimationCost:
+    """Run each over the test case of the field test, again and again.
+
+    Args:
+        scenario: The field test; the library's when None.
+        cases: Brakings of an evaluation; copies of the one, which is of their mean length.
+        rounds: Whose median counts.
+    """
+    chosen = scenario or field_scenario()
+    run = run_case(chosen, TEST)
+    spec, model = specification(), prediction()
+    course = spec.course
+    assert course is not None
+    task = task_of(braking_of(run, course.mass), model)
+    filter_ = filter_of(model, task.period)
+    recording = with_track_force(run, course)
+    took: dict[str, list[float]] = {"step": [], "estimate": [], "course": [], "evaluation": []}
+    for round_ in range(rounds):
+        took["step"].append(_seconds(lambda: follow(task, filter_, PHYSICAL)) / len(task.seen) * 1e6)
+        took["estimate"].append(_seconds(lambda: estimate_of(spec, recording)))
+        if round_ < 2:
+            took["course"].append(_seconds(lambda: with_track_force(run, course)))
+        took["evaluation"].append(_seconds(lambda: evaluate("consistent", [task] * cases, filter_, PHYSICAL)))
+    return EstimationCost(
+        samples=len(task.seen),
+        step=median(took["step"]),
+        estimate=median(took["estimate"]),
+        course=median(took["course"]),
+        evaluation=median(took["evaluation"]),
+    )
