@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 LEAST_SPREAD: Final = 0.03
 """Friction added to the disagreement: networks that agree know no more than the spread of friction at one slope."""
+QUANTILE: Final = 1.6449
+"""Standard deviations from the middle of a Gaussian to either end of its 90 % interval."""
 SLOPE_CENTRE: Final = 0.3
 SLOPE_HALF: Final = 0.5
 """Slopes from 0 to 0.8, clean contacts to the softest films, are scaled to about [−1, 1] for the second stage."""

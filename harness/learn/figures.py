@@ -1,18 +1,16 @@
 """Figures of a study."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from harness.learn.evaluate import Fitted, Recipe
-from harness.learn.gather import Run, spectral_features
+from estimators.learned.preprocessing import BLOCKS
+from harness.learn.evaluate import exchanged, parts_of
+from harness.learn.gather import spectral_features
 from harness.learn.study import PUBLISHED, Study, over_speeds
+from harness.twins.accelerometer import RATE
 from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, save
-
-Array = NDArray[np.float64]
 
 
 def draw(made: Study, folder: Path) -> list[Path]:
@@ -67,25 +65,21 @@ def campaign(made: Study) -> Figure:
 def over_time(made: Study) -> Figure:
     """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
     sheet = figure(8.0, 1.9 * len(made.runs))
-    recipe = Recipe(starts=3)
-    grid = np.atleast_2d(sheet.subplots(len(made.runs), 2, sharey=True))
+    grid = np.atleast_2d(sheet.subplots(len(made.runs), 2, sharex="row", sharey=True))
     for pair, (speed, runs) in zip(grid, made.runs.items(), strict=True):
-        for axes, shift, title in ((pair[0], 0, "true labels"), (pair[1], len(runs) // 2, "labels of other runs")):
-            given = [runs[(k + shift) % len(runs)].friction for k in range(len(runs))]
-            truth, said = _late(runs, given, recipe)
-            axes.plot(said, color=ORANGE, linewidth=1)
-            axes.plot(truth, color="black", linewidth=1.2)
-            dress(axes, y="friction" if shift == 0 else "", title=f"{speed} mph, {title}")
-            axes.set_xticks([])
+        for axes, fitted, labels, title in (
+            (pair[0], made.networks[speed], None, "labels of the runs"),
+            (pair[1], made.exchanged[speed], exchanged(runs), "labels of other runs"),
+        ):
+            _, late = parts_of(runs, made.recipe, labels)
+            seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
+            axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=1, label="estimate")
+            axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=1.2, label="label")
+            last = speed == list(made.runs)[-1]
+            dress(
+                axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",
+                title=f"{speed} mph, {title}",
+            )  # fmt: skip
+    grid[0, 0].legend(fontsize=8, ncols=2, loc="upper right")
+    grid[0, 0].set_ylim(0, 0.45)
     return sheet
-
-
-def _late(runs: Sequence[Run], given: list[float], recipe: Recipe) -> tuple[Array, Array]:
-    blocks = [recipe.blocks(run) for run in runs]
-    cuts = [int(0.8 * len(b)) for b in blocks]
-    early = [(b[:c], np.full(c, y)) for b, c, y in zip(blocks, cuts, given, strict=True)]
-    x, y = np.vstack([d[0] for d in early]), np.concatenate([d[1] for d in early])
-    tried: list[Fitted] = recipe.fit(early, "figure")
-    best = min(tried, key=lambda one: float(np.abs(one(x) - y).mean()))
-    truth = np.concatenate([np.full(len(b) - c, y) for b, c, y in zip(blocks, cuts, given, strict=True)])
-    return truth, best(np.vstack([b[c:] for b, c in zip(blocks, cuts, strict=True)]))
