@@ -11,7 +11,7 @@ from harness.learn.tables import own_report
 from harness.learn.users import DataError
 from harness.learn.workers import workers as processes
 
-MEMBERS = 10
+MEMBERS = 20
 FEWEST = 4
 """Runs without which no interval can be found: some must be outside of every draw."""
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime, least_squares
 
+from estimators.errors import EstimatorError
 from estimators.learned import network as nn
 from estimators.learned.channels import COMBINATIONS, motions
 from estimators.learned.ensemble import fit
@@ -132,6 +133,13 @@ def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
     covered = np.mean((said.lower <= y) & (y <= said.upper))
     assert 0.78 <= covered <= 1.0
     assert np.abs(said.friction - y).mean() < 0.6 * np.abs(y - y.mean()).mean()
+
+
+def test_too_few_networks_for_an_interval_are_refused():
+    draw = np.random.default_rng(5)
+    x, number = draw.standard_normal((4, 3)), np.arange(4)
+    with pytest.raises(EstimatorError, match="3 of the 2 networks have not seen"):
+        fit(x, np.array([0.1, 0.2, 0.3, 0.4]), number, generator=draw, members=2, steps=2)
 
 
 def test_a_second_stage_turns_slope_into_friction():

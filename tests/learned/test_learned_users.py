@@ -63,7 +63,7 @@ def test_runs_become_a_report_and_estimators(read):
     told = []
     recipe = Recipe(inputs="left, right", starts=1, steps=10)
     text, trained = judge_own(
-        read.runs, recipe, workers=1, members=4, remarks=("0.parquet: mended.",), tell=told.append
+        read.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=told.append
     )
     assert len(told) == own_pieces(read.runs)
     assert "a run left out" in text
