@@ -9,7 +9,7 @@ from harness.learn.reduction import SLOW, SPECTRAL, Run
 from harness.learn.study import general, over_speeds, paper_estimator
 from harness.learn.tables import own_report
 from harness.learn.users import DataError
-from harness.learn.workers import workers as processes
+from harness.workers import workers as processes
 
 MEMBERS = 20
 FEWEST = 4

@@ -29,9 +29,9 @@ from harness.learn.evaluate import (
 from harness.learn.gather import gather, spectral_features
 from harness.learn.reduction import SLOW, SPECTRAL, Run
 from harness.learn.runs import SPEEDS, abroad, campaign, design
-from harness.learn.workers import workers as processes
 from harness.scenario.seed import generator
 from harness.twins.instrumented_car import Pass
+from harness.workers import workers as processes
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
     16: (0.0053, 0.0041),
