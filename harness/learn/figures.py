@@ -8,15 +8,17 @@ from matplotlib.figure import Figure
 from estimators.learned.preprocessing import BLOCKS
 from harness.learn.evaluate import exchanged, parts_of
 from harness.learn.gather import spectral_features
+from harness.learn.reduction import CHANNELS
 from harness.learn.study import PUBLISHED, Study, over_speeds
 from harness.twins.accelerometer import RATE
-from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, save
+from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
 
 
 def draw(made: Study, folder: Path) -> list[Path]:
     """Draw every figure of a study into a folder."""
     return [
         save(errors(made), folder / "errors.png"),
+        save(processed(made), folder / "processed.png"),
         save(campaign(made), folder / "campaign.png"),
         save(over_time(made), folder / "within_runs.png"),
     ]
@@ -46,7 +48,7 @@ def errors(made: Study) -> Figure:
 
 
 def campaign(made: Study) -> Figure:
-    """The estimator for all speeds on each run of the campaign: estimates with interval over the label."""
+    """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
     sheet = figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
         np.atleast_1d(sheet.subplots(1, len(made.runs), sharey=True)), made.runs.items(), strict=True
@@ -54,11 +56,42 @@ def campaign(made: Study) -> Figure:
         for k, run in enumerate(sorted(runs, key=lambda r: r.friction)):
             said = made.ensemble(spectral_features(run))
             place = k + np.linspace(-0.3, 0.3, len(said.friction))
-            axes.vlines(place, said.lower, said.upper, color=GREEN, alpha=0.3, linewidth=1)
-            axes.plot(place, said.friction, ".", color=GREEN, markersize=3)
-            axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6)
+            axes.vlines(place, said.lower, said.upper, color=GREEN, alpha=0.3, linewidth=1, label="90 % interval")
+            axes.plot(place, said.friction, ".", color=GREEN, markersize=3, label="estimate")
+            axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
+        if speed == next(iter(made.runs)):
+            axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
         axes.set_xticks([])
+        axes.set_ylim(0, 0.55)
         dress(axes, x="runs by friction", y="friction" if speed == next(iter(made.runs)) else "", title=f"{speed} mph")
+    return sheet
+
+
+def processed(made: Study) -> Figure:
+    """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
+    sheet = figure(8.0, 1.7 * len(made.runs))
+    rows = np.atleast_1d(sheet.subplots(len(made.runs), 1))
+    colours = lead_to_trail(4)
+    for axes, (speed, runs) in zip(rows, made.runs.items(), strict=True):
+        ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
+        seen = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
+        seconds = np.arange(len(seen)) * (BLOCKS[speed] / RATE)
+        for wheelset, colour in enumerate(colours):
+            axes.plot(seconds, seen[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
+        for begin, end, run in zip([0.0, *ends[:-1]], ends, runs, strict=True):
+            axes.axvline(end, color=GREY, linewidth=0.8, linestyle=":")
+            axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
+                      ha="center", va="top", color=GREY)  # fmt: skip
+        axes.set_xlim(0, ends[-1])
+        axes.set_ylim(0, 1.25 * float(seen.max()))
+        last = speed == list(made.runs)[-1]
+        dress(
+            axes,
+            x="time of the linked runs [s]" if last else "",
+            y="|acc.| [m/s²]",
+            title=f"{speed} mph; grey: friction",
+        )
+    sheet.legend(*rows[0].get_legend_handles_labels(), fontsize=8, ncols=4, loc="outside upper right")
     return sheet
 
 

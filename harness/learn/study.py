@@ -1,7 +1,7 @@
 """The whole study: gather runs, train, judge; a value that tables and figures are made from."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
@@ -117,31 +117,44 @@ def study(
         workers: Processes.
         tell: Told each run that is there and each piece that is judged; `pieces` says how often.
     """
-    wanted, recipe = passes(size), Recipe(inputs=inputs, starts=size.starts)
-    few = replace(recipe, starts=size.honest_starts)
+    wanted = passes(size)
     with processes(workers) as pool:
         everything = iter(gather([p for part in wanted.values() for p in part], pool, tell=tell))
         named = {name: [next(everything) for _ in part] for name, part in wanted.items()}
-        by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
-        away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
-        # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
-        all_speeds = pool.submit(general, named["design"], size.members)
-        submitted = {
-            (table, name, s): pool.submit(one, by_speed[s])
-            for table, rows in _pieces(recipe, few).items()
-            for name, one in rows.items()
-            for s in size.speeds
-        }
-        abroad_of = {
-            s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, recipe) for s in size.speeds
-        }
-        networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
-        others = {s: pool.submit(best_of_exchanged, by_speed[s], few) for s in size.speeds}
-        for done in as_completed(
-            [all_speeds, *submitted.values(), *abroad_of.values(), *networks.values(), *others.values()]
-        ):
-            done.result()
-            tell("training and judging")
+        return concluded(size, named, Recipe(inputs=inputs, starts=size.starts), pool, tell)
+
+
+def concluded(
+    size: Size, named: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
+) -> Study:
+    """Train and judge.
+
+    Args:
+        named: Runs by set, see `passes`.
+        recipe: Of the paper's networks.
+        pool: Where that is done.
+        tell: Told each piece that is judged.
+    """
+    few = replace(recipe, starts=size.honest_starts)
+    by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
+    away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
+    # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
+    all_speeds = pool.submit(general, named["design"], size.members)
+    submitted = {
+        (table, name, s): pool.submit(one, by_speed[s])
+        for table, rows in _pieces(recipe, few).items()
+        for name, one in rows.items()
+        for s in size.speeds
+    }
+    abroad_of = {
+        s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, recipe) for s in size.speeds
+    }
+    networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
+    others = {s: pool.submit(best_of_exchanged, by_speed[s], few) for s in size.speeds}
+    pending = [all_speeds, *submitted.values(), *abroad_of.values(), *networks.values(), *others.values()]
+    for done in as_completed(pending):
+        done.result()
+        tell("training and judging")
     tables: dict[str, dict[str, dict[int, Score]]] = {}
     for (table, name, s), found in submitted.items():
         tables.setdefault(table, {}).setdefault(name, {})[s] = found.result()
