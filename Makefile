@@ -31,7 +31,7 @@ report: simulate  ## the same with the panels of every stop
 	$(RUN) -m harness report build/table1
 	$(RUN) -m harness report build/shapes
 
-regress: fmus  ## compare braking distances with tests/baselines
+regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(RUN) -m harness regress
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
@@ -43,7 +43,7 @@ calibrate: fmus  ## fit the levels of the scenarios to the published distances o
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m harness bench
 
-test: check fmus  ## lint, types, tests, and braking distances against the accepted ones
+test: check fmus  ## lint, types, tests, and distances and figures against the accepted ones
 	$(RUN) -m pytest
 	$(RUN) -m harness regress
 

@@ -224,7 +224,7 @@ class CompiledFilter:
             ctypes.byref(outcome),
         )
         if outcome.value:
-            raise FilterDiverged(f"{DIVERGED[outcome.value]} After {done} of {count} steps.")
+            raise FilterDiverged(DIVERGED[outcome.value], after=int(done))
         return followed
 
     def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:

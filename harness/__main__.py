@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
     from harness.run import Runner
     from harness.scenario.campaign import Campaign
+    from harness.verdict.baseline import Baseline, Findings
     from harness.verdict.table import Row
 
 WRONG_QUESTION = 2
@@ -142,23 +143,22 @@ def regress(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
     workers: Workers = 2,
 ) -> None:
-    """Run the campaigns that have baselines and compare every distance with what was accepted."""
-    from harness.scenario.campaign import load_campaign
+    """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
     from harness.verdict.baseline import compare, comparison_rows, load_baseline
-    from harness.verdict.results import read_results
 
     problem = 0
     for path in _baseline_files(baselines):
         baseline = load_baseline(path)
-        planned = load_campaign(path.parent / baseline.campaign)
-        problem = _run_campaign(planned, out / path.stem, workers=workers, fresh=False) or problem
-        comparisons = compare(baseline, read_results(out / path.stem))
+        code, findings = _found(baseline, path, out / path.stem, workers)
+        problem = code or problem
+        comparisons = compare(baseline, findings)
         _print_table(path.name, comparison_rows(comparisons))
-        strayed = [comparison.stop for comparison in comparisons if comparison.state != "kept"]
+        strayed = [comparison.name for comparison in comparisons if comparison.state != "kept"]
         if strayed:
             problem = RUN_FAILED
+            what = "stops" if baseline.campaign is not None else "figures"
             _err.print(
-                f"{path.name}: {len(strayed)} of {len(comparisons)} stops did not keep to their baseline: "
+                f"{path.name}: {len(strayed)} of {len(comparisons)} {what} did not keep to their baseline: "
                 f"{', '.join(strayed)}; if that is right, `railgrip accept --reason '…'`",
                 style="red",
                 highlight=False,
@@ -169,18 +169,27 @@ def regress(
 
 @app.command()
 def accept(
-    reason: Annotated[str, typer.Option(help="What changed, and why the new distances are right.")],
+    reason: Annotated[str, typer.Option(help="What changed, and why the new numbers are right.")],
     baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
     out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
 ) -> None:
     """Move the baselines to the results of the last regress, for a reason."""
-    from harness.verdict.baseline import accepted, compare, comparison_rows, load_baseline, write_baseline
+    from harness.verdict.baseline import (
+        accepted,
+        compare,
+        comparison_rows,
+        findings_of,
+        load_baseline,
+        read_findings,
+        write_baseline,
+    )
     from harness.verdict.results import read_results
 
     for path in _baseline_files(baselines):
-        baseline, results = load_baseline(path), read_results(out / path.stem)
-        moved = tuple(comparison for comparison in compare(baseline, results) if comparison.state != "kept")
-        write_baseline(accepted(baseline, results, reason), path)
+        baseline, folder = load_baseline(path), out / path.stem
+        findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
+        moved = tuple(comparison for comparison in compare(baseline, findings) if comparison.state != "kept")
+        write_baseline(accepted(baseline, findings, reason), path)
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
@@ -234,6 +243,24 @@ def _run_campaign(planned: "Campaign", directory: Path, *, workers: int, fresh: 
     return RUN_FAILED if states & {"failed", "ended_badly"} else 0
 
 
+def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
+    """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.baseline import findings_of, write_findings
+    from harness.verdict.results import read_results
+
+    if baseline.campaign is not None:
+        code = _run_campaign(load_campaign(path.parent / baseline.campaign), out, workers=workers, fresh=False)
+        return code, findings_of(read_results(out))
+    from harness.headlines import headlines
+
+    with _progress() as bar:
+        task = bar.add_task(path.stem, total=None)
+        findings = headlines(str(baseline.study), lambda what: bar.update(task, description=f"{path.stem}: {what}"))
+    write_findings(findings, out)
+    return 0, findings
+
+
 def _baseline_files(folder: Path) -> list[Path]:
     found = sorted(folder.glob("*.toml"))
     if not found:
@@ -266,7 +293,9 @@ def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
         _out.print(f"{title}: nothing changed" if title else "no results")
         return
     table = Table(title=title or None, box=None, title_justify="left", header_style="bold")
-    numeric = {"distance", "paper", "vs SBC", "paper vs SBC", "used"} | {name for name in rows[0] if "[m]" in name}
+    numeric = {"distance", "paper", "vs SBC", "paper vs SBC", "used", "accepted", "found", "change", "tolerance"} | {
+        name for name in rows[0] if "[m]" in name
+    }
     for column in rows[0]:
         table.add_column(column, justify="right" if column in numeric else "left", no_wrap=True)
     for row in rows:

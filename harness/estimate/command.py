@@ -2,11 +2,14 @@
 
 import csv
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.table import Table
+
+if TYPE_CHECKING:
+    import xarray
 
 _out = Console()
 _err = Console(stderr=True)
@@ -17,19 +20,31 @@ File = Annotated[
     Path, typer.Argument(metavar="FILE.toml", help="An estimation; examples are in harness/estimate/library.")
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
+Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")]
+Data = Annotated[
+    Path | None, typer.Option(metavar="RUN", help="Recorded csv, parquet, mat or mf4 file, read by [data].")
+]
 
 
-def observability(file: File, out: Out = None) -> None:
-    """Ask what the recording of an estimation can tell about each state, and plot it along the way."""
-    from harness.estimate.observable import observe
-    from harness.estimate.sources import recording_for
+def observability(file: File, out: Out = None, scenario: Scenario = None, seed: Seed = None, data: Data = None) -> None:
+    """Ask what the recording of an estimation can tell about each state, and plot it along the way.
+
+    Along the true states where they are known, else, from recorded data, along those that the filter estimates.
+    """
+    from harness.estimate.observable import observe, with_estimates_as_truth
+    from harness.estimate.sources import recording_of_estimation
     from harness.estimate.spec import load_specification, prediction_for
     from harness.verdict.observability import information
 
     specification = load_specification(file)
     folder = out or OUT / specification.name
     with _err.status(f"{specification.name}: recording"):
-        recording = recording_for(specification.twin())
+        recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
+    if data is not None:
+        _say_flags(recording)
+        with _err.status(f"{specification.name}: filter"):
+            recording = with_estimates_as_truth(specification, recording)
     with _err.status(f"{specification.name}: windows"):
         observed = observe(specification, recording)
     table = Table(
@@ -54,63 +69,26 @@ def observability(file: File, out: Out = None) -> None:
     _out.print(f"{folder}/observability.csv, {picture}", highlight=False, soft_wrap=True)
 
 
-def estimate(
-    file: File,
-    out: Out = None,
-    scenario: Annotated[str | None, typer.Option(help="Another scenario of the same source.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")] = None,
-    data: Annotated[
-        Path | None, typer.Option(metavar="RUN", help="Recorded csv, parquet, mat or mf4 file, read by [data].")
-    ] = None,
-) -> None:
+def estimate(file: File, out: Out = None, scenario: Scenario = None, seed: Seed = None, data: Data = None) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
-    from harness.estimate.judge import judge
-    from harness.estimate.recorded.specified import taken_for
-    from harness.estimate.recording import TRUTH
-    from harness.estimate.run import estimate as run_filter
-    from harness.estimate.run import units_of
-    from harness.estimate.sources import recording_for
-    from harness.estimate.spec import load_specification, prediction_for, settings_for
+    from harness.estimate.sources import recording_of_estimation
+    from harness.estimate.spec import estimate_of, load_specification, prediction_for
     from harness.record.atomic import replacing
+    from harness.verdict.estimated import estimated
 
     specification = load_specification(file)
     folder = out or OUT / specification.name
-    if data is not None:
-        recording = taken_for(specification, data).recording
-        for sentence in recording.attrs["flags"]:
-            _out.print(f"{data.name}: {sentence}", highlight=False, markup=False, soft_wrap=True)
-    else:
-        twin = specification.twin()
-        changed = {"scenario": scenario or twin.scenario, "seed": seed}
-        source = twin.model_copy(update={k: v for k, v in changed.items() if v is not None})
-        with _err.status(f"{specification.name}: recording"):
-            recording = recording_for(source)
+    with _err.status(f"{specification.name}: recording"):
+        recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
+    _say_flags(recording)
     with _err.status(f"{specification.name}: filter"):
-        told = run_filter(
-            recording,
-            prediction_for(specification),
-            settings_for(specification, float(recording.attrs["period"])),
-            units=units_of(specification.model.class_),
-        )
+        told = estimate_of(specification, recording)
     with replacing(folder / "estimates.nc") as partial:
         told.to_netcdf(partial, engine="h5netcdf")
-    known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
-    table = Table(box=None, header_style="bold", title=f"{recording.attrs['name']}: estimate minus truth")
-    for column in ("state", "rmse", "bias", "largest", "NEES", "within 2 sd"):
-        table.add_column(column, justify="left" if column == "state" else "right")
-    for state in known:
-        found = judge(recording, told, state)
-        table.add_row(
-            state,
-            f"{found.rmse:.4g}",
-            f"{found.bias:+.4g}",
-            f"{found.largest:.4g}",
-            f"{found.nees:.3g}",
-            f"{100 * found.covered:.1f} %",
-        )
-    if known:
-        _out.print(table)
-    _out.print(f"{folder}/estimates.nc", highlight=False, soft_wrap=True)
+    _print_errors(recording, told)
+    with _err.status(f"{specification.name}: figure"):
+        picture = estimated(recording, told, prediction_for(specification).inputs, folder / "estimates.png")
+    _out.print(f"{folder}/estimates.nc, {picture}", highlight=False, soft_wrap=True)
     if told.attrs["ended"]:
         _err.print(f"{specification.name}: {told.attrs['ended']}", style="red", highlight=False, markup=False)
         raise typer.Exit(3)
@@ -149,6 +127,36 @@ def add_to(app: typer.Typer) -> None:
     app.command()(observability)
     app.command()(estimate)
     app.command()(rig)
+
+
+def _say_flags(recording: "xarray.Dataset") -> None:
+    """Print what was mended in a user's file."""
+    for sentence in recording.attrs.get("flags", ()):
+        _out.print(f"{recording.attrs['name']}: {sentence}", highlight=False, markup=False, soft_wrap=True)
+
+
+def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
+    """Print how far off each state was whose truth is known."""
+    from harness.estimate.judge import judge
+    from harness.estimate.recording import TRUTH
+
+    known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
+    if not known:
+        return
+    table = Table(box=None, header_style="bold", title=f"{recording.attrs['name']}: estimate minus truth")
+    for column in ("state", "rmse", "bias", "largest", "NEES", "within 2 sd"):
+        table.add_column(column, justify="left" if column == "state" else "right")
+    for state in known:
+        found = judge(recording, told, state)
+        table.add_row(
+            state,
+            f"{found.rmse:.4g}",
+            f"{found.bias:+.4g}",
+            f"{found.largest:.4g}",
+            f"{found.nees:.3g}",
+            f"{100 * found.covered:.1f} %",
+        )
+    _out.print(table)
 
 
 def _write_windows(windows: object, path: Path) -> None:

@@ -11,8 +11,8 @@ from estimators.observability import Observability, along, observability
 from estimators.prediction import CasadiPrediction
 from harness.estimate.error import EstimationError
 from harness.estimate.recording import TRUTH, columns, period_of
-from harness.estimate.run import by_name
-from harness.estimate.spec import ObservabilityTable, Specification, prediction_for, settings_for
+from harness.estimate.run import by_name, units_of
+from harness.estimate.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
 
 Matrix = NDArray[np.float64]
 
@@ -82,6 +82,22 @@ def observe(
     return Observed(
         points=_points(recording, prediction, states, inputs, gated, scale),
         windows=_windows(recording, prediction, states, inputs, period, noise, scale, table, progress),
+    )
+
+
+def with_estimates_as_truth(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
+    """Return a recording whose states are what the filter of the estimation believes: the best that is known of them.
+
+    Raises:
+        EstimationError: The filter diverged, and there is no trajectory.
+    """
+    told = estimate_of(specification, recording)
+    if told.attrs["ended"]:
+        raise EstimationError(f"{specification.name}: {told.attrs['ended']} There is no trajectory to ask along.")
+    units = units_of(specification.model.class_)
+    states = [str(state) for state in told["state"].values]
+    return recording.assign(
+        {TRUTH + s: (("time",), told["mean"].sel(state=s).values, {"units": units[s]}) for s in states}
     )
 
 

@@ -10,7 +10,14 @@ import xarray
 from harness.estimate.judge import judge
 from harness.estimate.protection import LIMIT, excursions
 from harness.estimate.run import estimate, units_of
-from harness.estimate.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
+from harness.estimate.spec import (
+    LIBRARY,
+    Specification,
+    estimate_of,
+    load_specification,
+    prediction_for,
+    settings_for,
+)
 from harness.record.atomic import replacing, write_text
 from harness.twins.rig_scenario import RigScenario, rig_scenario
 from harness.twins.roller_rig import run_rig
@@ -69,16 +76,6 @@ class Row:
     ended: str
 
 
-def filtered(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
-    """Return what the filter of a file believes along a recording of the rig."""
-    return estimate(
-        recording,
-        prediction_for(specification),
-        settings_for(specification, float(recording.attrs["period"])),
-        units=units_of(specification.model.class_),
-    )
-
-
 def row_of(scenario: RigScenario, name: str, recording: xarray.Dataset, told: xarray.Dataset) -> Row:
     """Return how a filter did on a run."""
     after = recording["time"].values >= scenario.settled
@@ -122,7 +119,7 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
         tell(f"rig, {name}")
         scenario = rig_scenario(name)
         recording = run_rig(scenario)
-        told = {key: filtered(spec, recording) for key, spec in filters.items()}
+        told = {key: estimate_of(spec, recording) for key, spec in filters.items()}
         rows += [row_of(scenario, key, recording, estimates) for key, estimates in told.items()]
         for key, estimates in told.items():
             rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")

@@ -11,6 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from estimators.belief import Estimate
 from estimators.compiled import CompiledFilter
 from estimators.ekf import ExtendedKalmanFilter
 from estimators.errors import FilterDiverged
@@ -24,6 +25,9 @@ Matrix = NDArray[np.float64]
 
 SHOWN = {"v": "speed", "w": "wheelset_speed"}
 """States that a reading shows as they are; where `start` leaves them out they begin at its first sample."""
+
+AT_ONCE = 10_000
+"""Samples between two words of progress: a tenth of a second."""
 
 BUILD = Path("build/estimators")
 """Where compiled filters are kept and found again."""
@@ -141,41 +145,126 @@ def estimate(
         _start(settings.start, states, outputs, seen),
         by_name("start_deviation", settings.start_deviation, states) ** 2,
     )
-    count, n = len(seen), len(states)
-    mean, sd = np.full((count, n), np.nan), np.full((count, n), np.nan)
-    whole = np.full((count, n, n), np.nan) if covariance else None
-    nis, used = np.full(count, np.nan), np.zeros(count)
-    ended = ""
-    for k in range(count):
-        if k > 0:
-            try:
-                belief = filter_.step(belief, inputs[k], seen[k])
-            except FilterDiverged as problem:
-                ended = f"{problem} At {recording['time'].values[k]:.3f} s."
-                break
-            if isinstance(filter_, CompiledFilter):
-                nis[k], used[k] = filter_.squared_innovation, filter_.used.sum()
-        mean[k], sd[k] = belief.mean, belief.deviation
-        if whole is not None:
-            whole[k] = belief.covariance
-        if k % 10_000 == 0:
-            progress(k, count)
-    progress(count, count)
-    innovation = seen - _expected(prediction, mean, inputs, period, settings.gate)
+    if isinstance(filter_, CompiledFilter) and not covariance:
+        told = _followed(filter_, belief, inputs, seen, progress)
+    else:
+        told = _stepped(filter_, belief, inputs, seen, covariance, progress)
+    mean = told.mean
+    innovation = seen - (
+        _expected(prediction, mean, inputs, period, settings.gate) if told.expected is None else told.expected
+    )
+    ended = f"{told.problem} At {recording['time'].values[told.done]:.3f} s." if told.problem else ""
     variables: dict[str, tuple[tuple[str, ...], Matrix]] = {
         "mean": (("time", "state"), mean),
-        "sd": (("time", "state"), sd),
+        "sd": (("time", "state"), told.sd),
         "innovation": (("time", "output"), innovation),
-        "nis": (("time",), nis),
-        "readings": (("time",), used),
+        "nis": (("time",), told.nis),
+        "readings": (("time",), told.used),
     }
-    if whole is not None:
-        variables["covariance"] = (("time", "state", "state_"), whole)
+    if told.covariance is not None:
+        variables["covariance"] = (("time", "state", "state_"), told.covariance)
     return xarray.Dataset(
         variables,
         coords={"time": recording["time"], "state": list(states), "output": list(outputs)},
         attrs={"ended": ended, "period": period, "name": recording.attrs.get("name", "")},
     )
+
+
+@dataclass(slots=True, kw_only=True)
+class _Told:
+    """What a filter said of every sample, filled as it goes; NaN from where it diverged.
+
+    Attributes:
+        mean: Shape (k, n), as is `sd`.
+        sd: Standard deviations.
+        nis: Shape (k,), as is `used`, its degrees.
+        used: Readings used.
+        expected: Readings before they were seen, shape (k, m); None where the filter does not tell.
+        covariance: Shape (k, n, n), or None.
+        done: Samples.
+        problem: Why it diverged, or empty.
+    """
+
+    mean: Matrix
+    sd: Matrix
+    nis: Matrix
+    used: Matrix
+    expected: Matrix | None
+    covariance: Matrix | None
+    done: int
+    problem: str = ""
+
+    @classmethod
+    def of(cls, first: Estimate, count: int, readings: int | None, covariance: bool) -> "_Told":
+        n = first.mean.size
+        told = cls(
+            mean=np.full((count, n), np.nan),
+            sd=np.full((count, n), np.nan),
+            nis=np.full(count, np.nan),
+            used=np.zeros(count),
+            expected=None if readings is None else np.full((count, readings), np.nan),
+            covariance=np.full((count, n, n), np.nan) if covariance else None,
+            done=0,
+        )
+        told.take(first)
+        return told
+
+    def take(self, belief: Estimate) -> None:
+        k = self.done
+        self.mean[k], self.sd[k] = belief.mean, belief.deviation
+        if self.covariance is not None:
+            self.covariance[k] = belief.covariance
+        self.done = k + 1
+
+
+def _followed(
+    filter_: CompiledFilter, belief: Estimate, inputs: Matrix, seen: Matrix, progress: Callable[[int, int], None]
+) -> _Told:
+    """Run a compiled filter in calls of many samples each."""
+    count = len(seen)
+    told = _Told.of(belief, count, seen.shape[1], covariance=False)
+    assert told.expected is not None
+    end = count
+    while told.done < end:
+        rows = slice(told.done, min(told.done + AT_ONCE, end))
+        try:
+            found = filter_.follow(belief, inputs[rows], seen[rows])
+        except FilterDiverged as problem:
+            # Up to there its beliefs are good, and worth having.
+            end, told.problem = told.done + problem.after, problem.why
+            continue
+        told.mean[rows], told.sd[rows], told.expected[rows] = found.mean, np.sqrt(found.variance), found.expected
+        told.nis[rows], told.used[rows] = found.squared, found.used
+        told.done = rows.stop
+        belief = Estimate(mean=filter_.mean.copy(), covariance=filter_.covariance.copy())
+        progress(told.done, count)
+    return told
+
+
+def _stepped(
+    filter_: CompiledFilter | ExtendedKalmanFilter,
+    belief: Estimate,
+    inputs: Matrix,
+    seen: Matrix,
+    covariance: bool,
+    progress: Callable[[int, int], None],
+) -> _Told:
+    """Run a filter sample by sample."""
+    count = len(seen)
+    told = _Told.of(belief, count, None, covariance)
+    for k in range(1, count):
+        try:
+            belief = filter_.step(belief, inputs[k], seen[k])
+        except FilterDiverged as problem:
+            told.problem = str(problem)
+            break
+        if isinstance(filter_, CompiledFilter):
+            told.nis[k], told.used[k] = filter_.squared_innovation, filter_.used.sum()
+        told.take(belief)
+        if k % AT_ONCE == 0:
+            progress(k, count)
+    progress(count, count)
+    return told
 
 
 def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:

@@ -5,8 +5,9 @@ name = "rig-slide"
 [model]
 class = "RollerRigPrediction"
 parameters = { load = "98.1 kN" }           # the others keep their defaults; SI or with a unit
+outputs = ["wheelset_speed", "speed"]       # what is compared with readings; all unless given
 
-[noise]
+[noise]                                     # or { file = "tuned.toml" }, whose [noise] is taken
 kind = "density"                            # or "per_step": what one step of a discrete filter adds
 process = { w = 1e-4, v = 1e-6, mu_b = 2.5e-5, alpha = 1e-2 }
 readings = { wheelset_speed = 1e-6, speed = 1e-8 }     # variances
@@ -20,14 +21,19 @@ states = ["mu_b"]
 inputs = ["pad_force"]
 threshold = "1.5 kN"
 
+[course]                                    # optional: track force of a train from its own run, see `course`
+mass = "84 t"
+curve_law = "bogie"
+
 [source]
 kind = "roller_rig"                         # a twin, see harness.estimate.sources
 scenario = "slide"
 """
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
+import xarray
 from pydantic import Field, StrictInt, model_validator
 
 from estimators.gate import Gate
@@ -35,10 +41,12 @@ from estimators.prediction import CasadiPrediction
 from harness.estimate.error import EstimationError
 from harness.estimate.magnitudes import in_units
 from harness.estimate.recorded.table import DataTable
-from harness.estimate.run import Settings, model_of, per_step, prediction_of
+from harness.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
+from harness.estimate.selection import prediction_seeing
 from harness.scenario.load import read_toml, validated
-from harness.scenario.quantity import Magnitude
-from harness.scenario.table import Duration, Table, broken
+from harness.scenario.quantity import Magnitude, Unit
+from harness.scenario.table import Duration, Length, Table, broken
+from harness.scenario.track import CurveLaw
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -50,6 +58,7 @@ class ModelTable(Table):
 
     class_: Annotated[str, Field(alias="class", pattern=r"^[A-Za-z][A-Za-z0-9_.]*$")]
     parameters: dict[str, Magnitude] = Field(default_factory=dict)
+    outputs: list[str] | None = None
 
 
 class NoiseTable(Table):
@@ -83,6 +92,35 @@ class ObservabilityTable(Table):
     stride: Duration
 
 
+class LowPassTable(Table):
+    """[course.low_pass]: see `harness.track.course.LowPass`."""
+
+    plan: Length
+    height: Length
+    base: Length
+
+
+class TrustTable(Table):
+    """[course.trust]: standard deviations of the sensors of motion, see `harness.track.motion.Trust`."""
+
+    speed: Annotated[float, Unit("m/s", above=0)]
+    scale: Annotated[float, Unit("1", above=0)]
+    acceleration: Annotated[float, Unit("m/s**2", above=0)]
+    bias: Annotated[float, Unit("m/s**2", above=0)]
+    drift: Positive
+    jerk: Positive
+    position: Annotated[float, Unit("m", above=0)]
+
+
+class CourseTable(Table):
+    """[course]: the track force of a train from GNSS, speed and accelerometers; the filter runs from coasting on."""
+
+    mass: Annotated[float, Unit("kg", above=0)]
+    curve_law: CurveLaw
+    low_pass: LowPassTable | None = None
+    trust: TrustTable | None = None
+
+
 class SourceTable(Table):
     """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws."""
 
@@ -103,6 +141,7 @@ class Specification(Table):
     outlier_limit: Positive | None = None
     between: Literal["held", "mean"] = "held"
     observability: ObservabilityTable | None = None
+    course: CourseTable | None = None
     source: SourceTable | None = None
     data: DataTable | None = Field(default=None, description="how a user's file is read, see estimate.recorded")
 
@@ -110,6 +149,8 @@ class Specification(Table):
     def _has_a_source(self) -> Self:
         if self.source is None and self.data is None:
             raise broken("has neither [source], a twin, nor [data], the columns of a file")
+        if self.course is not None and self.data is not None and "track_force" in self.data.columns:
+            raise broken("has track_force in [data.columns] and [course], which makes it; take one of them out")
         return self
 
     def twin(self) -> SourceTable:
@@ -132,7 +173,22 @@ def load_specification(path: Path) -> Specification:
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
     """
-    return validated(Specification, read_toml(path), directory=path.parent, origin=path.name)
+    table = read_toml(path)
+    noise = table.get("noise")
+    if isinstance(noise, dict) and "file" in noise:
+        table = table | {"noise": _noise_elsewhere(path, noise)}
+    return validated(Specification, table, directory=path.parent, origin=path.name)
+
+
+def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
+    """Return the [noise] of the file that a [noise] names."""
+    if set(noise) != {"file"} or not isinstance(noise["file"], str):
+        raise EstimationError(f"{path.name}: [noise] file stands for the whole table; write nothing beside its name.")
+    other = path.parent / noise["file"]
+    found = read_toml(other)
+    if "noise" not in found:
+        raise EstimationError(f"{other}: has no [noise], which {path.name} takes from there.")
+    return found["noise"]
 
 
 def prediction_for(specification: Specification) -> CasadiPrediction:
@@ -143,7 +199,10 @@ def prediction_for(specification: Specification) -> CasadiPrediction:
     """
     model = specification.model
     units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
-    return prediction_of(model.class_, in_units(f"{specification.name}: [model.parameters]", model.parameters, units))
+    parameters = in_units(f"{specification.name}: [model.parameters]", model.parameters, units)
+    if model.outputs is not None:
+        return prediction_seeing(model.class_, model.outputs, parameters)
+    return prediction_of(model.class_, parameters)
 
 
 def settings_for(specification: Specification, period: float) -> Settings:
@@ -162,6 +221,20 @@ def settings_for(specification: Specification, period: float) -> Settings:
         gate=None if gate is None else _gate(specification, gate),
         outlier_limit=specification.outlier_limit,
         between=specification.between,
+    )
+
+
+def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
+    """Return what the filter of an estimation believes at every sample of a recording; see `run.estimate`.
+
+    Raises:
+        EstimationError: The recording does not fit the model.
+    """
+    return estimate(
+        recording,
+        prediction_for(specification),
+        settings_for(specification, float(recording.attrs["period"])),
+        units=units_of(specification.model.class_),
     )
 
 

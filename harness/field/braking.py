@@ -24,6 +24,10 @@ TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, 
 changes by 5 ‰ in 5 s, `jerk` a brake that is applied within a second."""
 
 
+FILLED = 2e4
+"""Cylinder pressure [Pa] above which a brake counts as applied: an empty cylinder reads 0.01 bar off or so."""
+
+
 @dataclass(frozen=True, slots=True)
 class Braking:
     """A braking to be estimated.
@@ -56,7 +60,8 @@ def braking_of(
 
     Args:
         run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
-            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, `driving` and `braking`.
+            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, `driving` and `braking`; where there is no
+            `braking`, it begins when a cylinder holds more than `FILLED`.
         mass: Of the train [kg].
         origin: Of the local frame, the middle of the track when None.
         curve_law: Of the curve resistance.
@@ -71,7 +76,8 @@ def braking_of(
     if not sensors:
         raise EstimationError(f"recording '{run.attrs.get('name')}' has no acceleration_along[1]; map one or more.")
     position = columns(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
-    fixed = np.flatnonzero(np.isfinite(position).all(axis=1))
+    position[~np.isfinite(position).all(axis=1)] = np.nan  # half a position is none
+    fixed = np.flatnonzero(np.isfinite(position[:, 0]))
     if fixed.size == 0:
         raise EstimationError(f"recording '{run.attrs.get('name')}': GNSS gave no position at all.")
     if origin is None:
@@ -88,7 +94,8 @@ def braking_of(
     )
     slope, curvature = motion.course.slope_at(motion.distance), motion.course.curvature_at(motion.distance)
     force = force_along(slope, curvature, mass, curve_law)
-    driving, brakes = columns(run, ("driving", "braking"), ("1", "1")).T
+    driving = columns(run, ("driving",), ("1",))[:, 0]
+    brakes = columns(run, ("braking",), ("1",))[:, 0] if "braking" in run else _filled(run)
     if not brakes.any():
         raise EstimationError(f"recording '{run.attrs.get('name')}': nobody braked.")
     begins = int(np.argmax(brakes > 0.5))
@@ -108,3 +115,10 @@ def braking_of(
         first=first,
         brake=begins - first,
     )
+
+
+def _filled(run: xarray.Dataset) -> Array:
+    """Return 1 where a cylinder holds pressure, 0 elsewhere, shape (k,)."""
+    cylinders = sorted(str(name) for name in run.data_vars if str(name).startswith("cylinder_pressure["))
+    pressures = columns(run, cylinders, ["Pa"] * len(cylinders))
+    return np.asarray(np.any(pressures > FILLED, axis=1), dtype=np.float64)

@@ -10,13 +10,16 @@ from estimators.compiled import Followed
 from harness.estimate.recording import truth_of
 from harness.field.braking import Braking
 from harness.field.degeneracy import Sweep
-from harness.field.filtering import START_MU_B, Task
+from harness.field.filtering import Task
 from harness.field.noise import GROUPS
 from harness.field.objective import R_WHEEL
 from harness.track.laid import Plan
 from harness.verdict import style
 
 MB1, JTB1 = 0, 1
+NOMINAL = 0.35
+"""Pad friction that the paper's figure is normalised by: that of new pads."""
+
 NAMES = ("MB 1", "JTB, front wheelset", "JTB, rear wheelset", "MB 2")
 COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE)
 
@@ -108,9 +111,9 @@ def friction_figure(task: Task, told: Mapping[str, Followed]) -> Figure:
     shown = time >= 0.3
     for (pads, curve), (title, followed) in zip(rows, told.items(), strict=True):
         for group in (MB1, JTB1):
-            mean = followed.mean[:, 1 + GROUPS + group] / START_MU_B
-            sd = np.sqrt(followed.variance[:, 1 + GROUPS + group]) / START_MU_B
-            true = task.truth[:, 1 + GROUPS + group] / START_MU_B
+            mean = followed.mean[:, 1 + GROUPS + group] / NOMINAL
+            sd = np.sqrt(followed.variance[:, 1 + GROUPS + group]) / NOMINAL
+            true = task.truth[:, 1 + GROUPS + group] / NOMINAL
             pads.fill_between(time[shown], (mean - 2 * sd)[shown], (mean + 2 * sd)[shown], color=COLOURS[group],
                               alpha=0.15, linewidth=0)  # fmt: skip
             pads.plot(time[shown], mean[shown], color=COLOURS[group], linewidth=1.1, label=NAMES[group])

@@ -1,32 +1,27 @@
 """The filter of the field test over one braking: 13 states, pressures and track force in, speeds seen."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.belief import Estimate
 from estimators.compiled import CompiledFilter, Followed
-from estimators.gate import Gate
 from estimators.prediction import CasadiPrediction
 from harness.estimate.recording import columns, period_of, truth_of
-from harness.estimate.run import BUILD
-from harness.estimate.selection import prediction_seeing
+from harness.estimate.run import BUILD, by_name
+from harness.estimate.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
 from harness.field.braking import Braking
 from harness.field.noise import GROUPS, PHYSICAL, Noise
 
 Array = NDArray[np.float64]
 
-MODEL = "TrainPredictionReduced"
-SEEN = ("speed", "wheelset_speed")
 
-RELEASED = 0.45e5
-"""Cylinder pressure below which pad friction is held still [Pa]: 1.5 kN of the 56 kN of a full brake; below, the pads
-tell nothing of themselves, and the paper's filter would let their variance grow."""
-
-START_MU_B, START_DEVIATION = 0.35, (0.03, *[0.1] * GROUPS, *[0.04] * GROUPS, *[0.02] * GROUPS)
-"""Pads as new; standard deviations of v [m/s], w [rad/s], μ_B and α at the first sample: sensors, the spread of pads
-between lots (10 %), and a train that coasts."""
+@cache
+def specification() -> Specification:
+    """Return the estimation of the field test, whose model, start and gate stand in its file."""
+    return load_specification(LIBRARY / "field.toml")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +47,7 @@ class Task:
 
 def prediction() -> CasadiPrediction:
     """Return the prediction of the field test; equations (1) to (5), (10) to (12) of the paper."""
-    return prediction_seeing(MODEL, SEEN)
+    return prediction_for(specification())
 
 
 def task_of(braking: Braking, model: CasadiPrediction) -> Task:
@@ -66,12 +61,14 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
     seen = columns(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
     known = all(f"true_{state}" in recording for state in model.states)
     truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if known else None
-    mean = np.concatenate([seen[0], np.full(GROUPS, START_MU_B), np.zeros(GROUPS)])
+    start = specification().start
+    frictions = by_name("start", start.mean, model.states[1 + GROUPS :])
+    deviation = by_name("start deviation", start.deviation, model.states)
     return Task(
         braking=braking,
         held=0.5 * (held[1:] + held[:-1]),
         seen=seen[1:],
-        start=Estimate(mean=mean, covariance=np.diag(np.array(START_DEVIATION) ** 2)),
+        start=Estimate(mean=np.concatenate([seen[0], frictions]), covariance=np.diag(deviation**2)),
         truth=truth,
         period=period_of(recording),
     )
@@ -79,11 +76,7 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
 
 def filter_of(model: CasadiPrediction, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
     """Return a compiled filter for brakings of one period."""
-    gate = Gate(
-        states=tuple(f"mu_b[{i + 1}]" for i in range(GROUPS)),
-        inputs=tuple(f"cylinder_pressure[{i + 1}]" for i in range(GROUPS)),
-        threshold=RELEASED,
-    )
+    gate = settings_for(specification(), period).gate
     return CompiledFilter(model, noise.process, noise.readings, period, gate, directory=BUILD)
 
 

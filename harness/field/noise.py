@@ -1,15 +1,16 @@
 """The twelve numbers of equation (13): variances of readings and densities of processes, and the file they live in."""
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.estimate.error import EstimationError
+from harness.estimate.run import by_name
+from harness.estimate.spec import NoiseTable
 from harness.record.atomic import replacing
+from harness.scenario.load import read_toml, validated
 
 Array = NDArray[np.float64]
 
@@ -19,6 +20,9 @@ NAMES = (
     "R_v", *(f"R_w{i}" for i in range(1, GROUPS + 1)),
     "Q_v", *(f"Q_w{i}" for i in range(1, GROUPS + 1)), "Q_mu_b", "Q_alpha",
 )  # fmt: skip
+READINGS = ("speed", *(f"wheelset_speed[{i}]" for i in range(1, GROUPS + 1)))
+PROCESSES = ("v", *(f"w[{i}]" for i in range(1, GROUPS + 1)), "mu_b", "alpha")
+"""What `NAMES` are called in the [noise] of an estimation; one number for μ_B, and one for α, of all groups."""
 UNITS = (
     "(m/s)2", *["(rad/s)2"] * GROUPS, "(m/s)2/s", *["(rad/s)2/s"] * GROUPS, "1/s", "1/s",
 )  # fmt: skip
@@ -68,28 +72,30 @@ stop, adhesion that changes by 0.03 in 0.1 s."""
 
 
 def load_noise(path: Path) -> Noise:
-    """Return the noises of a TOML file.
+    """Return the noises of a file of `save_noise`, which is the [noise] of an estimation.
 
     Raises:
-        EstimationError: No such file, or one of the twelve is missing or no positive number.
+        ScenarioError: No such file, or one of the twelve is missing or no positive number.
     """
-    try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as problem:
-        raise EstimationError(f"{path}: there is no such file; `railgrip tune` writes one.") from problem
-    except tomllib.TOMLDecodeError as problem:
-        raise EstimationError(f"{path}: is not TOML: {problem}") from problem
-    noise = table.get("noise", {})
-    wrong = [name for name in NAMES if not (isinstance(noise.get(name), float) and noise[name] > 0.0)]
-    if wrong:
-        raise EstimationError(f"{path}: [noise] wants a positive number for {', '.join(wrong)}.")
-    return Noise(tuple(noise[name] for name in NAMES))
+    read = read_toml(path)
+    table = validated(NoiseTable, read.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
+    if table.kind != "density":
+        raise EstimationError(f"{path}: [noise] kind is '{table.kind}'; the field test's noises are densities.")
+    readings = by_name(f"{path.name}: readings", table.readings, READINGS)
+    process = by_name(f"{path.name}: process", table.process, PROCESSES)
+    if not (process > 0.0).all():
+        raise EstimationError(f"{path}: [noise.process] wants positive numbers; their logarithms are searched.")
+    return Noise((*readings.tolist(), *process.tolist()))
 
 
 def save_noise(noise: Noise, path: Path, *, title: str, command: str, results: dict[str, float]) -> Path:
     """Write noises with the command that found them and what they reach."""
-    lines = [f"# {title}", f'command = "{command}"', "", "[noise]"]
-    lines += [f"{name} = {value:.6e}  # {unit}" for name, value, unit in zip(NAMES, noise.values, UNITS, strict=True)]
+    lines = [f"# {title}", f'command = "{command}"', "", "[noise]", 'kind = "density"', "", "[noise.readings]"]
+    written = zip((*READINGS, *PROCESSES), noise.values, UNITS, NAMES, strict=True)
+    for name, value, unit, symbol in written:
+        if name == PROCESSES[0]:
+            lines += ["", "[noise.process]"]
+        lines.append(f'"{name}" = {value:.6e}  # {symbol}, {unit}')
     lines += ["", "[found]", *(f"{name} = {value:.6g}" for name, value in results.items()), ""]
     with replacing(path) as partial:
         partial.write_text("\n".join(lines), encoding="utf-8")

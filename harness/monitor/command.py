@@ -25,7 +25,7 @@ def monitor(
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
     from harness.estimate.spec import load_specification
     from harness.monitor.folder import stops_in
-    from harness.monitor.page import draw, rows_of
+    from harness.monitor.page import draw, rows_of, verdict_on
     from harness.monitor.watch import Design, watch
 
     console = Console()
@@ -44,16 +44,7 @@ def monitor(
     design = Design()
     history = watch(found.evidence, design)
     _print(console, rows_of(history, found.names))
-    console.print(
-        f"{len(found.names)} stops, {history.charted} of which told the groups apart; "
-        + (
-            f"the first {design.reference} of those are the reference."
-            if history.charted > design.reference
-            else f"alarms need more than {design.reference}, the reference."
-        ),
-        highlight=False,
-        soft_wrap=True,
-    )
+    console.print(verdict_on(history, design), highlight=False, soft_wrap=True)
     console.print(str(draw(history, design, out or folder / "monitor.png")), highlight=False, soft_wrap=True)
 
 

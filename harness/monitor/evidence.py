@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import xarray
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from estimators.compiled import CompiledFilter
 from estimators.errors import FilterDiverged
@@ -30,6 +31,11 @@ adhesion must follow a group that is released within 0.2 s."""
 _READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
 """As `estimators.tuning.READINGS_SERVICE`, but for the accelerometer, whose bias is taken out before."""
 _START = {"v": 0.1, "w": 0.3, "alpha": 0.02}
+
+_LOCKED = 0.8
+"""Slip above which a wheelset counts as locked: its pads no longer slide on the disc at full friction then, or soon."""
+_AROUND = 0.3  # s before and after, in which encoders and pressures lag
+_FREE = 1e4  # (rad/s)²/s: process noise of a locked wheelset, whose equation says nothing
 
 _SLOWEST = 3.0  # m/s; below, encoders lose pulses
 _COASTING = 2.0  # s without brake before the stop, that drag can be told from
@@ -96,7 +102,11 @@ def evidence_of(recording: xarray.Dataset, temperature: Vector) -> Evidence:
         reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
     mass = sum(values[f"m_wheelset[{i + 1}]"] for i in range(6))
     held = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
-    mean, covariance = _filtered(filter_, prediction.states, held, seen, wheels[0], float(speed[0]), count)
+    radius = values["r_wheel"]
+    locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
+    for g in range(GROUPS):
+        seen[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
+    mean, covariance = _filtered(filter_, prediction.states, held, seen, locked, wheels[0], float(speed[0]), count)
     # The prior is taken out, so that stops can be put together without counting it once each.
     gained = np.linalg.inv(covariance) - np.eye(GROUPS) / PRIOR**2
     # What a stop does not tell at all has an information of zero, here with rounding: at most 100 priors wide.
@@ -105,6 +115,15 @@ def evidence_of(recording: xarray.Dataset, temperature: Vector) -> Evidence:
     health = spread @ (np.linalg.solve(covariance, mean) - np.full(GROUPS, NOMINAL) / PRIOR**2
                        + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
     return Evidence(health=health / NOMINAL, covariance=np.asarray(spread / NOMINAL**2, dtype=np.float64), drag=drag)
+
+
+def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
+    """Return where wheelsets are locked or nearly so, and `around` samples to both sides, shape (k, 4).
+
+    A locked wheelset tells nothing of its pads: they hold it with less than they could.
+    """
+    slides = 1.0 - radius * wheels / np.maximum(speed, 0.1)[:, None] > _LOCKED
+    return np.asarray(maximum_filter1d(slides, 2 * around + 1, axis=0, mode="nearest"), dtype=np.bool_)
 
 
 @cache
@@ -129,6 +148,7 @@ def _filtered(
     states: tuple[str, ...],
     held: Matrix,
     seen: Matrix,
+    locked: NDArray[np.bool_],
     wheels: Vector,
     speed: float,
     count: int,
@@ -139,7 +159,8 @@ def _filtered(
         filter_: To run.
         states: Of its model.
         held: Inputs at every sample, shape (k, nu).
-        seen: Readings, shape (k, m).
+        seen: Readings, shape (k, m); none of a wheelset while it is locked.
+        locked: Which are, shape (k, 4).
         wheels: Wheelset speeds at the first sample [rad/s], shape (4,).
         speed: Of the train then [m/s].
         count: Samples to take.
@@ -151,8 +172,15 @@ def _filtered(
     mean[[states.index(f"w[{g + 1}]") for g in range(GROUPS)]] = wheels
     filter_.start(mean, deviation**2)
     middle = 0.5 * (held[:-1] + held[1:])  # pressures move within a period
+    usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
+    turning = np.array([states.index(f"w[{g + 1}]") for g in range(GROUPS)])
+    filter_.change_process_noise(usual)
     try:
         for k in range(1, count):
+            if (locked[k] != locked[k - 1]).any() or k == 1:
+                noise = usual.copy()
+                noise[turning[locked[k]]] = _FREE
+                filter_.change_process_noise(noise)
             filter_.held[:] = middle[k - 1]
             filter_.seen[:] = seen[k]
             filter_.advance()

@@ -115,7 +115,7 @@ def recording_of_trace(trace: xarray.Dataset, name: str) -> xarray.Dataset:
     signals: dict[str, tuple[np.ndarray, str]] = {}
     for what, signal in _SIGNALS.items():
         if signal.name not in trace:
-            raise EstimationError(f"{name}: the trace has no {signal.name}.")
+            raise EstimationError(f"the trace has no {signal.name}; a stop that no sensor read tells nothing.")
         values = np.asarray(trace[signal.name].values, dtype=np.float64)
         if signal.extent == "train":
             signals[what] = values, signal.unit

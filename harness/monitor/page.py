@@ -21,13 +21,30 @@ def rows_of(history: History, names: Sequence[str]) -> list[dict[str, str]]:
             {
                 "group": f"{g + 1} {GROUP_NAMES[g]}",
                 "health": f"{history.index[-1, g]:.3f} ± {history.index_sd[-1, g]:.3f}",
-                "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}",
+                "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}"
+                if np.isfinite(history.trend_sd[g])
+                else "too few stops",
                 "alarm": "none"
                 if alarm is None
                 else f"{alarm.kind} by {names[alarm.stop]}, {alarm.loss:.0%} below its reference",
             }
         )
     return rows
+
+
+def verdict_on(history: History, design: Design) -> str:
+    """Return a sentence on what the stops could tell, and what more is wanted."""
+    count = len(history.index)
+    opening = f"{count} stops, {history.charted} of which told the groups apart"
+    if history.charted == 0:
+        return (
+            f"{opening}: their pressures never moved apart enough, so that only the brakes as a whole are judged; make "
+            "testing stops that release one group after the other for two seconds, or stops with wheel-slide "
+            "protection at work."
+        )
+    if history.charted <= design.reference:
+        return f"{opening}; alarms need more than {design.reference}, the reference."
+    return f"{opening}; the first {design.reference} of those are the reference."
 
 
 def draw(history: History, design: Design, path: Path) -> Path:

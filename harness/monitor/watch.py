@@ -23,6 +23,10 @@ _TOGETHER = 0.05
 """Scatter that all groups share, taken while there are no reference stops: the load of a train."""
 
 
+FEWEST = 5
+"""Stops that a scatter is taken from at least."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Design:
     """What the monitor takes for healthy and what not.
@@ -129,7 +133,7 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
         scatter = np.maximum(mad, design.least_scatter)
         threshold = np.array([threshold_for(float(s), design) for s in scatter])
         alarms = _charted(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
-    index, index_sd = _followed(stops, together, alarms, design)
+    index, index_sd = _followed(stops, together, _own_scatter(health[reference], design), alarms, design)
     trend, trend_sd = _trend(health, apart, design)
     return History(
         evidence=health,
@@ -198,8 +202,20 @@ def _charted(
     return alarms
 
 
+def _own_scatter(health: Matrix, design: Design) -> Vector:
+    """Return how far a group's evidence strays from that of the others, stop to stop, shape (4,).
+
+    Evidence claims what noise does to it. Latencies and slides do more, and nobody but the stops themselves can tell.
+    """
+    if len(health) < FEWEST:
+        return np.full(GROUPS, design.least_scatter)
+    apart = health - np.median(health, axis=1, keepdims=True)
+    mad = 1.4826 * np.median(np.abs(apart - np.median(apart, axis=0)), axis=0)
+    return np.maximum(mad, design.least_scatter)
+
+
 def _followed(
-    stops: Sequence[Evidence], together: float, alarms: Sequence[Alarm], design: Design
+    stops: Sequence[Evidence], together: float, own: Vector, alarms: Sequence[Alarm], design: Design
 ) -> tuple[Matrix, Matrix]:
     """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
 
@@ -208,11 +224,12 @@ def _followed(
     Args:
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
+        own: Deviation of each group from stop to stop beside that, shape (4,).
         alarms: Of these stops.
         design: For drift and scatter.
     """
     mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
-    scatter = np.eye(GROUPS) * design.least_scatter**2 + together
+    scatter = np.diag(own**2) + together
     index, spread = np.empty((len(stops), GROUPS)), np.empty((len(stops), GROUPS))
     for k, stop in enumerate(stops):
         jumped = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(GROUPS)])
@@ -233,7 +250,7 @@ def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Ve
     """
     number = np.flatnonzero(apart)
     number = number[number >= len(health) - design.trend]
-    if number.size < 5:
+    if number.size < FEWEST:
         return np.full(GROUPS, np.nan), np.full(GROUPS, np.nan)
     time = number - number.mean()
     chosen = health[number] - health[number].mean(axis=0)

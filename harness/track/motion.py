@@ -139,7 +139,7 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
         sight=sight,
         reading_noise=np.array([trust.speed, trust.acceleration, trust.position]) ** 2,
         seen=np.column_stack([speed, acceleration, along]),
-        start=np.array([0.0, float(np.nan_to_num(speed[0])), 0.0, 0.0, 0.0]),
+        start=np.array([0.0, float(speed[np.isfinite(speed)][0]), 0.0, 0.0, 0.0]),
         # The distance begins at zero, to a millimetre.
         spread=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
     ).mean

@@ -149,3 +149,16 @@ def field_scenario(path: Path | None = None) -> FieldScenario:
     """
     chosen = path or LIBRARY / "field.toml"
     return validated(FieldScenario, read_toml(chosen), directory=chosen.parent, origin=chosen.name)
+
+
+def field_case(name: str) -> tuple[FieldScenario, str]:
+    """Return field test and case of a name: `c6` of the library's, or `mine.toml:c6`.
+
+    Raises:
+        ScenarioError: The file is missing or not a field test.
+        EstimationError: There is no such case.
+    """
+    file, colon, case = name.rpartition(":")
+    scenario = field_scenario(Path(file) if colon else None)
+    scenario.case(case)
+    return scenario, case

@@ -1,4 +1,4 @@
-"""The accepted distances of a campaign, and whether results keep to them.
+"""What was accepted, distances of a campaign or figures of a study, and whether results keep to it.
 
 A baseline file says for each stop the distance, how far it may move, and why it is what it is:
 
@@ -8,24 +8,37 @@ A baseline file says for each stop the distance, how far it may move, and why it
     distance = 382.61    # m
     tolerance = 0.39     # m
     reason = "First calibration."
+
+or the same for the figures of a study of `harness.headlines`:
+
+    study = "estimate"
+
+    [figures."rig slide, own filter: pad friction, RMSE"]
+    value = 0.0071
+    tolerance = 0.00014
+    unit = "1"
+    reason = "First figures."
 """
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from harness.record.atomic import write_text
+from harness.record.error import RecordError
 from harness.record.outcome import Outcome
 from harness.scenario.error import ScenarioError
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Table
+from harness.scenario.table import Table, broken
 from harness.verdict.results import Results
+
+FINDINGS_FILE = "figures.json"
 
 TOLERANCE = 1e-3
 """Of a new baseline, relative: twice what the distance may move when the communication step is halved (0.05 %), so that
@@ -39,38 +52,104 @@ class Accepted(Table):
     tolerance: Annotated[float, Unit("m", above=0)]
     reason: Annotated[str, Field(min_length=1)]
 
+    @property
+    def value(self) -> float:
+        """The distance [m]."""
+        return self.distance
+
+    @property
+    def unit(self) -> str:
+        """Of the distance."""
+        return "m"
+
+
+class AcceptedFigure(Table):
+    """One figure of a study."""
+
+    value: Annotated[float, Field(allow_inf_nan=False)]
+    tolerance: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+    unit: str
+    reason: Annotated[str, Field(min_length=1)]
+
 
 class Baseline(Table):
     """A baseline file."""
 
-    campaign: str = Field(description="campaign file, from this one's folder")
+    campaign: str | None = Field(default=None, description="campaign file, from this one's folder")
+    study: str | None = Field(default=None, description="name of a study of harness.headlines")
     stops: dict[str, Accepted] = Field(default={}, description="name of a stop → what is accepted")
+    figures: dict[str, AcceptedFigure] = Field(default={}, description="name of a figure → what is accepted")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if (self.campaign is None) == (self.study is None):
+            raise broken("wants either campaign, the file of one, or study, the name of one")
+        if self.stops and self.study is not None:
+            raise broken("has [stops], which belong to a campaign; a study has [figures]")
+        if self.figures and self.campaign is not None:
+            raise broken("has [figures], which belong to a study; a campaign has [stops]")
+        return self
+
+    @property
+    def accepted(self) -> Mapping[str, Accepted | AcceptedFigure]:
+        """What is accepted, whatever it is of."""
+        return self.figures if self.campaign is None else self.stops
 
 
-State = Literal["kept", "moved", "new", "gone", "no standstill"]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One number of a result.
+
+    Attributes:
+        name: Of the stop or figure.
+        value: Found, None where there is none: no standstill, no alarm.
+        unit: Of it.
+        tolerance: How far it may move once it is accepted, for a reason of its own; None for `TOLERANCE` of it.
+    """
+
+    name: str
+    value: float | None
+    unit: str
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Findings:
+    """The numbers of a result, and the names of those that it should have and has not."""
+
+    found: tuple[Finding, ...]
+    missing: tuple[str, ...] = ()
+
+
+State = Literal["kept", "moved", "new", "gone", "no standstill", "no value"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """One stop against its baseline.
+    """One number against its baseline.
 
     Attributes:
-        stop: Name.
+        name: Of the stop or figure.
         state: `kept` inside the tolerance; `moved` outside; `new` without baseline; `gone` without result;
-            `no standstill` ended otherwise.
-        accepted: The baseline, None for a new stop.
-        distance: Found [m], None unless the train stood.
+            `no standstill` of a stop that ended otherwise, `no value` of a figure that there is none of.
+        accepted: The baseline, None for a new one.
+        found: The number, None when gone.
     """
 
-    stop: str
+    name: str
     state: State
-    accepted: Accepted | None
-    distance: float | None
+    accepted: Accepted | AcceptedFigure | None
+    found: Finding | None
+
+    @property
+    def value(self) -> float | None:
+        """Found, if there is such a number."""
+        return None if self.found is None else self.found.value
 
     @property
     def change(self) -> float | None:
-        """Found minus accepted distance [m]."""
-        return None if self.accepted is None or self.distance is None else self.distance - self.accepted.distance
+        """Found minus accepted."""
+        return None if self.accepted is None or self.value is None else self.value - self.accepted.value
 
 
 def load_baseline(path: Path) -> Baseline:
@@ -82,55 +161,108 @@ def load_baseline(path: Path) -> Baseline:
     return validated(Baseline, read_toml(path), directory=path.parent, origin=path.name)
 
 
-def compare(baseline: Baseline, results: Results) -> tuple[Comparison, ...]:
-    """Return every stop of baseline and results, those that need attention first."""
-    found = {result.name: result.record for result in results.stops}
-    comparisons: list[Comparison] = []
-    for name in dict.fromkeys([*found, *baseline.stops]):
-        accepted, record = baseline.stops.get(name), found.get(name)
-        distance = record.metrics.distance if record and record.outcome is Outcome.STANDSTILL else None
-        comparisons.append(
-            Comparison(
-                stop=name, state=_state(accepted, record is not None, distance), accepted=accepted, distance=distance
+def findings_of(results: Results) -> Findings:
+    """Return the distances of a campaign; none of a stop that did not end in a standstill."""
+    return Findings(
+        found=tuple(
+            Finding(
+                name=result.name,
+                value=result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None,
+                unit="m",
             )
+            for result in results.stops
+        ),
+        missing=results.missing,
+    )
+
+
+def write_findings(findings: Findings, directory: Path) -> None:
+    """Keep the figures of a study where `read_findings` finds them."""
+    write_text(directory / FINDINGS_FILE, json.dumps([asdict(finding) for finding in findings.found], indent=1) + "\n")
+
+
+def read_findings(directory: Path) -> Findings:
+    """Return the figures of the last study that was written into a folder.
+
+    Raises:
+        RecordError: There are none, or they cannot be read.
+    """
+    path = directory / FINDINGS_FILE
+    try:
+        return Findings(found=tuple(Finding(**finding) for finding in json.loads(path.read_text(encoding="utf-8"))))
+    except FileNotFoundError as problem:
+        raise RecordError(f"{path}: there is no such file; `railgrip regress` makes one") from problem
+    except (OSError, ValueError, TypeError) as problem:
+        raise RecordError(f"{path}: is not the figures of a study ({problem})") from problem
+
+
+def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
+    """Return every number of baseline and findings, those that need attention first."""
+    found = {finding.name: finding for finding in findings.found}
+    comparisons = [
+        Comparison(
+            name=name,
+            state=_state(baseline.accepted.get(name), found.get(name), of_stops=baseline.campaign is not None),
+            accepted=baseline.accepted.get(name),
+            found=found.get(name),
         )
+        for name in dict.fromkeys([*found, *baseline.accepted])
+    ]
     return tuple(sorted(comparisons, key=lambda comparison: comparison.state == "kept"))
 
 
-def accepted(baseline: Baseline, results: Results, reason: str) -> Baseline:
+def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     """Return the baseline with what moved, appeared or went brought up to date, for a reason.
 
-    Stops inside their tolerance keep value and reason. The tolerance of a moved stop scales with its distance.
+    Numbers inside their tolerance keep value and reason. The tolerance of one that moved scales with it, unless it has
+    one of its own.
 
     Raises:
-        ScenarioError: No reason is given, or a stop has no standstill, which nobody can accept.
+        ScenarioError: No reason is given, or there is no number, which nobody can accept.
     """
     if not reason.strip():
-        raise ScenarioError("accept: --reason is empty; say what changed and why the distances are right")
+        raise ScenarioError("accept: --reason is empty; say what changed and why the new numbers are right")
     stops: dict[str, Accepted] = {}
-    for comparison in compare(baseline, results):
-        if comparison.state == "gone":
-            if comparison.stop in results.missing:
-                raise ScenarioError(f"accept: {comparison.stop} has no result; run the campaign first")
+    figures: dict[str, AcceptedFigure] = {}
+    for comparison in compare(baseline, findings):
+        name, before, found = comparison.name, comparison.accepted, comparison.found
+        if found is None:
+            if name in findings.missing:
+                raise ScenarioError(f"accept: {name} has no result; run the campaign first")
             continue
-        if comparison.distance is None:
-            raise ScenarioError(f"accept: {comparison.stop} did not come to a standstill; a baseline is a distance")
-        before = comparison.accepted
-        if comparison.state == "kept" and before is not None:
-            stops[comparison.stop] = before
-            continue
-        relative = before.tolerance / before.distance if before else TOLERANCE
-        stops[comparison.stop] = Accepted(
-            distance=round(comparison.distance, 3),
-            tolerance=_two_digits(relative * comparison.distance),
-            reason=reason.strip(),
-        )
-    return Baseline(campaign=baseline.campaign, stops=stops)
+        if found.value is None:
+            if baseline.campaign is not None:
+                raise ScenarioError(f"accept: {name} did not come to a standstill; a baseline is a distance")
+            raise ScenarioError(f"accept: {name} has no value; a baseline is a number")
+        kept = before if comparison.state == "kept" else None
+        if baseline.campaign is not None:
+            stops[name] = kept if isinstance(kept, Accepted) else _accepted_stop(found, found.value, before, reason)
+        else:
+            tolerance = found.tolerance or TOLERANCE * abs(found.value)
+            figures[name] = (
+                kept
+                if isinstance(kept, AcceptedFigure)
+                else AcceptedFigure(
+                    value=_digits(found.value, 4),
+                    tolerance=_digits(tolerance, 2),
+                    unit=found.unit,
+                    reason=reason.strip(),
+                )
+            )
+    return baseline.model_copy(update={"stops": stops, "figures": figures})
+
+
+def _accepted_stop(found: Finding, distance: float, before: Accepted | AcceptedFigure | None, reason: str) -> Accepted:
+    relative = before.tolerance / before.value if before else TOLERANCE
+    return Accepted(distance=round(distance, 3), tolerance=_digits(relative * distance, 2), reason=reason.strip())
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a baseline file, stops in the order of their names."""
-    lines = [f"campaign = {json.dumps(baseline.campaign)}"]
+    """Write a baseline file, its numbers in the order of their names."""
+    if baseline.campaign is not None:
+        lines = [f"campaign = {json.dumps(baseline.campaign)}"]
+    else:
+        lines = [f"study = {json.dumps(baseline.study)}"]
     for name, stop in sorted(baseline.stops.items()):
         lines += [
             "",
@@ -139,37 +271,53 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
             f"tolerance = {stop.tolerance!r}  # m",
             f"reason = {json.dumps(stop.reason, ensure_ascii=False)}",
         ]
+    for name, figure in sorted(baseline.figures.items()):
+        lines += [
+            "",
+            f"[figures.{json.dumps(name, ensure_ascii=False)}]",
+            f"value = {figure.value!r}",
+            f"tolerance = {figure.tolerance!r}",
+            f"unit = {json.dumps(figure.unit, ensure_ascii=False)}",
+            f"reason = {json.dumps(figure.reason, ensure_ascii=False)}",
+        ]
     write_text(path, "\n".join(lines) + "\n")
 
 
 def comparison_rows(comparisons: tuple[Comparison, ...]) -> list[Mapping[str, str]]:
-    """Return the comparison as texts, column → cell."""
+    """Return the comparison as texts, column → cell; metres where all are distances, else with a column of units."""
+    units = {(c.accepted or c.found).unit for c in comparisons if c.accepted or c.found}  # pyright: ignore[reportOptionalMemberAccess]
+    metres = units <= {"m"}
+    form = "{:.2f}" if metres else "{:.4g}"
 
-    def metres(value: float | None, form: str = "{:.2f}") -> str:
+    def number(value: float | None, form: str = form) -> str:
         return "" if value is None else form.format(value)
 
-    return [
-        {
-            "stop": comparison.stop,
+    behind = " [m]" if metres else ""
+    rows: list[Mapping[str, str]] = []
+    for comparison in comparisons:
+        before, found = comparison.accepted, comparison.found
+        row = {
+            "stop" if metres else "figure": comparison.name,
             "state": comparison.state,
-            "accepted [m]": metres(comparison.accepted.distance if comparison.accepted else None),
-            "found [m]": metres(comparison.distance),
-            "change [m]": metres(comparison.change, "{:+.3f}"),
-            "tolerance [m]": metres(comparison.accepted.tolerance if comparison.accepted else None),
+            f"accepted{behind}": number(before.value if before else None),
+            f"found{behind}": number(comparison.value),
+            f"change{behind}": number(comparison.change, "{:+.3f}" if metres else "{:+.2g}"),
+            f"tolerance{behind}": number(before.tolerance if before else None),
         }
-        for comparison in comparisons
-    ]
+        rows.append(row if metres else row | {"unit": before.unit if before else found.unit if found else ""})
+    return rows
 
 
-def _state(accepted: Accepted | None, has_result: bool, distance: float | None) -> State:
-    if not has_result:
+def _state(before: Accepted | AcceptedFigure | None, found: Finding | None, *, of_stops: bool) -> State:
+    if found is None:
         return "gone"
-    if distance is None:
-        return "no standstill"
-    if accepted is None:
+    if found.value is None:
+        return "no standstill" if of_stops else "no value"
+    if before is None:
         return "new"
-    return "kept" if abs(distance - accepted.distance) <= accepted.tolerance else "moved"
+    return "kept" if abs(found.value - before.value) <= before.tolerance else "moved"
 
 
-def _two_digits(value: float) -> float:
-    return round(value, 1 - math.floor(math.log10(value)))
+def _digits(value: float, count: int) -> float:
+    """Return a number with so many digits that count."""
+    return round(value, count - 1 - math.floor(math.log10(abs(value)))) if value else 0.0

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from harness.verdict.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, figure, save
+from harness.verdict.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, figure, readable, save
 
-_COLORS = (BLUE, SKY, BLACK, VERMILION, ORANGE, GREEN, PURPLE)
+_COLORS = (BLUE, BLACK, VERMILION, GREEN, ORANGE, PURPLE, SKY)
+_DASHES = ("-", "--", ":", "-.")
 
 
 def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, *, inputs: tuple[str, ...]) -> Path:
@@ -18,23 +19,30 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     made = figure(10, 6.5)
     above, below = made.subplots(2, 1, sharex=True, height_ratios=(1, 2))
     for name, color in zip(inputs, (ORANGE, BLUE), strict=False):
-        above.plot(recording["time"], recording[name], color=color, lw=0.8, label=f"{name} in {recording[name].units}")
+        factor, unit = readable(recording[name].units)
+        above.plot(recording["time"], factor * recording[name], color=color, lw=0.8, label=f"{name} [{unit}]")
     dress(above, title=f"{windows.attrs['name']}: windows of {windows.attrs['window']:g} s")
     above.legend(fontsize=8, frameon=False, loc="upper left")
     time = windows["time"].values
-    for number, state in enumerate(windows["state"].values):
+    families: dict[str, int] = {}
+    for state in windows["state"].values:
+        # A colour a kind of state, a dash an element of it.
+        family = str(state).partition("[")[0]
+        color = _COLORS[list(families).index(family) if family in families else len(families)]
+        families[family] = families.get(family, -1) + 1
         values = windows["singular"].sel(state=state).values
         below.semilogy(
             time,
             np.where(values > 0.0, values, np.nan),
-            color=_COLORS[number % len(_COLORS)],
-            lw=1.0,
+            color=color,
+            ls=_DASHES[families[family] % len(_DASHES)],
+            lw=1.1,
             label=str(state),
         )
     smallest = windows["smallest"].values
     positive = np.where(np.isfinite(windows["deviation"].values).all(axis=1), smallest, np.nan)
     below.semilogy(time, positive, color="#999999", lw=2.5, alpha=0.6, label="smallest of all")
     below.axhline(1.0, color=BLACK, lw=0.7, ls=":")
-    dress(below, x="time in s", y="(typical size / deviation)²")
+    dress(below, x="time [s]", y="(typical size / deviation)²")
     below.legend(fontsize=8, frameon=False, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return save(made, path)

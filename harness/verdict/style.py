@@ -22,6 +22,14 @@ _LEAD_TO_TRAIL = LinearSegmentedColormap.from_list("lead_to_trail", [BLUE, "#7B5
 KMH = 3.6
 
 
+_READABLE = {"Pa": (1e-5, "bar"), "N": (1e-3, "kN"), "m-1": (1e3, "1/km")}
+
+
+def readable(unit: str) -> tuple[float, str]:
+    """Return factor and unit in which people read what is kept in an SI unit."""
+    return _READABLE.get(unit, (1.0, unit))
+
+
 def lead_to_trail(count: int) -> list[Any]:
     """Return colours from blue, the first wheelset, to purple, the last."""
     return [_LEAD_TO_TRAIL(number / max(count - 1, 1)) for number in range(count)]

@@ -1,6 +1,7 @@
 import pytest
 
 from harness.estimate.error import EstimationError
+from harness.estimate.run import by_name
 from harness.estimate.sources import recording_for
 from harness.estimate.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
 from harness.scenario.error import ScenarioError
@@ -23,7 +24,8 @@ def test_every_file_of_the_library_makes_a_filter(path):
     specification = load_specification(path)
     settings = settings_for(specification, 0.01)
     prediction = prediction_for(specification)
-    assert {name.partition("[")[0] for name in prediction.states} == set(settings.process)
+    # One noise for every state, by its name or its array's, and none that no state has.
+    assert by_name("process", settings.process, prediction.states).shape == (len(prediction.states),)
 
 
 def test_equation_20_is_exactly_as_printed():
@@ -68,9 +70,33 @@ def test_a_file_that_is_wrong_gets_a_sentence(tmp_path, old, new, sentence):
 
 
 def test_a_source_that_is_not_there_gets_a_sentence():
-    with pytest.raises(EstimationError, match=r"kind is 'rollerrig'; there is roller_rig, wagon"):
+    with pytest.raises(EstimationError, match=r"kind is 'rollerrig'; there is roller_rig, wagon, field"):
         recording_for(SourceTable(kind="rollerrig", scenario="slide"))
     with pytest.raises(EstimationError, match="no rig scenario 'snow'; there is sand, slide, or the path of a file"):
         recording_for(SourceTable(kind="roller_rig", scenario="snow"))
     with pytest.raises(EstimationError, match="no wagon scenario 'snow'; there is stop, unequal"):
         recording_for(SourceTable(kind="wagon", scenario="snow"))
+    with pytest.raises(EstimationError, match="field: there is no case 'c7'; there is c1, c2, c3, c4, c5, c6"):
+        recording_for(SourceTable(kind="field", scenario="c7"))
+
+
+def test_noises_may_stand_in_the_file_that_a_search_wrote(tmp_path):
+    (tmp_path / "tuned.toml").write_text("[noise]" + TEXT.partition("[noise]")[2].partition("[start]")[0])
+    before, _, after = TEXT.partition("[noise]")
+    path = tmp_path / "mine.toml"
+    path.write_text(before + '[noise]\nfile = "tuned.toml"\n[start]' + after.partition("[start]")[2])
+    assert load_specification(path).noise == load_specification(LIBRARY / "rig_own.toml").noise
+    path.write_text(path.read_text().replace('"tuned.toml"', '"tuned.toml"\nkind = "density"'))
+    with pytest.raises(EstimationError, match=r"mine\.toml: \[noise\] file stands for the whole table"):
+        load_specification(path)
+    path.write_text(path.read_text().replace('"tuned.toml"\nkind = "density"', '"lost.toml"'))
+    with pytest.raises(ScenarioError, match=r"lost\.toml"):
+        load_specification(path)
+
+
+def test_track_force_is_made_or_mapped_but_not_both(tmp_path):
+    text = (LIBRARY / "field.toml").read_text().replace("../../field", str(LIBRARY.parents[1] / "field"))
+    path = tmp_path / "mine.toml"
+    path.write_text(text + 'track_force = { value = "0 N" }\n')
+    with pytest.raises(ScenarioError, match=r"has track_force in \[data\.columns\] and \[course\], which makes it"):
+        load_specification(path)

@@ -3,18 +3,24 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from estimators.ekf import ExtendedKalmanFilter
+from harness.estimate.course import with_track_force
 from harness.estimate.error import EstimationError
+from harness.estimate.observable import observe, with_estimates_as_truth
+from harness.estimate.recorded.specified import taken_for
 from harness.estimate.selection import prediction_seeing
+from harness.estimate.spec import estimate_of, settings_for
 from harness.field.braking import Braking, braking_of
 from harness.field.degeneracy import common_factor
-from harness.field.filtering import RELEASED, Task, filter_of, follow, prediction, task_of
+from harness.field.filtering import Task, filter_of, follow, prediction, specification, task_of
 from harness.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
 from harness.field.objective import terms_of, value
 from harness.field.score import score, track_score
 from harness.field.tune import Search, tune
+from harness.scenario.error import ScenarioError
 from harness.twins.field_scenario import field_scenario
 from harness.twins.field_train import run_case
 
@@ -77,17 +83,10 @@ def test_rates_of_five_readings_cannot_tell_eight_frictions_apart(model):
 def test_following_in_c_is_stepping_in_python(task, model):
     """Two hundred steps around the brake's application, where the gate opens and everything moves."""
     compiled, place = filter_of(model, task.period), task.braking.brake - 50
-    gate = np.array([f"mu_b[{i}]" for i in range(1, 5)])
-    assert task.held[place, 0] < RELEASED < task.held[place + 100, 0]
-    from estimators.gate import Gate
-
-    plain = ExtendedKalmanFilter(
-        model,
-        PHYSICAL.process,
-        PHYSICAL.readings,
-        task.period,
-        Gate(states=tuple(gate), inputs=tuple(f"cylinder_pressure[{i}]" for i in range(1, 5)), threshold=RELEASED),
-    )
+    gate = settings_for(specification(), task.period).gate
+    assert gate is not None
+    assert task.held[place, 0] < gate.threshold < task.held[place + 100, 0]
+    plain = ExtendedKalmanFilter(model, PHYSICAL.process, PHYSICAL.readings, task.period, gate)
     rows = slice(place, place + 200)
     belief = plain.start(task.start.mean, task.start.covariance)
     followed = compiled.follow(belief, task.held[rows], task.seen[rows])
@@ -96,6 +95,37 @@ def test_following_in_c_is_stepping_in_python(task, model):
         # Equal but for rounding, which two hundred steps carry on.
         np.testing.assert_allclose(followed.mean[k], belief.mean, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(followed.variance[k], np.diag(belief.covariance), rtol=1e-7)
+
+
+def test_the_estimation_file_is_the_filter_of_the_report(run, braking, task, model):
+    """`railgrip estimate` with [course] and the tuned noises, and the report's way over arrays."""
+    told = estimate_of(specification(), with_track_force(run, specification().course))
+    followed = follow(task, filter_of(model, task.period), load_noise(LIBRARY / "consistent.toml"))
+    np.testing.assert_array_equal(told["time"].values, braking.recording["time"].values)
+    # The same C from the same numbers, sums apart.
+    np.testing.assert_allclose(told["mean"].values[1:], followed.mean, rtol=1e-9, atol=1e-12)
+
+
+def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path: Path):
+    """Through csv in the units of the library's map, without the driver's brake signal, and back."""
+    data = specification().data
+    columns = {"time": run["time"].values}
+    factors = {"km/h": 3.6, "rev/min": 30.0 / np.pi, "bar": 1e-5}
+    for name, column in data.columns.items():
+        columns[column.column] = run[name].values * factors.get(column.unit, 1.0)
+    mapped = {name: column for name, column in data.columns.items() if name != "braking"}
+    spec = specification().model_copy(update={"data": data.model_copy(update={"columns": mapped})})
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    taken = taken_for(spec, tmp_path / "run.csv")
+    through = with_track_force(taken.recording, spec.course)
+    told, direct = estimate_of(spec, through), estimate_of(spec, with_track_force(run, spec.course))
+    # A reading in ten thousand counts as a spike, which a filter with a hundred in memory hardly feels.
+    apart = told["mean"].sel(state="mu_b[1]").values[-500:] - direct["mean"].sel(state="mu_b[1]").values[-500:]
+    assert np.abs(apart).max() < 2e-3
+    assert len(taken.flags) < 20
+    along = observe(spec, with_estimates_as_truth(spec, through))
+    # Eight frictions, five rates: two derivatives tell five more than the five readings.
+    assert along.points[0].found.rank == 10
 
 
 def test_retuned_is_as_made_anew(task, model):
@@ -141,8 +171,8 @@ def test_noises_are_kept_to_the_digit_that_matters(tmp_path: Path):
     path = save_noise(noise, tmp_path / "noise.toml", title="t", command="c", results={"objective": 0.1})
     # Written with seven digits.
     np.testing.assert_allclose(load_noise(path).values, noise.values, rtol=1e-6)
-    path.write_text(path.read_text().replace("R_v = 1", "R_v = -1"))
-    with pytest.raises(EstimationError, match=r"wants a positive number for R_v"):
+    path.write_text(path.read_text().replace('"speed" = 1', '"speed" = -1'))
+    with pytest.raises(ScenarioError, match=r"\[noise\].*speed is -0\.1"):
         load_noise(path)
 
 

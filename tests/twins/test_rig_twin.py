@@ -5,8 +5,7 @@ import pytest
 
 from harness.estimate.judge import judge
 from harness.estimate.protection import excursions
-from harness.estimate.rig import filtered
-from harness.estimate.spec import LIBRARY, load_specification
+from harness.estimate.spec import LIBRARY, estimate_of, load_specification
 from harness.twins.rig_scenario import rig_scenario
 from harness.twins.roller_rig import measured_adhesion, run_rig
 
@@ -50,7 +49,7 @@ def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
 
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])
 def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
-    told = filtered(load_specification(LIBRARY / f"{name}.toml"), sand)
+    told = estimate_of(load_specification(LIBRARY / f"{name}.toml"), sand)
     found = excursions(sand, told, settled=0.5)
     assert found.kept
     assert told.attrs["ended"] == ""
@@ -58,7 +57,7 @@ def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
 
 def test_equation_20_claims_far_less_than_it_knows_and_ours_about_what_it_knows(sand):
     after = sand["time"].values > 4.0
-    paper, own = (filtered(load_specification(LIBRARY / f"{n}.toml"), sand) for n in ("rig_paper", "rig_own"))
+    paper, own = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), sand) for n in ("rig_paper", "rig_own"))
     assert judge(sand, paper, "mu_b", after).nees < 0.01
     assert 0.1 < judge(sand, own, "mu_b", after).nees < 10.0
     assert judge(sand, own, "alpha", after).rmse < judge(sand, paper, "alpha", after).rmse
@@ -76,7 +75,7 @@ def test_short_brakings_under_oil_slide_at_two_to_five_hundredths():
 def test_pad_friction_holds_still_while_the_pads_are_released():
     """The gate of our filter: no reading tells it, so neither mean nor spread moves; the paper's spread grows."""
     coasting = run_rig(shortened("slide", 10.0))
-    own, paper = (filtered(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
+    own, paper = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
     assert np.ptp(own["sd"].sel(state="mu_b").values) < 1e-12
     grown = paper["sd"].sel(state="mu_b").values
     # Q33 = 1e-3 is added 2000 times; 100 N of load cell noise takes next to nothing of it back.

@@ -8,12 +8,18 @@ from harness.record.outcome import Outcome
 from harness.scenario.error import ScenarioError
 from harness.verdict.baseline import (
     Accepted,
+    AcceptedFigure,
     Baseline,
+    Finding,
+    Findings,
     accepted,
     compare,
     comparison_rows,
+    findings_of,
     load_baseline,
+    read_findings,
     write_baseline,
+    write_findings,
 )
 from harness.verdict.results import read_results
 
@@ -41,7 +47,7 @@ def baseline(**distances):
 
 
 def states(comparisons):
-    return {comparison.stop: comparison.state for comparison in comparisons}
+    return {comparison.name: comparison.state for comparison in comparisons}
 
 
 def test_what_moved_appeared_or_went_is_said_first(results):
@@ -52,9 +58,9 @@ def test_what_moved_appeared_or_went_is_said_first(results):
             "gone": Accepted(distance=100, tolerance=1, reason="First."),
         },
     )
-    comparisons = compare(before, results)
+    comparisons = compare(before, findings_of(results))
     assert states(comparisons) == {SBC: "moved", FULL: "new", "gone": "gone"}
-    assert next(c.change for c in comparisons if c.stop == SBC) == pytest.approx(-0.6)
+    assert next(c.change for c in comparisons if c.name == SBC) == pytest.approx(-0.6)
     assert {row["state"] for row in comparison_rows(comparisons)} == {"moved", "new", "gone"}
 
 
@@ -63,7 +69,7 @@ def test_a_distance_inside_its_tolerance_is_kept(results):
         name: Accepted(distance=distance(results, name) + shift, tolerance=0.5, reason="First.")
         for name, shift in ((SBC, 0.49), (FULL, -0.49))
     }
-    assert set(states(compare(Baseline(campaign="c", stops=stops), results)).values()) == {"kept"}
+    assert set(states(compare(Baseline(campaign="c", stops=stops), findings_of(results))).values()) == {"kept"}
 
 
 def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(results):
@@ -72,7 +78,7 @@ def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(result
     before = Baseline(
         campaign="c", stops={SBC: Accepted(distance=found / 2, tolerance=found / 200, reason="First."), FULL: kept}
     )
-    after = accepted(before, results, "Heavier train.")
+    after = accepted(before, findings_of(results), "Heavier train.")
     assert after.stops[FULL] == kept
     assert after.stops[SBC].distance == pytest.approx(found, abs=1e-3)
     assert after.stops[SBC].tolerance == pytest.approx(found / 100, rel=0.05)  # written with two digits
@@ -80,34 +86,34 @@ def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(result
 
 
 def test_a_new_stop_gets_the_tolerance_of_arithmetic(results):
-    after = accepted(Baseline(campaign="c"), results, "New.")
+    after = accepted(Baseline(campaign="c"), findings_of(results), "New.")
     assert after.stops[SBC].tolerance == pytest.approx(1e-3 * distance(results, SBC), rel=0.05)
 
 
 @pytest.mark.parametrize("reason", ["", "  "])
 def test_nothing_is_accepted_without_a_reason(results, reason):
     with pytest.raises(ScenarioError, match="--reason is empty"):
-        accepted(Baseline(campaign="c"), results, reason)
+        accepted(Baseline(campaign="c"), findings_of(results), reason)
 
 
 def test_a_stop_that_did_not_stand_cannot_be_accepted(results):
     sliding = replace(
         results, stops=tuple(replace(s, record=replace(s.record, outcome=Outcome.HORIZON)) for s in results.stops)
     )
-    assert set(states(compare(Baseline(campaign="c"), sliding)).values()) == {"no standstill"}
+    assert set(states(compare(Baseline(campaign="c"), findings_of(sliding))).values()) == {"no standstill"}
     with pytest.raises(ScenarioError, match="did not come to a standstill"):
-        accepted(Baseline(campaign="c"), sliding, "Why not.")
+        accepted(Baseline(campaign="c"), findings_of(sliding), "Why not.")
 
 
 def test_a_stop_without_result_is_not_forgotten(results):
     before = Baseline(campaign="c", stops={"x": Accepted(distance=1, tolerance=1, reason="r")})
     with pytest.raises(ScenarioError, match="x has no result; run the campaign first"):
-        accepted(before, replace(results, missing=("x",)), "Gone.")
-    assert "x" not in accepted(before, results, "No longer planned.").stops
+        accepted(before, findings_of(replace(results, missing=("x",))), "Gone.")
+    assert "x" not in accepted(before, findings_of(results), "No longer planned.").stops
 
 
 def test_a_baseline_file_says_what_was_written(tmp_path, results):
-    after = accepted(Baseline(campaign="../c.toml"), results, 'A "quoted" reason – with a dash.')
+    after = accepted(Baseline(campaign="../c.toml"), findings_of(results), 'A "quoted" reason – with a dash.')
     write_baseline(after, tmp_path / "b.toml")
     assert load_baseline(tmp_path / "b.toml") == after
 
@@ -119,3 +125,46 @@ def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path):
         load_baseline(path)
     assert "b.toml: [stops.x] tolerance must be above 0 m, got 0." in str(refusal.value)
     assert "b.toml: [stops.x] has no 'reason'; it is wanted and has no default" in str(refusal.value)
+
+
+def study(**figures):
+    return Findings(
+        found=tuple(Finding(name=name, value=value, unit="1", tolerance=0.01) for name, value in figures.items())
+    )
+
+
+def figure(value, reason="First."):
+    return AcceptedFigure(value=value, tolerance=0.01, unit="1", reason=reason)
+
+
+def test_figures_of_a_study_are_kept_moved_and_missed_as_distances_are():
+    before = Baseline(study="s", figures={"a": figure(0.5), "b": figure(0.5), "c": figure(0.0), "d": figure(1.0)})
+    comparisons = compare(before, study(a=0.509, b=0.511, c=None, e=0.2))
+    assert states(comparisons) == {"a": "kept", "b": "moved", "c": "no value", "d": "gone", "e": "new"}
+    assert {row["unit"] for row in comparison_rows(comparisons)} == {"1"}
+    with pytest.raises(ScenarioError, match="accept: c has no value"):
+        accepted(before, study(a=0.509, c=None), "Why not.")
+    after = accepted(before, study(a=0.509, b=0.511, e=0.2), "A better filter.")
+    assert after.figures == {
+        "a": figure(0.5), "b": figure(0.511, "A better filter."), "e": figure(0.2, "A better filter."),
+    }  # fmt: skip
+
+
+def test_figures_are_found_again_and_written_as_accepted(tmp_path):
+    findings = study(a=0.0, b=-3.25e-5)
+    write_findings(findings, tmp_path)
+    assert read_findings(tmp_path) == findings
+    after = accepted(Baseline(study="s"), findings, "First: größer.")
+    write_baseline(after, tmp_path / "b.toml")
+    assert load_baseline(tmp_path / "b.toml") == after
+
+
+def test_a_baseline_is_of_a_campaign_or_of_a_study(tmp_path):
+    path = tmp_path / "b.toml"
+    for text in ("", 'campaign = "c"\nstudy = "s"\n'):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(ScenarioError, match="wants either campaign, the file of one, or study"):
+            load_baseline(path)
+    path.write_text('study = "s"\n[stops.x]\ndistance = 1\ntolerance = 1\nreason = "r"\n', encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"has \[stops\], which belong to a campaign"):
+        load_baseline(path)

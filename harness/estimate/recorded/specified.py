@@ -20,10 +20,14 @@ def taken_for(specification: Specification, path: Path) -> Taken:
             "harness/estimate/recorded/table.py for an example."
         )
     model = model_of(specification.model.class_)
-    return recorded(
-        path,
-        specification.data,
-        units_of(specification.model.class_),
-        [variable.name for variable in model.inputs],
-        [variable.name for variable in model.outputs],
-    )
+    units = units_of(specification.model.class_)
+    inputs = [variable.name for variable in model.inputs]
+    outputs = [variable.name for variable in model.outputs]
+    if specification.course is not None:
+        from harness.estimate.course import ALWAYS, MADE, units_of_run
+
+        of_run = units_of_run(list(specification.data.columns))
+        units = {name: unit for name, unit in units.items() if name != MADE} | of_run
+        inputs = [name for name in inputs if name != MADE] + [name for name in of_run if name in ALWAYS]
+        outputs += [name for name in of_run if name not in ALWAYS]
+    return recorded(path, specification.data, units, inputs, outputs)

@@ -1,0 +1,103 @@
+"""A figure of an estimate: every state with its spread and, where known, the truth; what the filter was given."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+
+from harness.verdict.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    dress,
+    figure,
+    readable,
+    save,
+)
+
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION)
+_WORDS = {
+    "v": "speed [m/s]",
+    "w": "wheelset speed [rad/s]",
+    "mu_b": "pad friction",
+    "alpha": "adhesion",
+}
+_SETTLED = 0.02
+"""Share of the time after which a state's values decide its scale: the first beliefs are as wide as one likes."""
+
+
+def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[str], path: Path) -> Path:
+    """Draw inputs, states ± 2 standard deviations with their truth (dashed), and the consistency of innovations.
+
+    Args:
+        recording: What the filter was given.
+        told: What it believes, see `harness.estimate.run.estimate`.
+        inputs: Of its model.
+        path: Of the figure.
+    """
+    states = _families([str(state) for state in told["state"].values])
+    given = _families(inputs)
+    made = figure(10, 1.9 * (len(given) + len(states) + 1))
+    panels = list(np.atleast_1d(made.subplots(len(given) + len(states) + 1, 1, sharex=True)))
+    time = told["time"].values
+    for panel, (family, names) in zip(panels, given.items(), strict=False):
+        factor, unit = readable(str(recording[names[0]].attrs["units"]))
+        for name, colour in zip(names, _COLOURS, strict=False):
+            panel.plot(time, factor * recording[name], color=colour, lw=0.9, label=_element(name))
+        dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
+        _legend(panel, len(names))
+    settled = time >= time[0] + _SETTLED * (time[-1] - time[0])
+    for panel, (family, names) in zip(panels[len(given) :], states.items(), strict=False):
+        shown: list[np.ndarray] = []
+        for name, colour in zip(names, _COLOURS, strict=False):
+            mean, sd = (told[what].sel(state=name).values for what in ("mean", "sd"))
+            panel.fill_between(time, mean - 2 * sd, mean + 2 * sd, color=colour, alpha=0.15, lw=0)
+            panel.plot(time, mean, color=colour, lw=1.0, label=_element(name))
+            shown.append(mean[settled])
+            if f"true_{name}" in recording:
+                panel.plot(time, recording[f"true_{name}"], color=colour, lw=1.0, ls="--")
+                shown.append(recording[f"true_{name}"].values[settled])
+        dress(panel, y=_WORDS.get(family, family))
+        panel.set_ylim(*_reach(np.concatenate(shown)))
+        _legend(panel, len(names))
+    last = panels[-1]
+    last.semilogy(time, told["nis"].values / np.maximum(told["readings"].values, 1.0), ".", color=GREY, ms=1.5)
+    last.axhline(1.0, color=BLACK, lw=0.8, ls=":")
+    last.set_ylim(1e-2, 1e2)
+    dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
+    truth = "; dashed: truth" if any(str(name).startswith("true_") for name in recording.data_vars) else ""
+    made.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}", fontsize=10)
+    return save(made, path)
+
+
+def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for name in names:
+        found.setdefault(name.partition("[")[0], []).append(name)
+    return found
+
+
+def _element(name: str) -> str:
+    return name.partition("[")[2].rstrip("]")
+
+
+def _legend(panel: Axes, count: int) -> None:
+    if count > 1:
+        # Beside the axes, where no line runs.
+        panel.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _reach(values: np.ndarray) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return 0.0, 1.0
+    low, high = np.percentile(finite, (0.2, 99.8))
+    margin = 0.15 * max(high - low, 1e-6)
+    return float(low - margin), float(high + margin)

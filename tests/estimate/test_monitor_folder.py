@@ -1,0 +1,96 @@
+"""`railgrip monitor` over stops of the harness, and over a user's recorded files."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import harness.scenario
+from harness.__main__ import app
+from harness.estimate.recorded.specified import taken_for
+from harness.estimate.spec import load_specification
+from harness.monitor.evidence import evidence_of
+from harness.monitor.folder import stops_in
+from harness.monitor.life import Life, live
+
+LIBRARY = Path(harness.scenario.__file__).parent / "library"
+
+MAP = """
+name = "stops"
+model = { class = "TrainPredictionReduced" }
+noise = { kind = "density", process = {}, readings = {} }
+start = { deviation = {} }
+
+[data]
+time = { column = "t", unit = "s" }
+period = "40 ms"
+longest_gap = "200 ms"
+frozen = "2 s"
+spike = 8.0
+
+[data.columns]
+speed = { column = "v", unit = "km/h" }
+acceleration = { column = "a", unit = "m/s^2" }
+track_force = { value = "0 N" }
+"""
+
+
+@pytest.fixture(scope="module")
+def slid(tmp_path_factory):
+    """A folder with one short stop on ice of locked wheels, as `run` and `campaign` write it."""
+    folder = tmp_path_factory.mktemp("stops")
+    changed = ("controller.kind=full_brake", "estimator.kind=none", "start.speed='60 km/h'")
+    asked = [part for change in changed for part in ("--set", change)]
+    told = CliRunner().invoke(app, ["run", str(LIBRARY / "trapezoid.toml"), *asked, "--out", str(folder / "locked")])
+    assert told.exit_code == 0, told.output
+    return folder
+
+
+def test_locked_wheels_do_not_pass_for_worn_pads(slid):
+    """Their pads hold with less than they could; what the stop tells must lie within what it claims."""
+    found = stops_in(slid).evidence[0]
+    assert (np.abs(found.health - 1.0) < 3.0 * found.deviation).all()
+    # And that is not much, for one that told all would have to have slid.
+    assert found.deviation.max() > 0.1
+
+
+def test_stops_that_do_not_tell_groups_apart_say_so(slid):
+    told = CliRunner().invoke(app, ["monitor", str(slid)])
+    assert told.exit_code == 0, told.output
+    text = " ".join(told.output.split())
+    assert "1 stops, 0 of which told the groups apart: their pressures never moved apart enough" in text
+    assert "nan" not in text
+    assert (slid / "monitor.png").exists()
+
+
+def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
+    stop = next(live(Life(stops=60, seed=3), range(7, 8)))
+    recording = stop.recording
+    columns = {"t": recording["time"].values, "v": 3.6 * recording["speed"].values}
+    columns["a"] = recording["acceleration"].values
+    text = MAP
+    for g in range(1, 5):
+        columns[f"n{g}"] = recording[f"wheelset_speed[{g}]"].values * 30.0 / np.pi
+        columns[f"p{g}"] = recording[f"cylinder_pressure[{g}]"].values / 1e5
+        text += f'"wheelset_speed[{g}]" = {{ column = "n{g}", unit = "rev/min" }}\n'
+        text += f'"cylinder_pressure[{g}]" = {{ column = "p{g}", unit = "bar" }}\n'
+    (tmp_path / "map.toml").write_text(text, encoding="utf-8")
+    folder = tmp_path / "files"
+    folder.mkdir()
+    pd.DataFrame(columns).to_csv(folder / "stop-1.csv", index=False)
+    told = CliRunner().invoke(app, ["monitor", str(folder), "--map", str(tmp_path / "map.toml")])
+    assert told.exit_code == 0, told.output
+    assert "1 stops do not tell the temperature of their discs" in " ".join(told.output.split())
+    read = taken_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
+    cold = np.full(4, 313.15)
+    through, direct = evidence_of(read, cold), evidence_of(recording, cold)
+    # Units there and back leave rounding; a spike that was left out, a hundredth of a deviation.
+    assert (np.abs(through.health - direct.health) < 0.1 * direct.deviation).all()
+
+
+def test_a_folder_without_stops_gets_a_sentence(tmp_path):
+    told = CliRunner().invoke(app, ["monitor", str(tmp_path)])
+    assert told.exit_code != 0
+    assert "there are no stops (*/trace.nc) in it" in str(told.exception)
