@@ -22,7 +22,7 @@ TRAINED: Final = 0.8
 DECAY: Final = 1e-8
 """Weight of the squared weights against the mean squared error. Without it some random starts end in networks of huge
 weights, which follow the training part to the last wiggle and are wrong by 0.1 right after it. Chosen on the training
-part alone, see `tried_within` and the report; 1e-8 moves no error of 0.001 or more."""
+part alone, the middle of the weights that make little difference there; see `tried_within` and the report."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
