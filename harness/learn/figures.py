@@ -106,8 +106,8 @@ def over_time(made: Study) -> Figure:
         ):
             _, late = parts_of(runs, made.recipe, labels)
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
-            axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=1, label="estimate")
-            axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=1.2, label="label")
+            axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
+            axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=0.9, label="estimate")
             last = speed == list(made.runs)[-1]
             dress(
                 axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",

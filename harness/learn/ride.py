@@ -94,7 +94,8 @@ class RideFile(Table):
         """Return what is simulated."""
         car = self.car
         return Pass(
-            name=self.name, speed=car.speed, condition=car.condition, friction=car.friction, track=car.track,
+            # Not the name of the file: what is simulated hangs on the seeds alone.
+            name="ride", speed=car.speed, condition=car.condition, friction=car.friction, track=car.track,
             track_seed=car.track_seed, seed=car.seed, backwards=car.direction < 0, length=car.length,
         )  # fmt: skip
 
@@ -188,7 +189,8 @@ def ride_figure(trace: xarray.Dataset) -> Figure:
     if np.isfinite(half).any():
         low, high = np.maximum(friction - half, 0), np.minimum(friction + half, 1)
         axes.fill_between(distance, low, high, color=GREEN, alpha=0.2, linewidth=0, label="90 % interval")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 0.6)
+    axes.set_xlim(0, None)
     axes.legend(fontsize=8, ncols=3, loc="upper right")
     dress(axes, x="distance [m]", y="friction", title=trace.attrs["name"])
     return sheet
