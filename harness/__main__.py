@@ -27,6 +27,7 @@ from harness.bench.command import add_to as add_bench
 from harness.calibrate import add_to as add_calibrate
 from harness.estimate.command import add_to as add_estimate
 from harness.field.command import add_to as add_field
+from harness.interrupted import sentence_when_interrupted
 from harness.lateral.command import add_to as add_lateral
 from harness.learn.command import add_to as add_learn
 from harness.monitor.command import add_to as add_monitor
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
 
 WRONG_QUESTION = 2
 RUN_FAILED = 3
-INTERRUPTED = 130
 
 app = typer.Typer(
     name="railgrip",
@@ -305,14 +305,10 @@ def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
 
 @contextmanager
 def _progress(*columns: ProgressColumn) -> Generator[Progress]:
-    """Show progress on standard error; Ctrl-C ends in a sentence (left to typer, it would end in silence)."""
+    """Show progress on standard error; Ctrl-C ends in a sentence."""
     around = (SpinnerColumn(), TextColumn("{task.description}"), *columns, TimeElapsedColumn())
-    try:
-        with Progress(*around, console=_err, transient=True) as bar:
-            yield bar
-    except KeyboardInterrupt:
-        _err.print("Interrupted; what had finished is kept.", highlight=False)
-        raise typer.Exit(INTERRUPTED) from None
+    with sentence_when_interrupted(_err), Progress(*around, console=_err, transient=True) as bar:
+        yield bar
 
 
 def _fail(sentence: str) -> NoReturn:

@@ -8,6 +8,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from harness.interrupted import status
+
 if TYPE_CHECKING:
     import xarray
 
@@ -22,12 +24,23 @@ File = Annotated[
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
 Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="table.key=value", help="Change a value, as in model.parameters.T_mu='20 s'."),
+]
 Data = Annotated[
     Path | None, typer.Option(metavar="RUN", help="Recorded csv, parquet, mat or mf4 file, read by [data].")
 ]
 
 
-def observability(file: File, out: Out = None, scenario: Scenario = None, seed: Seed = None, data: Data = None) -> None:
+def observability(
+    file: File,
+    overrides: Overrides = None,
+    out: Out = None,
+    scenario: Scenario = None,
+    seed: Seed = None,
+    data: Data = None,
+) -> None:
     """Ask what the recording of an estimation can tell about each state, and plot it along the way.
 
     Along the true states where they are known, else, from recorded data, along those that the filter estimates.
@@ -37,15 +50,15 @@ def observability(file: File, out: Out = None, scenario: Scenario = None, seed: 
     from harness.estimate.spec import load_specification, prediction_for
     from harness.verdict.observability import information
 
-    specification = load_specification(file)
+    specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
-    with _err.status(f"{specification.name}: recording"):
+    with status(_err, f"{specification.name}: recording"):
         recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
     if data is not None:
         _say_flags(recording)
-        with _err.status(f"{specification.name}: filter"):
+        with status(_err, f"{specification.name}: filter"):
             recording = with_estimates_as_truth(specification, recording)
-    with _err.status(f"{specification.name}: windows"):
+    with status(_err, f"{specification.name}: windows"):
         observed = observe(specification, recording)
     table = Table(
         box=None, header_style="bold", title="Rank of the readings and their derivatives", title_justify="left"
@@ -69,24 +82,31 @@ def observability(file: File, out: Out = None, scenario: Scenario = None, seed: 
     _out.print(f"{folder}/observability.csv, {picture}", highlight=False, soft_wrap=True)
 
 
-def estimate(file: File, out: Out = None, scenario: Scenario = None, seed: Seed = None, data: Data = None) -> None:
+def estimate(
+    file: File,
+    overrides: Overrides = None,
+    out: Out = None,
+    scenario: Scenario = None,
+    seed: Seed = None,
+    data: Data = None,
+) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
     from harness.estimate.sources import recording_of_estimation
     from harness.estimate.spec import estimate_of, load_specification, prediction_for
     from harness.record.atomic import replacing
     from harness.verdict.estimated import estimated
 
-    specification = load_specification(file)
+    specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
-    with _err.status(f"{specification.name}: recording"):
+    with status(_err, f"{specification.name}: recording"):
         recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
     _say_flags(recording)
-    with _err.status(f"{specification.name}: filter"):
+    with status(_err, f"{specification.name}: filter"):
         told = estimate_of(specification, recording)
     with replacing(folder / "estimates.nc") as partial:
         told.to_netcdf(partial, engine="h5netcdf")
     _print_errors(recording, told)
-    with _err.status(f"{specification.name}: figure"):
+    with status(_err, f"{specification.name}: figure"):
         picture = estimated(recording, told, prediction_for(specification).inputs, folder / "estimates.png")
     _out.print(f"{folder}/estimates.nc, {picture}", highlight=False, soft_wrap=True)
     if told.attrs["ended"]:
@@ -98,8 +118,8 @@ def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
     from harness.estimate.rig import study
 
-    with _err.status("rig") as status:
-        rows = study(out, status.update)
+    with status(_err, "roller rig") as tell:
+        rows = study(out, tell)
     table = Table(
         box=None, header_style="bold", title="Adhesion and pad friction against the truth", title_justify="left"
     )

@@ -116,7 +116,7 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
     filters = {spec.name: spec for spec in (load_specification(LIBRARY / f"{name}.toml") for name in FILTERS)}
     rows: list[Row] = []
     for name in SCENARIOS:
-        tell(f"rig, {name}")
+        tell(name)
         scenario = rig_scenario(name)
         recording = run_rig(scenario)
         told = {key: estimate_of(spec, recording) for key, spec in filters.items()}
@@ -124,17 +124,16 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
         for key, estimates in told.items():
             rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")
         tunings(recording, told, out / f"{name}_tunings.png")
+        write_rows(rows, out / "scores.csv")
         if name == "sand":
             over_slip(recording, told, out / "sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
-    tell("rig, sensitivity")
-    varied = sensitivity(filters)
-    write_rows(rows, out / "scores.csv")
+    varied = sensitivity(filters, tell)
     write_rows(varied, out / "sensitivity.csv")
     write_text(out / "rig.md", _page(rows, varied))
     return tuple(rows)
 
 
-def sensitivity(filters: dict[str, Specification]) -> list[Row]:
+def sensitivity(filters: dict[str, Specification], tell: Callable[[str], None] = lambda what: None) -> list[Row]:
     """Return both filters on the sliding test at other sampling periods and other encoders of the roller.
 
     Our filter is told the noise of the encoder that it has; equation (20) is what it is.
@@ -142,6 +141,7 @@ def sensitivity(filters: dict[str, Specification]) -> list[Row]:
     rows: list[Row] = []
     for period in PERIODS:
         for noise in SPEED_NOISES:
+            tell(f"period {1e3 * period:g} ms, speed noise {noise:g} m/s")
             base = rig_scenario("slide")
             scenario = base.model_copy(
                 update={"period": period, "sensors": base.sensors.model_copy(update={"speed": noise})}

@@ -30,6 +30,7 @@ kind = "roller_rig"                         # a twin, see harness.estimate.sourc
 scenario = "slide"
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -44,6 +45,7 @@ from harness.estimate.recorded.table import DataTable
 from harness.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
 from harness.estimate.selection import prediction_seeing
 from harness.scenario.load import read_toml, validated
+from harness.scenario.merge import merged, read_overrides
 from harness.scenario.quantity import Magnitude, Unit
 from harness.scenario.table import Duration, Length, Table, broken
 from harness.scenario.track import CurveLaw
@@ -167,8 +169,8 @@ class Specification(Table):
 LIBRARY = Path(__file__).parent / "library"
 
 
-def load_specification(path: Path) -> Specification:
-    """Return the estimation that a TOML file describes.
+def load_specification(path: Path, overrides: Sequence[str] = ()) -> Specification:
+    """Return the estimation that a TOML file describes, with `table.key=value` overrides on top.
 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
@@ -177,6 +179,7 @@ def load_specification(path: Path) -> Specification:
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
         table = table | {"noise": _noise_elsewhere(path, noise)}
+    table = merged(table, read_overrides(overrides))
     return validated(Specification, table, directory=path.parent, origin=path.name)
 
 

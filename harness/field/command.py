@@ -7,6 +7,8 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from harness.interrupted import sentence_when_interrupted, status
+
 _out = Console()
 _err = Console(stderr=True)
 
@@ -29,8 +31,8 @@ def field(
     from harness.field.report import write_report
     from harness.twins.field_scenario import field_scenario
 
-    with _err.status("field test") as status:
-        page = write_report(field_scenario(scenario), out, tell=lambda what: status.update(f"field test: {what}"))
+    with status(_err, "field test") as tell:
+        page = write_report(field_scenario(scenario), out, tell=tell)
     _out.print(page.read_text(encoding="utf-8"), markup=False, highlight=False, soft_wrap=True)
     _out.print(str(page), highlight=False, soft_wrap=True)
 
@@ -58,13 +60,13 @@ def tune(
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     chosen = field_scenario(scenario)
     model = prediction()
-    with _err.status("twin") as status:
-        made = brakings(chosen, TUNING, lambda case: status.update(f"twin: case {case}"))
+    with status(_err, "twin") as tell:
+        made = brakings(chosen, TUNING, tell)
     tasks = [task_of(braking, model) for _, braking in made.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{chosen.name}-{kind}.npz"
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=_err) as bar:
+    with sentence_when_interrupted(_err), Progress(*columns, console=_err) as bar:
         task = bar.add_task("generation", total=generations)
         found = search_for(
             kind,

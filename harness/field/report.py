@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from harness.estimate.error import EstimationError
 from harness.estimate.recording import truth_of
 from harness.field.braking import Braking
@@ -13,6 +15,7 @@ from harness.field.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noi
 from harness.field.objective import terms_of
 from harness.field.runs import TEST, TUNING, brakings
 from harness.field.score import Score, TrackScore, score, track_score
+from harness.field.seeds import SEEDS, Spread, over_seeds
 from harness.record.atomic import write_text
 from harness.scenario.track import CurveLaw, curve_coefficient
 from harness.twins.field_scenario import FieldScenario
@@ -49,6 +52,7 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
     others = [tasks[case] for case in TUNING]
     common = common_factor(others, filter_, PHYSICAL)
     trusted = readings_trusted(others, filter_, PHYSICAL)
+    spread = over_seeds(scenario, noises, SEEDS, tell)
     tell("figures")
     style.save(track_figure(run, braking, scenario.track.laid().plan()), out / "track.png")
     style.save(speed_figure(run), out / "speed.png")
@@ -67,6 +71,7 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
             "",
             *_track({case: track_score(*pair) for case, pair in made.items()}, made[TEST][1]),
             *_case({title: score(test, told) for title, told in followed.items()}, worst),
+            *_seeds(spread),
             *_noises(noises),
             *_degeneracy(common, trusted),
         )
@@ -138,6 +143,46 @@ def _case(scores: dict[str, Score], worst: dict[str, float]) -> list[str]:
         "![friction](friction.png)",
         "",
     ]
+
+
+def _seeds(spread: Spread) -> list[str]:
+    def told(values: Sequence[float], form: str, factor: float = 1.0) -> str:
+        found = factor * np.array(values)
+        return f"{found.mean():{form}} ({found.min():{form}} … {found.max():{form}})"
+
+    track = [
+        told([s.distance for s in spread.tracks], "+.4f", 100.0),
+        told([s.curvature for s in spread.tracks], ".3f", 1e3),
+        told([s.slope for s in spread.tracks], ".2f", 1e3),
+        told([s.force for s in spread.tracks], ".0f"),
+    ]
+    rows = [
+        (
+            title,
+            told([s.distance for s in scores], "+.3f", 100.0),
+            told([s.adhesion for s in scores], ".4f"),
+            told([s.pad_friction for s in scores], ".4f"),
+            told([s.mean_pad_friction for s in scores], ".4f"),
+            told([s.nees for s in scores], ".2g"),
+        )
+        for title, scores in spread.scores.items()
+    ]
+    return [
+        f"## Case 6 with {len(spread.tracks)} sets of sensors",
+        "",
+        "The same run measured by other sensors: mean (least … largest) over seeds of their noise, bias and scale.",
+        "",
+        *_table(("distance [%]", "curvature RMSE [1/km]", "slope RMSE [‰]", "track force RMSE [N]"), [track]),
+        "",
+        *_table(
+            (
+                "noises", "braking distance [%]", "adhesion RMSE", "pad friction RMSE", "mean pad friction RMSE",
+                "NEES",
+            ),
+            rows,
+        ),
+        "",
+    ]  # fmt: skip
 
 
 def _noises(noises: dict[str, Noise]) -> list[str]:

@@ -13,8 +13,7 @@ from harness.scenario.table import Duration, Friction, Length, Parameters, Speed
 from harness.scenario.track import CurveLaw
 from harness.track.geodesy import Place
 from harness.track.laid import Element, LaidTrack, course_of, grades_of
-
-LIBRARY = Path(__file__).parent / "library"
+from harness.twins.load import LIBRARY
 
 Slope = Annotated[float, Unit("1", above=-0.2, below=0.2)]
 Metres = Annotated[float, Unit("m")]

@@ -7,6 +7,7 @@ leading end in either direction; the two motor bogies are alike.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import xarray
@@ -67,6 +68,31 @@ def run_case(scenario: FieldScenario, name: str, seed: int | None = None) -> xar
         EstimationError: No such case, the train leaves its track or never stops, or the plant lacks a parameter.
         PlantFailed: The plant refused a step.
     """
+    return measured(scenario, driven(scenario, name), seed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Driven:
+    """One case as it was, before anybody measured it.
+
+    Attributes:
+        case: Name.
+        truth: Outputs of the plant at every sample, shape (k, outputs).
+        did: Track force [N], driving and braking, shape (k, 3).
+    """
+
+    case: str
+    truth: Vector
+    did: Vector
+
+
+def driven(scenario: FieldScenario, name: str) -> Driven:
+    """Return a case driven once, for sensors of any seed.
+
+    Raises:
+        EstimationError: See `run_case`.
+        PlantFailed: The plant refused a step.
+    """
     case = scenario.case(name)
     track = scenario.track.laid()
     driver = _Driver(scenario, case)
@@ -101,7 +127,7 @@ def run_case(scenario: FieldScenario, name: str, seed: int | None = None) -> xar
             row = train.step(inputs)
         else:
             raise EstimationError(f"{scenario.name}: case {name} did not stop within {LONGEST:g} s.")
-    return _recorded(scenario, name, np.array(truth), np.array(did), scenario.seed if seed is None else seed)
+    return Driven(case=name, truth=np.array(truth), did=np.array(did))
 
 
 class _Driver:
@@ -141,7 +167,9 @@ def _within(patch: Patch, into: Vector) -> Vector:
     return np.clip(np.minimum(into, patch.length - into) / patch.edge, 0.0, 1.0)
 
 
-def _recorded(scenario: FieldScenario, name: str, truth: Vector, did: Vector, seed: int) -> xarray.Dataset:
+def measured(scenario: FieldScenario, run: Driven, seed: int | None = None) -> xarray.Dataset:
+    """Return the recording of a run by sensors of a seed, the scenario's when None; see `run_case`."""
+    name, truth, did = run.case, run.truth, run.did
     case, sensors = scenario.case(name), scenario.sensors
     way = 1.0 if case.direction == "fw" else -1.0
     track = scenario.track.laid()
@@ -149,7 +177,7 @@ def _recorded(scenario: FieldScenario, name: str, truth: Vector, did: Vector, se
     place = case.start + way * distance
     slope, curvature = way * track.slope(place), way * track.curvature(place)
     count = len(truth)
-    random = generator(seed, f"field.{name}")
+    random = generator(scenario.seed if seed is None else seed, f"field.{name}")
     felt = acceleration + 9.81 * slope / np.sqrt(1.0 + slope**2)
     signals: dict[str, tuple[Vector, str]] = {
         "speed": (

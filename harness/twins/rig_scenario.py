@@ -5,15 +5,10 @@ from typing import Annotated, Self
 
 from pydantic import Field, StrictInt, model_validator
 
-from harness.estimate.error import EstimationError
-from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Delay, Duration, Friction, Parameters, Speed, Table, broken
+from harness.scenario.table import Delay, Duration, Friction, Parameters, Speed, Table
+from harness.twins.load import Pressure, Time, in_order, load_twin
 
-LIBRARY = Path(__file__).parent / "library"
-
-Time = Annotated[float, Unit("s", at_least=0)]
-Pressure = Annotated[float, Unit("Pa", at_least=0)]
 Slip = Annotated[float, Unit("1", above=0, below=1)]
 
 
@@ -67,22 +62,11 @@ class RigScenario(Table):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        for what, points in (("demand", self.demand), ("surface mu0", self.surface.mu0)):
-            times = [time for time, _ in points]
-            if not times or times != sorted(set(times)):
-                raise broken(f"{what} wants points [time, value] in the order of time, got the times {times}")
+        in_order("demand", self.demand)
+        in_order("surface mu0", self.surface.mu0)
         return self
 
 
 def rig_scenario(name: str, directory: Path = Path()) -> RigScenario:
-    """Return a scenario of the library by its name, or one from a file by its path.
-
-    Raises:
-        EstimationError: No such scenario.
-        ScenarioError: The file is not one.
-    """
-    path = directory / name if name.endswith(".toml") else LIBRARY / f"rig_{name}.toml"
-    if not path.exists():
-        there = ", ".join(sorted(p.stem.removeprefix("rig_") for p in LIBRARY.glob("rig_*.toml")))
-        raise EstimationError(f"there is no rig scenario '{name}'; there is {there}, or the path of a file (*.toml).")
-    return validated(RigScenario, read_toml(path), directory=path.parent, origin=path.name)
+    """Return a scenario of the rig by name or path; see `load_twin`."""
+    return load_twin(RigScenario, "rig", name, directory)

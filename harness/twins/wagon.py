@@ -9,17 +9,15 @@ import xarray
 from numpy.typing import NDArray
 from pydantic import Field, StrictInt, model_validator
 
-from harness.estimate.error import EstimationError
 from harness.estimate.recording import recording_of
-from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
 from harness.scenario.seed import generator
-from harness.scenario.table import Duration, Friction, Parameters, Speed, Table, broken
+from harness.scenario.table import Duration, Friction, Parameters, Speed, Table
+from harness.twins.load import Pressure, Time, in_order, load_twin
 from harness.twins.plant import parameters, plant
 
 Vector = NDArray[np.float64]
 
-LIBRARY = Path(__file__).parent / "library"
 PLANT = "Wagon"
 INPUTS = {"pressure_command": ("Pa", 2), "mu0": ("1", 2), "track_force": "N"}
 OUTPUTS = {
@@ -31,9 +29,6 @@ OUTPUTS = {
     "pad_friction": ("1", 2),
     "resistance_torque": ("N.m", 2),
 }
-
-Time = Annotated[float, Unit("s", at_least=0)]
-Pressure = Annotated[float, Unit("Pa", at_least=0)]
 
 
 class WagonSensors(Table):
@@ -62,24 +57,14 @@ class WagonScenario(Table):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        for what, times in (("demand", [p[0] for p in self.demand]), ("mu0", [p[0] for p in self.mu0])):
-            if not times or times != sorted(set(times)):
-                raise broken(f"{what} wants points that begin with a time, in its order, got the times {times}")
+        in_order("demand", self.demand)
+        in_order("mu0", self.mu0)
         return self
 
 
 def wagon_scenario(name: str, directory: Path = Path()) -> WagonScenario:
-    """Return a scenario of the library by its name, or one from a file by its path.
-
-    Raises:
-        EstimationError: No such scenario.
-        ScenarioError: The file is not one.
-    """
-    path = directory / name if name.endswith(".toml") else LIBRARY / f"wagon_{name}.toml"
-    if not path.exists():
-        there = ", ".join(sorted(p.stem.removeprefix("wagon_") for p in LIBRARY.glob("wagon_*.toml")))
-        raise EstimationError(f"there is no wagon scenario '{name}'; there is {there}, or the path of a file (*.toml).")
-    return validated(WagonScenario, read_toml(path), directory=path.parent, origin=path.name)
+    """Return a scenario of the wagon by name or path; see `load_twin`."""
+    return load_twin(WagonScenario, "wagon", name, directory)
 
 
 def run_wagon(scenario: WagonScenario, seed: int | None = None) -> xarray.Dataset:

@@ -22,12 +22,17 @@ from harness.field.score import score, track_score
 from harness.field.tune import Search, tune
 from harness.scenario.error import ScenarioError
 from harness.twins.field_scenario import field_scenario
-from harness.twins.field_train import run_case
+from harness.twins.field_train import driven, measured
 
 
 @pytest.fixture(scope="module")
-def run():
-    return run_case(field_scenario(), "c1")
+def train():
+    return driven(field_scenario(), "c1")
+
+
+@pytest.fixture(scope="module")
+def run(train):
+    return measured(field_scenario(), train)
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +57,14 @@ def test_the_case_is_driven_as_table_4_says(run):
     pressures = [run[f"cylinder_pressure[{i}]"].values[-1] / 1e5 for i in (1, 2)]
     # Filled through a first-order lag of 0.9 s over 15 s, read to 1 kPa.
     assert pressures == pytest.approx([3.4, 2.0], abs=0.05)
+
+
+def test_other_sensors_read_the_same_run_otherwise(train, run):
+    other = measured(field_scenario(), train, 1)
+    np.testing.assert_array_equal(other["true_v"].values, run["true_v"].values)
+    apart = (other["speed"] - run["speed"]).values
+    # Two of 0.02 m/s white, and two scales of 0.1 %, which of 18 m/s are as much again.
+    assert 0.02 < apart.std() < 0.06
 
 
 def test_the_track_is_recovered_well_enough(run, braking):

@@ -27,7 +27,7 @@ def test_every_baseline_is_of_something_that_can_be_run_and_accepts_something(pa
 
 
 def test_the_accepted_figures_are_what_was_asked_for():
-    """Adhesion within 0.02 outside protection events, above it no longer than 0.1 s; distance within 0.5 %; ten stops."""
+    """Adhesion within 0.02 outside protection events, longer than 0.1 s nowhere; distance to 0.5 %; ten stops."""
     figures = load_baseline(BASELINES / "estimate.toml").figures
     for scenario in ("slide", "sand"):
         for of in ("paper", "own"):
