@@ -4,7 +4,7 @@ VENV   ?= .venv
 RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 
-.PHONY: help install fmus simulate report regress accept calibrate bench test test-omc check estimate tune lateral learn \
+.PHONY: help install fmus simulate unseen report regress accept calibrate bench test test-omc check estimate tune lateral learn \
         monitor clean
 .DEFAULT_GOAL := help
 
@@ -26,6 +26,9 @@ fmus: $(READY)  ## build the FMUs that are not up to date
 simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
 	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml --out build/table1 --no-panels
 	$(RUN) -m harness campaign harness/scenario/campaigns/shapes.toml --out build/shapes --no-panels
+
+unseen: fmus  ## controllers on rails they were not tuned on, build/unseen
+	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml --out build/unseen --no-panels
 
 report: simulate  ## the same with the panels of every stop
 	$(RUN) -m harness report build/table1

@@ -89,13 +89,15 @@ class _Derivative:
         self.value = 0.0
         self.rate = 0.0
 
-    def follow(self, sample: float) -> None:
+    def follow(self, sample: float) -> float:
+        """Take a sample; return and keep the filtered value, keep its rate."""
         if not self._started:  # without this the first sample would look like a jump from zero
             self._started, self.value = True, sample
-            return
+            return sample
         step = self._share * (sample - self.value)
-        self.value += step
+        self.value = value = self.value + step
         self.rate = step / self._time
+        return value
 
 
 class AdhesionBased:
@@ -119,13 +121,7 @@ class AdhesionBased:
 
     def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
         """Control `groups` with one `tuning`."""
-        self._groups = tuple(groups)
-        self._tuning = tuning
-        count = range(len(self._groups))
-        self._slip = [_Derivative(tuning.filter_time, tuning.period) for _ in count]
-        self._adhesion = [_Derivative(tuning.filter_time, tuning.period) for _ in count]
-        self._upwards = [True for _ in count]
-        self._wait = [0.0 for _ in count]
+        self._seekers = tuple(_Seeker(group, tuning) for group in groups)
 
     def decide(self, sight: Sight) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
@@ -133,51 +129,71 @@ class AdhesionBased:
         Raises:
             ValueError: The sight carries no estimate of adhesion and pad friction.
         """
-        if sight.adhesion is None or sight.pad_friction is None:
+        _, speed, acceleration, slips, adhesions, pad_frictions, _ = sight
+        if adhesions is None or pad_frictions is None:
             raise ValueError("AdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario.")
         return tuple(
-            self._demand(g, sight, sight.slip[g], sight.adhesion[g], sight.pad_friction[g])
-            for g in range(len(self._groups))
+            [
+                seeker.demand(speed, acceleration, slip, adhesion, pad_friction)
+                for seeker, slip, adhesion, pad_friction in zip(
+                    self._seekers, slips, adhesions, pad_frictions, strict=True
+                )
+            ]
         )
 
-    def _demand(self, g: int, sight: Sight, slip: float, adhesion: float, pad_friction: float) -> float:
-        tuning, group = self._tuning, self._groups[g]
-        self._slip[g].follow(slip)
-        self._adhesion[g].follow(adhesion)
-        seen_slip, seen_adhesion = self._slip[g].value, self._adhesion[g].value
-        radius, speed = group.wheel_radius, sight.speed
-        inertial = -group.inertia * (1.0 - slip) * sight.acceleration / radius
-        ceiling = (tuning.adhesion_max - tuning.adhesion_guard) * group.load * radius + inertial
-        if slip > tuning.slip_vent and sight.speed >= tuning.speed_min:
-            self._upwards[g] = False
+
+class _Seeker:
+    """Seeks the peak of one group."""
+
+    __slots__ = ("_adhesion", "_group", "_slip", "_tuning", "_upwards", "_wait")
+
+    def __init__(self, group: BrakeGroup, tuning: SeekerTuning) -> None:
+        self._group = group
+        self._tuning = tuning
+        self._slip = _Derivative(tuning.filter_time, tuning.period)
+        self._adhesion = _Derivative(tuning.filter_time, tuning.period)
+        self._upwards = True
+        self._wait = 0.0
+
+    def demand(self, speed: float, acceleration: float, slip: float, adhesion: float, pad_friction: float) -> float:
+        """Return the demanded pressure [Pa]."""
+        tuning, group = self._tuning, self._group
+        seen_slip = self._slip.follow(slip)
+        seen_adhesion = self._adhesion.follow(adhesion)
+        seeking = speed >= tuning.speed_min
+        if slip > tuning.slip_vent and seeking:
+            self._upwards = False
             return 0.0
-        rolling = seen_slip < tuning.slip_small or seen_adhesion < tuning.adhesion_small
-        if rolling or sight.speed < tuning.speed_min:
-            self._upwards[g] = True
-            return group.pressure(ceiling, pad_friction)
-        self._turn(g, self._slip[g].rate / seen_slip, self._adhesion[g].rate / seen_adhesion)
+        radius, inertia = group.wheel_radius, group.inertia
+        held = group.load * radius  # torque per adhesion
+        inertial = -inertia * (1.0 - slip) * acceleration / radius
+        torque = (tuning.adhesion_max - tuning.adhesion_guard) * held + inertial
+        if seen_slip < tuning.slip_small or seen_adhesion < tuning.adhesion_small or not seeking:
+            self._upwards = True
+            return group.pressure(torque, pad_friction)
+        self._turn(self._slip.rate / seen_slip, self._adhesion.rate / seen_adhesion)
 
-        balance = seen_adhesion * group.load * radius + inertial
-        reach = group.inertia * tuning.slip_rate_max * seen_slip * speed / radius
-        if self._upwards[g]:
-            torque = balance + min(tuning.rise * balance, reach)
-        else:
-            torque = balance - min(tuning.fall * balance, reach)
-        return group.pressure(min(torque, ceiling), pad_friction)
+        balance = seen_adhesion * held + inertial
+        extra = (tuning.rise if self._upwards else tuning.fall) * balance
+        reach = inertia * tuning.slip_rate_max * seen_slip * speed / radius
+        if extra > reach:
+            extra = reach
+        sought = balance + extra if self._upwards else balance - extra
+        return group.pressure(sought if sought < torque else torque, pad_friction)
 
-    def _turn(self, g: int, slip_rate: float, adhesion_rate: float) -> None:
+    def _turn(self, slip_rate: float, adhesion_rate: float) -> None:
         """Choose the direction of seeking from the relative rates [1/s]."""
         tuning = self._tuning
-        self._wait[g] -= tuning.period
-        if self._wait[g] > 0.0:
+        self._wait -= tuning.period
+        if self._wait > 0.0:
             return
-        if abs(slip_rate) < tuning.slip_rate_min:
-            upwards = True
-        else:
-            upwards = slip_rate * (adhesion_rate - tuning.margin * slip_rate) > 0.0
-        if upwards != self._upwards[g]:
-            self._upwards[g] = upwards
-            self._wait[g] = tuning.dwell
+        upwards = (
+            -tuning.slip_rate_min < slip_rate < tuning.slip_rate_min
+            or slip_rate * (adhesion_rate - tuning.margin * slip_rate) > 0.0
+        )
+        if upwards != self._upwards:
+            self._upwards = upwards
+            self._wait = tuning.dwell
 
 
 class LiteralAdhesionBased:

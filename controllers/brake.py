@@ -51,4 +51,6 @@ class BrakeGroup:
         """
         pad_force = torque / (self.units * pad_friction * self.friction_radius)
         pressure = (pad_force / self.rigging + self.spring_force) / self.piston_area
-        return min(max(pressure, 0.0), self.pressure_max)
+        if pressure <= 0.0:
+            return 0.0
+        return pressure if pressure < self.pressure_max else self.pressure_max

@@ -1,10 +1,9 @@
 """What a controller sees at one instant."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Sight:
+class Sight(NamedTuple):
     """The train as sensors and estimator show it to the controller.
 
     Groups are wheelsets that turn together; every tuple has one entry per group, leading group first.

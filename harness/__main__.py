@@ -105,7 +105,7 @@ def campaign(
     out: Annotated[Path | None, typer.Option(help="Folder for the results; build/NAME unless given.")] = None,
     workers: Workers = 2,
     fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
-    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop.")] = True,
+    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop, not only of ABC.")] = True,
 ) -> None:
     """Run the stops of a campaign, keep what is done, and write table, figures and report."""
     from harness.scenario.campaign import load_campaign
@@ -127,7 +127,7 @@ def campaign(
 @app.command()
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
-    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop of a campaign.")] = True,
+    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop, not only of ABC.")] = True,
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
     from harness.verdict.report import write_report
@@ -273,7 +273,7 @@ def _print_rows(rows: "Sequence[Row]") -> None:
 
     texts = [
         {
-            "scenario": row.scenario,
+            "scenario": row.label,
             "actuation": row.actuation,
             "sensors": row.sensors,
             "controller": CONTROLLERS.get(row.controller, row.controller),

@@ -1,6 +1,5 @@
 """From a scenario to the parties of its stop: the only place that names concrete classes."""
 
-import hashlib
 import platform
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
@@ -10,7 +9,6 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,18 +21,21 @@ from controllers.valves import ValveLogic, ValveModel
 from estimators.compiled import CompiledFilter
 from estimators.ekf import ExtendedKalmanFilter
 from estimators.prediction import CasadiPrediction
+from estimators.running import Running
 from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from fmus.build import fmu
 from fmus.native import Model, lower
-from fmus.native.toolchain import shared_library
+from harness.contact import compiled_contact
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
-from harness.loop.cycle import Believer, Clock, Ended, run
+from harness.loop.cycle import Clock, Ended, run
 from harness.loop.edge import OUTPUT
 from harness.loop.ports import Actuation, Controller, Plant
 from harness.loop.sensors import READING
+from harness.loop.watch import Believer
 from harness.record import signals
 from harness.record.bound import with_bound
+from harness.record.contact import Contact
 from harness.record.metrics import measure
 from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
@@ -115,8 +116,7 @@ def run_stop(
                 progress=progress,
             )
         except PlantFailed as failed:
-            written = int(np.sum(~np.isnan(recorder.rows[:, recorder.at["speed"]])))
-            ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=written)
+            ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
     return judged(scenario, recorder, ended, plant_file, fmus)
 
 
@@ -341,10 +341,6 @@ def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
         )
         states, outputs = prediction.states, prediction.outputs
         noises = noise.process_noise(states), noise.reading_noise(outputs)
-        if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-            filter_ = CompiledFilter(prediction, *noises, period, gate, directory=BUILD)
-        else:
-            filter_ = ExtendedKalmanFilter(prediction, *noises, period, gate)
         radius = parameters["r_wheel"]
         mean = np.zeros(len(states))
         at = {name: states.index(f"{name}[1]") for name in ("w", "mu_b", "alpha")}
@@ -353,16 +349,21 @@ def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
         mean[at["w"] + every] = scenario.start.speed / radius
         mean[at["mu_b"] + every] = [parameters[f"mu_b_start[{g + 1}]"] for g in every]
         mean[at["alpha"] + every] = [parameters[f"alpha_start[{g + 1}]"] for g in every]
+        first = mean, noise.start_covariance(states)
+        if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
+            filter_ = CompiledFilter(prediction, *noises, period, gate, directory=BUILD)
+            filter_.start(*first)
+        else:
+            plain = ExtendedKalmanFilter(prediction, *noises, period, gate)
+            filter_ = Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(outputs))
         seen = [READING[name.partition("[")[0]].start + _element(name) for name in outputs]
         yield Believer(
             filter=filter_,
-            first=filter_.start(mean, noise.start_covariance(states)),
             seen=np.array(seen, dtype=np.intp),
-            inputs=len(prediction.inputs),
             speed=states.index("v"),
             wheelset_speed=at["w"] + every,
-            pad_friction=at["mu_b"] + every,
             adhesion=at["alpha"] + every,
+            pad_friction=at["mu_b"] + every,
             wheel_radius=(radius,) * signals.GROUPS,
         )
 
@@ -453,33 +454,7 @@ def _actuation(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
 # ---- contact ----------------------------------------------------------------------------------------------------
 
 
-def contact_of(scenario: Scenario) -> Callable[[Vector, Vector, Vector, Vector], Vector]:
-    """Return adhesion as a function of slip, speed, load and mu0, element by element.
-
-    It is `RailBraking.FMUs.ContactPoint` with the creep curve of the scenario: the physics is written once.
-    """
+def contact_of(scenario: Scenario) -> Contact:
+    """Return adhesion as a function of slip, speed, load and mu0, with the creep curve of a scenario."""
     model = lowered("RailBraking.FMUs.ContactPoint")
-    values = {v.name: v.start for v in model.parameters} | scenario.adhesion.polach.plant_parameters()
-    parameters = np.array([values[v.name] for v in model.parameters])
-    order = [("slip", "speed", "load", "mu0").index(v.name) for v in model.inputs]
-    compiled = _compiled_contact()
-
-    def adhesion(slip: Vector, speed: Vector, load: Vector, mu0: Vector) -> Vector:
-        given = np.stack([np.ravel(values) for values in (slip, speed, load, mu0)])[order]
-        return np.asarray(compiled(given, parameters)).reshape(np.shape(slip))
-
-    return adhesion
-
-
-@cache
-def _compiled_contact() -> ca.Function:
-    """Return the contact as C: the search for peaks evaluates it a million times a stop."""
-    model = lowered("RailBraking.FMUs.ContactPoint")
-    given, parameters = ca.SX.sym("given", len(model.inputs)), ca.SX.sym("p", len(model.parameters))
-    function = ca.Function("contact", [given, parameters], [model.output(0, ca.SX(0, 1), given, parameters)])
-    generator = ca.CodeGenerator("contact.c")
-    generator.add(function)
-    source = generator.dump()
-    name = f"contact_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-    library = shared_library({"contact.c": source}, BUILD, name, flags=("-fvisibility=default",))
-    return ca.external("contact", str(library.resolve()))
+    return compiled_contact(model, scenario.adhesion.polach.plant_parameters(), BUILD)

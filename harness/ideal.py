@@ -62,6 +62,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     load = np.array([parameters[f"m_wheelset[{i + 1}]"] * GRAVITY for i in range(WHEELSETS)])
     contact, brake = assemble.contact_of(scenario), brake_of(parameters)
     recorder = Recorder((*signals.PLANT, *signals.SENT), count)
+    recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
     for _ in range(_ROUNDS):
         at = recorder.columns

@@ -5,7 +5,7 @@ binding; conversions are applied only where the FMU's units differ. All buffers 
 """
 
 import ctypes
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from math import isfinite
@@ -16,10 +16,11 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.fmu.crossing import Crossing, Outcome, outcome
 from harness.fmu.description import Description
 from harness.fmu.failure import FmuError, PlantFailed
-from harness.fmu.instance import OK_OR_WARNING, Instance, unpacked
-from harness.fmu.mapping import Binding, Channel, Side
+from harness.fmu.instance import Instance, unpacked
+from harness.fmu.mapping import Binding, Side
 from harness.fmu.parameters import Values, assignments
 from harness.loop.compiled import Calls
 
@@ -99,7 +100,6 @@ class CoSimulation:
         self._sample = -1
         self._ready = False  # started, not failed, not closed
         self._snapshots: list[int] = []
-        self._looks_back = 1  # fmi2True: no state before the current time will ever be restored
 
     def __enter__(self) -> Self:
         """Unpack, load, instantiate and set the parameters."""
@@ -125,26 +125,11 @@ class CoSimulation:
         self._stack.close()
 
     def _prepare(self, instance: Instance) -> None:
-        """Make the buffers, addresses and functions of the hot path."""
-        pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        self._component = ctypes.c_void_p(instance.component)
-        self._do_step = instance.function("fmi2DoStep", pointer, ctypes.c_double, ctypes.c_double, ctypes.c_int)
-        inputs, outputs = self._binding.inputs, self._binding.outputs
-        present = np.sort(np.concatenate([[], *(c.positions for c in outputs.channels)])).astype(np.intp)
-        self._values = np.zeros(present.size)
-        # A sum is finite exactly when all of y is, in one pass: so far scaled down, finite values cannot
-        # overflow, and numbers of any physical size stay normal.
-        self._total = np.full(present.size, 2.0**-512).dot
-        self._present = present if present.size < outputs.size else None
-        self._blank = np.full(outputs.size, np.nan)
-        carriers = {c.carrier for c in (*inputs.channels, *outputs.channels)}
-        setters = {c: instance.function(f"fmi2Set{c}", pointer, pointer, size, pointer) for c in sorted(carriers)}
-        getters = {c: instance.function(f"fmi2Get{c}", pointer, pointer, size, pointer) for c in sorted(carriers)}
-        self._senders = tuple(_Sender(c, setters[c.carrier], self._component, inputs.size) for c in inputs.channels)
-        self._receivers = tuple(
-            _Receiver(c, np.searchsorted(present, c.positions), getters[c.carrier], self._component, self._values)
-            for c in outputs.channels
-        )
+        """Make what every step needs."""
+        self._crossing = crossing = Crossing(instance, self._binding, self._period)
+        size = self._binding.outputs.size
+        self._present = crossing.present if crossing.present.size < size else None
+        self._blank = np.full(size, np.nan)
 
     @property
     def sample(self) -> int:
@@ -169,10 +154,10 @@ class CoSimulation:
             raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
         with self._remembering():
             instance.enter_initialization(self._start_time, self._tolerance)
-            self._send(instance, inputs)
+            self._send(inputs)
             instance.exit_initialization(self._start_time)
             self._sample = 0
-            values = self._receive(instance)
+            values = self._receive()
         self._ready = True
         return values
 
@@ -185,22 +170,15 @@ class CoSimulation:
         # Once per simulated millisecond: each line here is a measurable part of a stop.
         if not self._ready:
             raise self._not_ready()
-        period = self._period
-        time = self._start_time + self._sample * period
-        for sender in self._senders:
-            if sender.send(inputs) > OK_OR_WARNING:
-                self._fail(f"fmi2Set{sender.carrier}", sender.status, time, "setting inputs")
-        status = self._do_step(self._component, time, period, self._looks_back)
-        if status > OK_OR_WARNING:
-            self._fail("fmi2DoStep", status, time, "")
+        crossing = self._crossing
+        crossing.inputs[:] = inputs
+        ended = crossing.step(self._start_time + self._sample * self._period)
+        if ended:
+            what = outcome(ended)
+            self._sample += what in ("getting", "not finite")  # the step itself succeeded
+            self._fail_crossing(what)
         self._sample += 1
-        for receiver in self._receivers:
-            if receiver.receive() > OK_OR_WARNING:
-                self._fail(f"fmi2Get{receiver.carrier}", receiver.status, self.time, "reading outputs")
-        values = self._values.copy()
-        if not isfinite(self._total(values)):
-            self._not_finite(values)
-        return values if self._present is None else self._spread(values)
+        return crossing.outputs.copy() if self._present is None else self._spread()
 
     def calls(self) -> Calls:
         """Return what a loop in C needs to step this plant; it then reports to `stepped`.
@@ -223,7 +201,7 @@ class CoSimulation:
             start=self._start_time,
             period=self._period,
             sample=self._sample,
-            looks_back=bool(self._looks_back),
+            looks_back=self._crossing.looks_back,
         )
 
     def stepped(self, steps: int, status: int, call: str, outputs: Vector) -> None:
@@ -267,7 +245,7 @@ class CoSimulation:
         with self._remembering():
             instance.call("fmi2GetFMUstate", ctypes.byref(handle), time=self.time, doing="saving its state")
         self._snapshots.append(handle.value or 0)
-        self._looks_back = 0
+        self._crossing.keep_past()
         return Snapshot(sample=self._sample, handle=handle.value or 0, owner=id(self))
 
     def restore(self, snapshot: Snapshot) -> Vector:
@@ -279,7 +257,7 @@ class CoSimulation:
         with self._remembering():
             instance.call("fmi2SetFMUstate", state, time=self.time, doing="returning to a saved state")
             self._sample = snapshot.sample
-            return self._receive(instance)
+            return self._receive()
 
     def _open(self) -> Instance:
         if self._spent is not None:
@@ -291,25 +269,33 @@ class CoSimulation:
     def _not_ready(self) -> Exception:
         return self._spent or RuntimeError("a CoSimulation is started before it is stepped, inside 'with'")
 
-    def _send(self, instance: Instance, inputs: Vector) -> None:
-        for sender in self._senders:
-            instance.check(sender.send(inputs), f"fmi2Set{sender.carrier}", self.time, "setting inputs")
+    def _send(self, inputs: Vector) -> None:
+        self._crossing.inputs[:] = inputs
+        ended = self._crossing.send()
+        if ended != "fine":
+            self._fail_crossing(ended)
 
-    def _receive(self, instance: Instance) -> Vector:
-        for receiver in self._receivers:
-            instance.check(receiver.receive(), f"fmi2Get{receiver.carrier}", self.time, "reading outputs")
-        values = self._values.copy()
-        if not isfinite(self._total(values)):
-            self._not_finite(values)
-        return self._spread(values)
+    def _receive(self) -> Vector:
+        ended = self._crossing.receive()
+        if ended != "fine":
+            self._fail_crossing(ended)
+        return self._spread()
 
-    def _spread(self, values: Vector) -> Vector:
+    def _spread(self) -> Vector:
         """Return the vector of all signals, NaN where the FMU has none."""
         if self._present is None:
-            return values
+            return self._crossing.outputs.copy()
         everything = self._blank.copy()
-        everything[self._present] = values
+        everything[self._present] = self._crossing.outputs
         return everything
+
+    def _fail_crossing(self, ended: Outcome) -> None:
+        """Raise the failure that ended a crossing early."""
+        crossing = self._crossing
+        if ended == "not finite":
+            self._not_finite(crossing.outputs[crossing.worst])
+        doing = {"setting": "setting inputs", "getting": "reading outputs"}.get(ended, "")
+        self._fail(crossing.call(ended), crossing.status, self.time, doing)
 
     def _fail(self, call: str, status: int, time: float, doing: str) -> None:
         """Raise the failure behind a bad status."""
@@ -325,11 +311,9 @@ class CoSimulation:
             self._spent, self._ready = failed, False
             raise
 
-    def _not_finite(self, values: Vector) -> None:
-        instance = self._open()
-        worst = int(np.flatnonzero(~np.isfinite(values))[0])
-        name = self._binding.outputs.elements[worst if self._present is None else self._present[worst]]
-        failure = instance.failure("not_finite", "", self.time, variable=name, doing=f"{values[worst]}")
+    def _not_finite(self, value: float) -> None:
+        name = self._binding.outputs.elements[self._crossing.present[self._crossing.worst]]
+        failure = self._open().failure("not_finite", "", self.time, variable=name, doing=f"{value}")
         with self._remembering():
             raise PlantFailed(failure)
 
@@ -344,119 +328,3 @@ def _plain(side: Side, file: str) -> NDArray[np.uint32]:
     references = np.empty(side.size, dtype=np.uint32)
     references[channel.positions] = channel.references
     return references
-
-
-class _Sender:
-    """Puts the values of one channel into the FMU."""
-
-    __slots__ = (
-        "_address",
-        "_buffer",
-        "_component",
-        "_convert",
-        "_count",
-        "_gain",
-        "_keep",
-        "_positions",
-        "_set",
-        "_shift",
-        "_whole",
-        "carrier",
-        "status",
-    )
-
-    def __init__(self, channel: Channel, setter: Callable[..., int], component: ctypes.c_void_p, size: int) -> None:
-        n = len(channel.references)
-        self.carrier = channel.carrier
-        self.status = 0
-        self._set = setter
-        self._component = component
-        self._count = n
-        self._buffer = np.zeros(n)
-        self._whole = np.zeros(n, dtype=np.int32) if channel.carrier != "Real" else None
-        carried = self._buffer if self._whole is None else self._whole
-        self._keep = channel.references
-        self._address = (
-            ctypes.c_void_p(channel.references.ctypes.data),
-            ctypes.c_void_p(carried.ctypes.data),
-        )
-        every = n == size and bool(np.all(channel.positions == np.arange(size)))
-        self._positions = None if every else channel.positions
-        self._convert = bool(np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0))
-        self._gain = channel.gain
-        self._shift = channel.shift
-
-    def send(self, inputs: Vector) -> int:
-        buffer = self._buffer
-        buffer[:] = inputs if self._positions is None else inputs[self._positions]
-        if self._convert:
-            buffer *= self._gain
-            buffer += self._shift
-        if self._whole is not None:
-            # Nearest: 0.9999999 is a one that was computed.
-            self._whole[:] = np.rint(buffer)
-        references, values = self._address
-        self.status = self._set(self._component, references, self._count, values)
-        return self.status
-
-
-class _Receiver:
-    """Takes the values of one channel out of the FMU, into the vector of all outputs."""
-
-    __slots__ = (
-        "_buffer",
-        "_component",
-        "_convert",
-        "_count",
-        "_direct",
-        "_gain",
-        "_get",
-        "_keep",
-        "_positions",
-        "_references",
-        "_shift",
-        "_values",
-        "_where",
-        "carrier",
-        "status",
-    )
-
-    def __init__(
-        self,
-        channel: Channel,
-        positions: NDArray[np.intp],
-        getter: Callable[..., int],
-        component: ctypes.c_void_p,
-        values: Vector,
-    ) -> None:
-        n = len(channel.references)
-        self.carrier = channel.carrier
-        self.status = 0
-        self._get = getter
-        self._component = component
-        self._count = n
-        self._values = values
-        self._positions = positions
-        first = int(positions[0])
-        adjacent = bool(np.all(positions == np.arange(first, first + n)))
-        # Reals that lie side by side are written by the FMU straight into their place.
-        self._direct = adjacent and channel.carrier == "Real"
-        own = np.zeros(n) if channel.carrier == "Real" else np.zeros(n, dtype=np.int32)
-        self._buffer = values[first : first + n] if self._direct else own
-        self._keep = channel.references
-        self._references = ctypes.c_void_p(channel.references.ctypes.data)
-        self._where = ctypes.c_void_p(self._buffer.ctypes.data)
-        self._convert = bool(np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0))
-        self._gain = channel.gain
-        self._shift = channel.shift
-
-    def receive(self) -> int:
-        self.status = status = self._get(self._component, self._references, self._count, self._where)
-        if self._direct:
-            if self._convert:
-                self._buffer *= self._gain
-                self._buffer += self._shift
-        else:
-            taken = self._buffer
-            self._values[self._positions] = taken * self._gain + self._shift if self._convert else taken
-        return status

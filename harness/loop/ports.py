@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.sight import Sight
-from estimators.belief import Estimate
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 
 @runtime_checkable
@@ -35,10 +35,24 @@ class Sensors(Protocol):
 
 @runtime_checkable
 class Estimator(Protocol):
-    """A belief about the train, carried from sample to sample by the caller."""
+    """A belief about the train that moves on in place: the arrays stay the same, their values change.
 
-    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
-        """Predict over one period with inputs `held`, then condition on the reading `seen`."""
+    A filter on values becomes one by `estimators.running.Running`.
+
+    Attributes:
+        mean: Shape (n,).
+        covariance: Shape (n, n).
+        held: Inputs during the next period, shape (nu,); written by the loop.
+        seen: Readings at its end, NaN where nothing new was read, shape (m,); written by the loop.
+    """
+
+    mean: Vector
+    covariance: Matrix
+    held: Vector
+    seen: Vector
+
+    def advance(self) -> None:
+        """Predict over one period with `held`, then condition on `seen`; raise ArithmeticError when that fails."""
         ...
 
 

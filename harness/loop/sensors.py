@@ -27,6 +27,8 @@ READING = MappingProxyType(
 )
 READINGS = 2 + 2 * GROUPS + WHEELSETS
 
+_SPEED, _ACCELERATION = OUTPUT["speed"].start, OUTPUT["acceleration"].start
+_WHEELSET_SPEED, _DEFLECTION, _PRESSURE = (OUTPUT[n] for n in ("wheelset_speed", "deflection", "cylinder_pressure"))
 _FROM = np.concatenate([np.arange(OUTPUT[name].start, OUTPUT[name].stop) for name in READING])
 
 
@@ -35,7 +37,7 @@ class IdealSensors:
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the truth, in the order of a reading."""
-        return truth[_FROM]
+        return truth.take(_FROM)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,33 +97,35 @@ class ServiceSensors:
         self._encoders = [Encoder(instruments, period, random) for _ in range(GROUPS)]
         self._past: deque[float] = deque(maxlen=instruments.speed_latency + 1)
         self._pressure: Vector | None = None
-        self._deviation = np.array([instruments.acceleration_noise] + [instruments.deflection_noise] * WHEELSETS)
+        its = instruments
+        self._deviation = np.array([its.speed_noise, its.acceleration_noise] + [its.deflection_noise] * WHEELSETS)
+        self._share = period / (its.pressure_lag + period)
+        self._offset_steps = its.pressure_offset / its.pressure_step
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of a sample."""
         its = self._instruments
         row = sample % self._BLOCK
         if row == 0:
-            self._noise = self._random.standard_normal((self._BLOCK, self._NOISES))
+            self._noise = self._random.standard_normal((self._BLOCK, self._NOISES)) * self._deviation
         noise = self._noise[row]
+        speed_noise, acceleration_noise = noise[:2].tolist()
         reading = np.empty(READINGS)
 
-        acceleration = float(truth[OUTPUT["acceleration"]][0])
-        acceleration += its.acceleration_bias + its.acceleration_noise * float(noise[1])
-        self._past.append(float(truth[OUTPUT["speed"]][0]))
+        acceleration = float(truth[_ACCELERATION]) + its.acceleration_bias + acceleration_noise
+        self._past.append(float(truth[_SPEED]))
         if sample % its.speed_every == 0 and len(self._past) > its.speed_latency:
-            late = self._past[0] * (1.0 + its.speed_scale) + its.speed_noise * float(noise[0])
+            late = self._past[0] * (1.0 + its.speed_scale) + speed_noise
             # The latency is known from the data sheet: the sensor's own electronics carries its reading forward.
             reading[0] = late + acceleration * its.speed_latency * self._period
         else:
             reading[0] = np.nan
 
-        speeds = truth[OUTPUT["wheelset_speed"]].tolist()
-        for g, encoder in enumerate(self._encoders):
-            reading[1 + g] = encoder.read(sample, speeds[g])
-        reading[READING["deflection"]] = truth[OUTPUT["deflection"]] + its.deflection_noise * noise[2:]
+        turning = zip(self._encoders, truth[_WHEELSET_SPEED].tolist(), strict=True)
+        reading[READING["wheelset_speed"]] = [encoder.read(sample, speed) for encoder, speed in turning]
+        reading[READING["deflection"]] = truth[_DEFLECTION] + noise[2:]
         reading[READING["acceleration"]] = acceleration
-        reading[READING["cylinder_pressure"]] = self._transduce(truth[OUTPUT["cylinder_pressure"]])
+        reading[READING["cylinder_pressure"]] = self._transduce(truth[_PRESSURE])
         return reading
 
     def _transduce(self, pressure: Vector) -> Vector:
@@ -129,8 +133,8 @@ class ServiceSensors:
         if self._pressure is None:
             self._pressure = pressure.copy()
         else:
-            self._pressure += (pressure - self._pressure) * (self._period / (its.pressure_lag + self._period))
-        return np.rint((self._pressure + its.pressure_offset) / its.pressure_step) * its.pressure_step
+            self._pressure += (pressure - self._pressure) * self._share
+        return np.rint(self._pressure / its.pressure_step + self._offset_steps) * its.pressure_step
 
 
 class Encoder:

@@ -1,6 +1,6 @@
 """Rows of a stop while it runs: one preallocated block, written in place by the loop."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -13,16 +13,18 @@ from harness.record.trace import trace_of
 class Recorder:
     """Preallocated rows and where each signal stands in them.
 
-    The loop keeps `rows` and the slices it needs as locals and writes `rows[k, columns["slip"]] = slip`; a
-    signal of the train may also be written by its number, `rows[k, at["speed"]] = speed`.
+    The loop keeps `rows` and the columns it needs as locals and writes `rows[k, columns["slip"]] = slip`, or signals
+    that stand side by side at once in their `block`; a signal of the train may also be written by its number,
+    `rows[k, at["speed"]] = speed`.
 
     Attributes:
-        rows: Shape (capacity, width), NaN until written.
+        rows: Shape (capacity, width). Memory is taken as they are written: what was not written means nothing.
+        written: Number of rows that the loop filled, from the first on.
         columns: Signal name → columns of a row.
         at: Signal name → first column.
     """
 
-    __slots__ = ("_signals", "at", "columns", "rows")
+    __slots__ = ("_signals", "at", "columns", "rows", "written")
 
     def __init__(self, signals: Iterable[Signal], capacity: int) -> None:
         """Make room for `capacity` samples of the signals, in their order."""
@@ -31,7 +33,13 @@ class Recorder:
         spans = zip(self._signals, first[:-1], first[1:], strict=True)
         self.columns = MappingProxyType({signal.name: slice(begin, end) for signal, begin, end in spans})
         self.at = MappingProxyType({name: columns.start for name, columns in self.columns.items()})
-        self.rows = np.full((capacity, first[-1]), np.nan)
+        # Not filled with NaN: a stop of half a minute leaves most of its horizon unused, some 50 MB.
+        self.rows = np.empty((capacity, first[-1]))
+        self.written = 0
+
+    def block(self, signals: Sequence[Signal]) -> slice:
+        """Return the columns of signals that stand side by side in the rows, in their order."""
+        return slice(self.columns[signals[0].name].start, self.columns[signals[-1].name].stop)
 
     def trace(self, count: int, period: float) -> xarray.Dataset:
         """Return the first `count` rows, sampled every `period` [s] from the brake demand on, as a trace.

@@ -59,16 +59,16 @@ PLANT = (
 """Truth: the plant's outputs."""
 
 SENT = (
-    Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
-    Signal("track_force", "train", "N", "force of the track, forward positive"),
     Signal(
         "command",
         "group",
         "1",
         "command to the plant: cylinder pressure [Pa] or valve (-1 vent, 0 hold, 1 fill)",
     ),
+    Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
+    Signal("track_force", "train", "N", "force of the track, forward positive"),
 )
-"""What the plant was given."""
+"""What the plant was given, in the order of its inputs."""
 
 READINGS = (
     Signal("reading_speed", "train", "m/s", "read speed of the train"),
@@ -79,12 +79,19 @@ READINGS = (
 )
 """What the sensors showed."""
 
-ESTIMATES = (
+BELIEVED = (
     Signal("estimate_speed", "train", "m/s", "estimated speed of the train"),
-    Signal("estimate_slip", "group", "1", "estimated slip"),
+    Signal("estimate_wheelset_speed", "group", "rad/s", "estimated rotational speed of the wheelsets"),
     Signal("estimate_adhesion", "group", "1", "estimated adhesion"),
-    Signal("estimate_adhesion_sd", "group", "1", "standard deviation of the estimated adhesion"),
     Signal("estimate_pad_friction", "group", "1", "estimated friction of the brake pads"),
+)
+"""States of the estimator."""
+
+SPREAD = (
+    Signal("estimate_adhesion_sd", "group", "1", "standard deviation of the estimated adhesion"),
     Signal("estimate_pad_friction_sd", "group", "1", "standard deviation of the estimated pad friction"),
 )
+"""How sure it was of them."""
+
+ESTIMATES = (*BELIEVED, *SPREAD, Signal("estimate_slip", "group", "1", "estimated slip"))
 """What the estimator believed; absent from the trace of a stop without one."""

@@ -40,12 +40,11 @@ def longest_lock(trace: xarray.Dataset) -> tuple[float, ...]:
     return tuple(_longest(column, times) for column in locked.T)
 
 
-def _longest(condition: NDArray[np.bool_], times: Array) -> float:
-    longest = current = 0.0
-    for holds, time in zip(condition.tolist(), times.tolist(), strict=True):
-        current = current + time if holds else 0.0
-        longest = max(longest, current)
-    return longest
+def _longest(holds: NDArray[np.bool_], times: Array) -> float:
+    """Return the longest time that a condition holds without a break."""
+    turns = np.flatnonzero(np.diff(holds, prepend=False, append=False))
+    begun = np.concatenate([[0.0], np.cumsum(times)])
+    return float(np.max(begun[turns[1::2]] - begun[turns[::2]], initial=0.0))
 
 
 def locked_distance(trace: xarray.Dataset) -> tuple[float, ...]:

@@ -6,8 +6,10 @@ to 6).
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import h5netcdf
+import h5py
 import numpy as np
 import xarray
 from numpy.typing import NDArray
@@ -17,6 +19,8 @@ from harness.record.error import RecordError
 from harness.record.signals import GROUPS, WHEELSETS, Signal
 
 FILE_NAME = "trace.nc"
+
+_ATTRIBUTES = ("units", "long_name")
 
 
 def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], period: float) -> xarray.Dataset:
@@ -89,16 +93,29 @@ def write_trace(trace: xarray.Dataset, path: Path) -> None:
 def read_trace(path: Path) -> xarray.Dataset:
     """Return the trace in a NetCDF file, read whole.
 
+    Read through h5py, a NetCDF 4 file being an HDF5 file whose dimensions are scales: xarray's own reader takes ten
+    times as long, and a report reads many traces.
+
     Raises:
         RecordError: Missing or not a trace.
     """
     try:
-        with xarray.open_dataset(path, engine="h5netcdf", decode_times=False, decode_cf=False) as opened:
-            trace = opened.load()
+        with h5py.File(path, "r") as file:
+            variables = {str(name): _variable(str(name), samples) for name, samples in file.items()}
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
     except (OSError, ValueError) as problem:
         raise RecordError(f"{path}: is not a NetCDF file: {problem}") from problem
-    if "time" not in trace.coords:
+    if "time" not in variables:
         raise RecordError(f"{path}: is not a trace, it has no time axis")
-    return trace
+    scales = [name for name, (dimensions, _, _) in variables.items() if dimensions == (name,)]
+    return xarray.Dataset(
+        {name: variable for name, variable in variables.items() if name not in scales},
+        coords={name: variables[name] for name in scales},
+    )
+
+
+def _variable(name: str, samples: Any) -> tuple[tuple[str, ...], NDArray[Any], dict[str, str]]:
+    """Return dimensions, values and attributes of a variable of a NetCDF 4 file."""
+    dimensions = tuple(dimension[0].name.removeprefix("/") if len(dimension) else name for dimension in samples.dims)
+    return dimensions, samples[()], {key: samples.attrs[key] for key in _ATTRIBUTES if key in samples.attrs}

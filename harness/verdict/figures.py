@@ -89,14 +89,14 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
 def distance_figure(rows: Sequence[Row]) -> Figure:
     """Return the braking distances of each scenario and controller, with the published ones as marks."""
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
-    scenarios = list(dict.fromkeys(row.scenario for row in rows))
+    scenarios = list(dict.fromkeys(row.label for row in rows))
     controllers = [name for name in _CONTROLLER_COLOURS if any(row.controller == name for row in rows)]
     made = style.figure(10, 3.2 * len(settings))
     panels = made.subplots(len(settings), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     width = 0.8 / len(controllers)
     for panel, setting in zip(panels, settings, strict=True):
         here = {
-            (row.scenario, row.controller): row
+            (row.label, row.controller): row
             for row in rows
             if (row.actuation, row.sensors, row.polach) == setting and row.distance_m is not None
         }

@@ -34,7 +34,8 @@ def write_report(directory: Path, *, panels: bool = True, tell: Tell = lambda _:
 
     Args:
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
-        panels: Whether to draw the panels of every stop of a campaign, about a second each.
+        panels: Whether to draw the panels of every stop of a campaign, about a second each, not only of those with
+            adhesion-based control.
         tell: Called with what is being drawn.
 
     Raises:
@@ -69,13 +70,15 @@ def _campaign_report(results: Results, directory: Path, *, panels: bool, tell: T
     scenarios = _longest_of_each_scenario(results.stops)
     if scenarios:
         add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
-    for sbc, abc in _pairs(results.stops):
+    pairs = _pairs(results.stops)
+    pictured = {stop.name for stop in results.stops} if panels else {abc.name for _, abc in pairs}
+    for sbc, abc in pairs:
         name = f"adhesion-{abc.name}"
         add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))
     body.append("<h2>Stops</h2>")
     for result in results.stops:
         inside = [_metrics_table(result)]
-        if panels:
+        if result.name in pictured:
             tell(result.name)
             image = style.save(stop_figure(result), directory / "figures" / f"stop-{result.name}.png")
             inside.insert(0, _image(image, f"Signals of {result.name}"))
@@ -123,7 +126,7 @@ def _distance_table(rows: Sequence[Row]) -> str:
     lines: list[str] = []
     for row in rows:
         controller = CONTROLLERS.get(row.controller, row.controller)
-        texts = (row.scenario, row.actuation, row.sensors, row.polach, controller, row.estimator)
+        texts = (row.label, row.actuation, row.sensors, row.polach, controller, row.estimator)
         values = (
             f"{row.distance_m:.1f}" if row.distance_m is not None else f'<span class="bad">{row.outcome}</span>',
             "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f}",

@@ -28,6 +28,7 @@ class Row:
     """A stop in the table.
 
     Attributes:
+        case: What else tells it apart: the variants of axes that the other columns do not show; most often empty.
         distance_m: None unless the train stood at the end.
         reduction_vs_sbc: 1 − distance over that of the two-state SBC in the same conditions; None without either.
         utilisation: Of the adhesion that the ideal bound has; None for a stop that is none.
@@ -40,6 +41,7 @@ class Row:
     """
 
     scenario: str
+    case: str
     polach: str
     actuation: str
     sensors: str
@@ -56,11 +58,17 @@ class Row:
     air_l: float | None
     stop: str
 
+    @property
+    def label(self) -> str:
+        """Scenario and case, for people."""
+        return f"{self.scenario}, {self.case}" if self.case else self.scenario
+
 
 def rows_of(results: Results) -> tuple[Row, ...]:
     """Return the rows of a campaign, in its order."""
     sbc = {_conditions(result): result for result in results.stops if _controller(result) == REFERENCE_CONTROLLER}
-    return tuple(_row(result, sbc.get(_conditions(result))) for result in results.stops)
+    hidden = _hidden_axes(results.stops)
+    return tuple(_row(result, sbc.get(_conditions(result)), hidden) for result in results.stops)
 
 
 def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
@@ -98,7 +106,7 @@ def markdown(name: str, description: str, rows: Sequence[Row], missing: Sequence
 def _markdown_row(row: Row) -> str:
     distance = f"{row.distance_m:.1f} m" if row.distance_m is not None else f"none: {row.outcome}"
     cells = (
-        row.scenario,
+        row.label,
         CONTROLLERS.get(row.controller, row.controller),
         row.estimator,
         distance,
@@ -120,7 +128,7 @@ def _cell(value: float | None, form: str, *, negate: bool = False) -> str:
     return form.format(-value if negate else value).replace("-", "−").replace("%", " %")
 
 
-def _row(result: Result, sbc: Result | None) -> Row:
+def _row(result: Result, sbc: Result | None, hidden: Sequence[str]) -> Row:
     record = result.record
     metrics = record.metrics
     stands = record.outcome is Outcome.STANDSTILL
@@ -128,6 +136,7 @@ def _row(result: Result, sbc: Result | None) -> Row:
     is_sbc = sbc is result
     return Row(
         scenario=record.scenario["name"],
+        case=", ".join(f"{axis} {result.variants[axis]}" for axis in hidden),
         polach=_polach(result),
         actuation=record.scenario["actuation"]["kind"],
         sensors=record.scenario["sensors"]["kind"],
@@ -146,9 +155,28 @@ def _row(result: Result, sbc: Result | None) -> Row:
     )
 
 
-def _conditions(result: Result) -> tuple[str, str, str, str]:
+def _shown(result: Result) -> tuple[str, ...]:
+    """Return what the columns of a row say about its scenario."""
     scenario = result.record.scenario
-    return (scenario["name"], _polach(result), scenario["actuation"]["kind"], scenario["sensors"]["kind"])
+    kinds = (scenario["actuation"]["kind"], scenario["sensors"]["kind"])
+    return (scenario["name"], _polach(result), *kinds, _controller(result), _estimator(result))
+
+
+def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
+    """Return the axes in which stops differ that look the same in every column."""
+    alike: dict[tuple[str, ...], list[Result]] = {}
+    for stop in stops:
+        alike.setdefault(_shown(stop), []).append(stop)
+    axes = dict.fromkeys(axis for stop in stops for axis in stop.variants)
+    return tuple(
+        axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())
+    )
+
+
+def _conditions(result: Result) -> str:
+    """Return everything that a stop shares with the one it is compared to: all but the controller and its estimator."""
+    own = ("controller", "estimator")
+    return json.dumps({key: value for key, value in result.record.scenario.items() if key not in own}, sort_keys=True)
 
 
 def _controller(result: Result) -> str:

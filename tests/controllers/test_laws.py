@@ -95,7 +95,7 @@ def test_the_seeker_bears_a_wrong_pad_friction(error):
             self.law = seeker()
 
         def decide(self, sight):
-            return self.law.decide(replace(sight, pad_friction=(0.35 * error,)))
+            return self.law.decide(sight._replace(pad_friction=(0.35 * error,)))
 
     _, adhesion = simulate(Mistaken(), 4.0)
     assert adhesion[1500:].mean() > 0.93 * 0.06

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from estimators.belief import Estimate
-from harness.loop.cycle import Believer, Clock, run
+from harness.loop.cycle import Clock, run
 from harness.loop.edge import COMMAND, FRICTION, OUTPUT, OUTPUTS
 from harness.loop.sensors import READING, READINGS, IdealSensors
+from harness.loop.watch import Believer
 from harness.record import signals
 from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
@@ -123,20 +123,22 @@ class Spy:
 
     def __init__(self, fail_at=None):
         self.given, self.fail_at = [], fail_at
+        self.mean, self.covariance = np.zeros(13), np.eye(13)
+        self.held, self.seen = np.zeros(5), np.full(6, np.nan)
 
-    def step(self, prior, held, seen):
-        self.given.append((held.copy(), seen.copy()))
+    def advance(self):
+        self.given.append((self.held.copy(), self.seen.copy()))
         if len(self.given) == self.fail_at:
             raise ArithmeticError("Filter: the predicted v is not a finite number.")
-        return Estimate(mean=prior.mean + np.eye(13)[0], covariance=prior.covariance)
+        self.mean[0] += 1.0
+        self.mean[1:5] = 2.0 * self.mean[0]
+        self.covariance[9, 9] = 4.0
 
 
 def believer(spy):
     return Believer(
         filter=spy,
-        first=Estimate(mean=np.zeros(13), covariance=np.eye(13)),
         seen=np.array([0, 1, 2, 3, 4, 11]),
-        inputs=5,
         speed=0,
         wheelset_speed=np.arange(1, 5),
         pad_friction=np.arange(5, 9),
@@ -175,6 +177,25 @@ def test_the_filter_predicts_under_the_pressures_read_a_step_before():
 def test_the_estimate_in_a_row_is_that_of_its_sample():
     _, recorder = brake(Block(10.0), believer=believer(Spy()), samples=10)
     assert recorder.rows[:11, recorder.at["estimate_speed"]].tolist() == [float(k) for k in range(11)]
+
+
+def test_slip_and_deviations_follow_from_the_belief():
+    """Its wheels turn twice as many rad/s as the train does m/s, on radii of 0.4 m: slip 0.2, but none at rest."""
+    _, recorder = brake(Block(10.0), believer=believer(Spy()), samples=3)
+    slips = recorder.rows[:4, recorder.columns["estimate_slip"]]
+    assert slips == pytest.approx(np.array([[0.0] * 4] + [[0.2] * 4] * 3))
+    assert recorder.rows[:4, recorder.at["estimate_adhesion_sd"]].tolist() == [1.0, 2.0, 2.0, 2.0]
+
+
+def test_a_variance_below_zero_is_an_outcome():
+    class Broken(Spy):
+        def advance(self):
+            super().advance()
+            self.covariance[5, 5] = -1e-9
+
+    ended, _ = brake(Block(10.0), believer=believer(Broken()))
+    assert ended.outcome is Outcome.DIVERGED
+    assert "a variance is negative" in ended.reason
 
 
 def test_a_filter_that_diverges_is_an_outcome():

@@ -16,10 +16,10 @@ COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "co
 
 @pytest.fixture(scope="session")
 def write_campaign():
-    """Write results of some stops of table 1 as if they had been run; return the campaign of these."""
+    """Write results of some stops of a campaign as if they had been run; return the campaign of these."""
 
-    def write(directory, keep, overrides=()):
-        whole = load_campaign(TABLE1, [*COARSE, *overrides])
+    def write(directory, keep, overrides=(), file=TABLE1):
+        whole = load_campaign(file, [*COARSE, *overrides])
         kept = whole.only(keep)
         write_description(kept, directory)
         for stop in kept.stops:

@@ -84,7 +84,8 @@ def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
     text = page.read_text(encoding="utf-8")
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert "http" not in text.replace("http-equiv", "")
-    assert text.count("data:image/png;base64,") == 2 + 3
+    # Distances, friction, and of every stop with ABC its adhesion and its panels.
+    assert text.count("data:image/png;base64,") == 2 + 3 + 3
     assert (folder / "table1.json").exists()
     assert (folder / "figures" / "friction.png").exists()
     assert "longest lock" in text

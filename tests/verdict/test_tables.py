@@ -2,11 +2,13 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from synthetic_runner import DECELERATION
 
+import harness.scenario
 from harness.record.error import RecordError
 from harness.verdict.results import read_results
 from harness.verdict.table import rows_of, write_table
@@ -29,6 +31,29 @@ def test_reductions_are_against_sbc_in_the_same_conditions(folder):
     assert rows["ideal", "adhesion_based"].paper_distance_m == 333.4
     assert rows["ideal", "adhesion_based"].paper_reduction == pytest.approx(0.129, abs=5e-4)
     assert rows["pneumatic", "adhesion_based"].paper_distance_m is None
+
+
+def test_stops_that_look_alike_are_told_apart_and_compared_in_their_own_conditions(tmp_path, write_campaign):
+    """An axis that no column shows, the start speed: each ABC has its own SBC, and the table says which is which."""
+    library = Path(harness.scenario.__file__).parent / "library"
+    file = tmp_path / "speeds.toml"
+    file.write_text(f'''
+name = "speeds"
+scenarios = ["{(library / "trapezoid.toml").as_posix()}"]
+sweep = {{ "start.speed" = ["80 km/h", "40 km/h"] }}
+[axes.controller]
+sbc = {{ controller.kind = "slip_two_state", estimator.kind = "none" }}
+abc = {{ controller.kind = "adhesion_based" }}
+''')
+    write_campaign(tmp_path, lambda _: True, file=file)
+    rows = rows_of(read_results(tmp_path))
+    assert len(rows) == 4
+    assert {row.label for row in rows} == {"trapezoid, start.speed 80 km/h", "trapezoid, start.speed 40 km/h"}
+    by_speed = {row.case: row for row in rows if row.controller == "adhesion_based"}
+    expected = 1 - DECELERATION["slip_two_state"] / DECELERATION["adhesion_based"]
+    for row in by_speed.values():
+        # 4e-3: at 40 km/h a sample of 10 ms is four times the share of the distance that it is at 80 km/h
+        assert row.reduction_vs_sbc == pytest.approx(expected, abs=4e-3)
 
 
 def test_json_has_the_rows_that_were_asked_for(folder):

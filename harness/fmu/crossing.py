@@ -1,0 +1,154 @@
+"""What crosses the boundary of a co-simulation FMU in a communication step, as one call to C.
+
+Through ctypes every call costs a microsecond, and so does every array operation around it; a step takes four calls and
+a dozen such operations, more than the physics of a train behind them.
+"""
+
+import ctypes
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.native.toolchain import shared_library
+from harness.fmu.instance import Instance
+from harness.fmu.mapping import Binding, Channel
+
+Vector = NDArray[np.float64]
+Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
+
+KERNEL: Final = files("harness.fmu") / "kernel" / "crossing.c"
+BUILD: Final = Path("build/native")
+
+_SET, _STEP, _GET = 1, 2, 4
+_OUTCOMES: Final[tuple[Outcome, ...]] = ("fine", "setting", "stepping", "getting", "not finite")
+
+
+class _Channel(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("exchange", "references", "positions", "gain", "shift", "buffer")),
+        *((name, ctypes.c_longlong) for name in ("count", "whole")),
+    )
+
+
+class _Crossing(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("fmu", "step", "senders", "receivers")),
+        *((name, ctypes.c_longlong) for name in ("n_senders", "n_receivers", "n_outputs")),
+        *((name, ctypes.c_void_p) for name in ("inputs", "outputs")),
+        ("period", ctypes.c_double),
+        *((name, ctypes.c_longlong) for name in ("looks_back", "status", "at")),
+    )
+
+
+class Crossing:
+    """The buffers, addresses and functions of one instance's communication step.
+
+    Attributes:
+        inputs: To be written before a step, shape (binding.inputs.size,).
+        outputs: Written by it, shape (number present,): the outputs that the FMU has, in the order of the binding.
+        present: Places of `outputs` among all of the binding's.
+    """
+
+    def __init__(self, instance: Instance, binding: Binding, period: float) -> None:
+        """Make the buffers; compile the step, once on a machine.
+
+        Raises:
+            fmus.errors.CompilerMissing: There is no C compiler.
+        """
+        sending, receiving = binding.inputs, binding.outputs
+        self.present = np.sort(np.concatenate([[], *(c.positions for c in receiving.channels)])).astype(np.intp)
+        self.inputs, self.outputs = np.zeros(sending.size), np.zeros(self.present.size)
+        self._keep: list[Any] = [instance]
+        self._carriers = {
+            "setting": tuple(channel.carrier for channel in sending.channels),
+            "getting": tuple(channel.carrier for channel in receiving.channels),
+        }
+        senders = [self._channel(instance, "Set", c, c.positions) for c in sending.channels]
+        receivers = [
+            self._channel(instance, "Get", c, np.searchsorted(self.present, c.positions)) for c in receiving.channels
+        ]
+        to, of = (_Channel * len(senders))(*senders), (_Channel * len(receivers))(*receivers)
+        self._keep += [to, of]
+        self._plan = _Crossing(
+            fmu=instance.component, step=instance.address("fmi2DoStep"),
+            senders=ctypes.addressof(to), receivers=ctypes.addressof(of),
+            n_senders=len(senders), n_receivers=len(receivers), n_outputs=self.outputs.size,
+            inputs=self.inputs.ctypes.data, outputs=self.outputs.ctypes.data, period=period,
+            looks_back=1,  # fmi2True: no state before the current time will ever be restored
+        )  # fmt: skip
+        self._cross = _library().cross
+        self._address = ctypes.c_void_p(ctypes.addressof(self._plan))
+
+    def _channel(self, instance: Instance, verb: str, channel: Channel, positions: NDArray[np.intp]) -> _Channel:
+        whole = channel.carrier != "Real"
+        buffer = np.zeros(len(channel.references), dtype=np.intc if whole else np.float64)
+        places = np.ascontiguousarray(positions, dtype=np.longlong)
+        converted = bool(np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0))
+        gain, shift = (np.ascontiguousarray(factor) for factor in (channel.gain, channel.shift))
+        self._keep += [buffer, places, gain, shift, channel.references]
+        return _Channel(
+            exchange=instance.address(f"fmi2{verb}{channel.carrier}"),
+            references=channel.references.ctypes.data,
+            positions=places.ctypes.data,
+            gain=gain.ctypes.data if converted else None,
+            shift=shift.ctypes.data if converted else None,
+            buffer=buffer.ctypes.data,
+            count=buffer.size,
+            whole=whole,
+        )
+
+    def keep_past(self) -> None:
+        """Promise the FMU no longer that earlier states will not be restored."""
+        self._plan.looks_back = 0
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether that promise stands."""
+        return bool(self._plan.looks_back)
+
+    @property
+    def status(self) -> int:
+        """fmi2Status of the call that ended the last crossing early."""
+        return self._plan.status
+
+    @property
+    def worst(self) -> int:
+        """Which of `outputs` was not finite."""
+        return self._plan.at
+
+    def call(self, outcome: Outcome) -> str:
+        """Return the name of the FMI function that ended the last crossing early."""
+        if outcome == "stepping":
+            return "fmi2DoStep"
+        return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
+
+    def send(self) -> Outcome:
+        """Set the inputs."""
+        return _OUTCOMES[self._cross(self._address, _SET, 0.0)]
+
+    def receive(self) -> Outcome:
+        """Get the outputs."""
+        return _OUTCOMES[self._cross(self._address, _GET, 0.0)]
+
+    def step(self, time: float) -> int:
+        """Set the inputs, step from `time` [s] and get the outputs; return 0, or the number of the outcome."""
+        return self._cross(self._address, _SET | _STEP | _GET, time)
+
+
+def outcome(number: int) -> Outcome:
+    """Return the outcome that `Crossing.step` numbers."""
+    return _OUTCOMES[number]
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    made = shared_library({"crossing.c": KERNEL.read_text(encoding="utf-8")}, BUILD, "crossing")
+    # The interpreter lock is kept: handing it over and back would cost as much as the rest of the call.
+    library = ctypes.PyDLL(str(made.resolve()))
+    library.cross.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]
+    library.cross.restype = ctypes.c_int
+    return library

@@ -1,0 +1,90 @@
+/* One communication step of a co-simulation FMU in one call: values in, the step, values out.
+
+   Our vectors hold doubles in our units and order; a channel knows where its values stand there, their factors, and which
+   fmi2Set or fmi2Get carries them. The structs are mirrored in crossing.py, field by field. */
+
+#include <math.h>
+#include <stddef.h>
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+typedef int Exchange(void *, const unsigned *, size_t, void *);
+typedef int DoStep(void *, double, double, int);
+
+enum { OK_OR_WARNING = 1 };
+enum { SET = 1, STEP = 2, GET = 4 };                         /* what to do */
+enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };       /* where it ended */
+
+typedef struct {
+    Exchange *exchange;
+    const unsigned *references;
+    const long long *positions;                              /* in our vector */
+    const double *gain, *shift;                              /* null when units agree */
+    void *buffer;                                            /* count doubles, or count ints when `whole` */
+    long long count, whole;
+} Channel;
+
+typedef struct {
+    void *fmu;
+    DoStep *step;
+    Channel *senders, *receivers;
+    long long n_senders, n_receivers, n_outputs;
+    const double *inputs;
+    double *outputs;                                         /* those that the FMU has */
+    double period;
+    long long looks_back;
+    long long status, at;                                    /* of the call that ended it; its channel, or the output */
+} Crossing;
+
+static int send(const Crossing *c, const Channel *to)
+{
+    for (long long i = 0; i < to->count; i++) {
+        double value = c->inputs[to->positions[i]];
+        if (to->gain)
+            value = value * to->gain[i] + to->shift[i];
+        if (to->whole)
+            ((int *)to->buffer)[i] = (int)rint(value);       /* nearest: 0.9999999 is a one that was computed */
+        else
+            ((double *)to->buffer)[i] = value;
+    }
+    return to->exchange(c->fmu, to->references, (size_t)to->count, to->buffer);
+}
+
+static int receive(const Crossing *c, const Channel *from)
+{
+    const int status = from->exchange(c->fmu, from->references, (size_t)from->count, from->buffer);
+
+    for (long long i = 0; i < from->count; i++) {
+        double value = from->whole ? (double)((int *)from->buffer)[i] : ((double *)from->buffer)[i];
+        if (from->gain)
+            value = value * from->gain[i] + from->shift[i];
+        c->outputs[from->positions[i]] = value;
+    }
+    return status;
+}
+
+EXPORT int cross(Crossing *c, int what, double time)
+{
+    if (what & SET)
+        for (long long k = 0; k < c->n_senders; k++)
+            if ((c->status = send(c, c->senders + (c->at = k))) > OK_OR_WARNING)
+                return SETTING;
+    if (what & STEP)
+        if ((c->status = c->step(c->fmu, time, c->period, (int)c->looks_back)) > OK_OR_WARNING)
+            return STEPPING;
+    if (what & GET) {
+        for (long long k = 0; k < c->n_receivers; k++)
+            if ((c->status = receive(c, c->receivers + (c->at = k))) > OK_OR_WARNING)
+                return GETTING;
+        for (long long i = 0; i < c->n_outputs; i++)
+            if (!isfinite(c->outputs[i])) {
+                c->at = i;
+                return NOT_FINITE;
+            }
+    }
+    return FINE;
+}

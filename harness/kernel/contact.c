@@ -1,0 +1,31 @@
+/* The contact at many points: what the search for the peak of the creep curve asks for a million times a stop.
+
+   contact.h is generated beside this file: `contact`, a function of (point, parameters) by CasADi, and where slip, speed,
+   load and mu0 stand in a point. */
+
+#include <stddef.h>
+
+#include "contact.h"
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+EXPORT void contact_at(size_t count, const double *slip, const double *speed, const double *load, const double *mu0,
+                       const double *parameters, double *adhesion)
+{
+    double point[4], work[contact_SZ_W + 1];
+    casadi_int whole[contact_SZ_IW + 1];
+
+    for (size_t i = 0; i < count; i++) {
+        const double *arguments[contact_SZ_ARG] = {point, parameters};
+        double *results[contact_SZ_RES] = {adhesion + i};
+        point[SLIP] = slip[i];
+        point[SPEED] = speed[i];
+        point[LOAD] = load[i];
+        point[MU0] = mu0[i];
+        contact(arguments, results, whole, work, 0);
+    }
+}
