@@ -213,9 +213,9 @@ def _level_table(levels: Sequence[dict[str, tuple[float | None, float | None]]])
     lines += [_line([c.name, f"{c.mu0:g}", *map(str, believed[c])]) for c in conditions]
     right = [c.name for c in conditions if believed[c][1].median < LEVEL_TOLERANCE]
     far = [
-        f"takes {c.name}, {c.mu0:g}, for {_digits(believed[c][0].median)}"
-        for c in conditions
-        if believed[c][1].median >= LEVEL_TOLERANCE
+        f"takes {c.name}, {c.mu0:g}, for {_digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
+        for c, (mean, error) in believed.items()
+        if error.median >= LEVEL_TOLERANCE
     ]
     told = f"Tells μ0 within {LEVEL_TOLERANCE:g} rms in {', '.join(right) or 'no condition'}"
     return [*lines, "", f"{told}; {'; '.join(far)}." if far else f"{told}."]

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from estimators.learned.online import BOXES
+from harness.estimate.recorded.flag import Flag, summary
 from harness.estimate.recorded.read import Taken, recorded
 from harness.estimate.recorded.table import Column, DataTable, TimeColumn
 from harness.learn.gather import SETTLED
@@ -98,8 +98,9 @@ def read_folder(
     remarks: list[str] = []
     for name, label in known.items():
         taken = _taken(folder / name, chosen)
-        runs.append(reduce(name, label.friction, _readings(name, taken, chosen, label)))
-        remarks += [f"{name}: {sentence}" for sentence in taken.recording.attrs["flags"]]
+        bridged: list[Flag] = []
+        runs.append(reduce(name, label.friction, _readings(name, taken, chosen, label, bridged)))
+        remarks += [f"{name}: {sentence}" for sentence in (*taken.recording.attrs["flags"], *summary(bridged))]
         tell(name)
     return Folder(runs=tuple(runs), remarks=tuple(remarks))
 
@@ -139,9 +140,10 @@ def _taken(file: Path, table: DataTable) -> Taken:
     return recorded(file, table, UNITS, ["speed"], list(BOXES))
 
 
-def _readings(name: str, taken: Taken, table: DataTable, label: Label) -> Readings:
+def _readings(name: str, taken: Taken, table: DataTable, label: Label, bridged: list[Flag]) -> Readings:
+    """Return what a file says of a run; `bridged` is told of what was interpolated."""
     recording = taken.recording
-    boxes = np.column_stack([_whole(name, recording, box, taken, table.longest_gap) for box in BOXES])
+    boxes = np.column_stack([_whole(name, box, taken, table.longest_gap, bridged) for box in BOXES])
     there = np.flatnonzero(np.isfinite(boxes).all(axis=1))
     # Loggers do not all begin and end at once; between, nothing is missing any more.
     part = slice(there[0], there[-1] + 1) if there.size else slice(0, 0)
@@ -159,13 +161,13 @@ def _readings(name: str, taken: Taken, table: DataTable, label: Label) -> Readin
     )  # fmt: skip
 
 
-def _whole(name: str, recording: xarray.Dataset, box: str, taken: Taken, longest_gap: float) -> Array:
+def _whole(name: str, box: str, taken: Taken, longest_gap: float, bridged: list[Flag]) -> Array:
     """Return an acceleration without holes: short ones are bridged, NaN stands before and after all samples.
 
     Raises:
         DataError: A hole is too long, or the sensor too slow.
     """
-    values, time = recording[box].values, recording["time"].values
+    values, time = taken.recording[box].values, taken.recording["time"].values
     known = np.flatnonzero(np.isfinite(values))
     if known.size < 2:
         raise DataError(f"{name}: {box} has {known.size} usable samples{_why(box, taken)}.")
@@ -180,6 +182,9 @@ def _whole(name: str, recording: xarray.Dataset, box: str, taken: Taken, longest
             f"a filter needs every sample; cut the recording with begin and end in [data], or raise longest_gap "
             f"({longest_gap:g} s) if it can be interpolated."
         )
+    for k in np.flatnonzero(apart > 1.5 * spacing):
+        begin, end = (float(time[known[j]]) for j in (k, k + 1))
+        bridged.append(Flag(signal=box, kind="bridged", begin=begin, end=end, samples=0))
     return np.interp(time, time[known], values[known], left=np.nan, right=np.nan)
 
 

@@ -94,6 +94,7 @@ def test_a_filter_that_is_wrong_in_a_condition_is_said_to_be():
     lines = "\n".join(level_lines([right, wrong]))
     assert "Tells μ0 within 0.05 rms in dry, worst." in lines
     assert "Tells μ0 within 0.05 rms in worst; takes dry, 0.46, for 0.11." in lines
+    assert "in worst; is lost in dry." in "\n".join(level_lines([Result(case=case("paper"), measures=told(1e37))]))
 
 
 def case(plant):
@@ -102,4 +103,4 @@ def case(plant):
 
 
 def told(dry):
-    return {"levels": {"known_track": {"dry": (dry, 0.46 - dry), "worst": (0.1, 0.001)}}}
+    return {"levels": {"known_track": {"dry": (dry, abs(0.46 - dry)), "worst": (0.1, 0.001)}}}

@@ -129,6 +129,7 @@ def test_a_short_gap_is_bridged_and_a_spike_is_said(tmp_path):
     held["right[1]"][9000] = 2000.0
     found = one_run(tmp_path, held)
     assert np.isfinite(found.runs[0].slow).all()
+    assert "a.parquet: left[2], 0.976–0.996 s: no samples; interpolated between the neighbours." in found.remarks
     assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in found.remarks)
 
 
