@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.belief import Estimate
 from estimators.learned.ensemble import QUANTILE
 from estimators.learned.online import BOXES, Edge, Online
 from harness.fmu import CoSimulation, FmuError, Signal, bind, describe
@@ -20,8 +19,6 @@ Vector = NDArray[np.float64]
 
 READINGS: Final = (*BOXES, "speed")
 """What the instruments of the car show, in order: m/s² in axes of the car, and m/s."""
-UNKNOWN: Final = Estimate(mean=np.array([np.nan]), covariance=np.array([[np.inf]]))
-"""Belief about friction before there is any."""
 
 
 class AxleBoxes:
@@ -42,39 +39,38 @@ class AxleBoxes:
 
 
 class LearnedFriction:
-    """A trained estimator as the loop's `Estimator`: its belief is about friction alone.
+    """A trained estimator as the loop's `Estimator`: a belief about friction alone, beside the memory of its filters.
 
-    The memory of its filters is its own, as an FMU's is: what a mean and a covariance hold is not enough to go on
-    from. The belief that goes in is therefore not used, and a run begins with a new one of these.
+    Attributes:
+        mean: Friction, NaN before there is an estimate, shape (1,).
+        covariance: Its variance, infinite before there is an estimate and NaN where there is no interval, shape (1, 1).
+        held: Direction: +1 wheelset 1 leads, −1 wheelset 4 does, shape (1,).
+        seen: As `READINGS`; where an entry is NaN the last one stands.
     """
 
     def __init__(self, advance: Callable[[Vector], Vector], inputs: tuple[str, ...], outputs: tuple[str, ...]) -> None:
         """Take what steps the estimator: from `inputs` at a sample to `outputs` after it."""
+        self.mean, self.covariance = np.array([np.nan]), np.array([[np.inf]])
+        self.held, self.seen = np.ones(1), np.full(len(READINGS), np.nan)
         self._advance = advance
         known = (*READINGS, "direction")
         self._taken = np.array([known.index(name) for name in inputs])
         self._at = {name: place for place, name in enumerate(outputs)}
-        self._latest = np.full(len(READINGS), np.nan)
+        self._latest = self.seen.copy()
 
-    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
-        """Return the belief after a reading; where the reading is NaN the last one stands.
-
-        Args:
-            prior: Not used.
-            held: Direction: +1 wheelset 1 leads, −1 wheelset 4 does.
-            seen: As `READINGS`.
-        """
-        self._latest = np.where(np.isnan(seen), self._latest, seen)
-        said = self._advance(np.concatenate([self._latest, held])[self._taken])
-        at = self._at
+    def advance(self) -> None:
+        """Go on by one sample."""
+        np.copyto(self._latest, self.seen, where=~np.isnan(self.seen))
+        said, at = self._advance(np.concatenate([self._latest, self.held])[self._taken]), self._at
         if said[at["known"]] < 0.5:
-            return UNKNOWN
-        friction = said[at["friction"]]
+            return
+        friction = self.mean[0] = said[at["friction"]]
         if "upper" not in at:
-            return Estimate(mean=np.array([friction]), covariance=np.array([[np.nan]]))
+            self.covariance[0, 0] = np.nan
+            return
         # Ends are cut off at 0 and 1; the longer half is the whole one.
         half = max(said[at["upper"]] - friction, friction - said[at["lower"]])
-        return Estimate(mean=np.array([friction]), covariance=np.array([[(half / QUANTILE) ** 2]]))
+        self.covariance[0, 0] = (half / QUANTILE) ** 2
 
 
 def in_casadi(online: Online) -> LearnedFriction:

@@ -32,7 +32,7 @@ from pydantic import Field, StrictInt, field_validator
 from estimators.learned.ensemble import QUANTILE
 from estimators.learned.online import BOXES
 from estimators.learned.trained import Said, Trained, load
-from harness.learn.parties import UNKNOWN, AxleBoxes, in_casadi, in_fmu
+from harness.learn.parties import AxleBoxes, in_casadi, in_fmu
 from harness.loop.beside import Watched, watch
 from harness.scenario.error import ScenarioError
 from harness.scenario.load import read_toml, validated
@@ -153,7 +153,6 @@ def ride_beside(asked: RideFile, directory: Path, progress: Callable[[float], No
             inputs=inputs,
             sensors=AxleBoxes(run, count),
             estimator=estimator,
-            first=UNKNOWN,
             held=np.array([-1.0 if run.backwards else 1.0]),
             skipped=skipped,
             progress=lambda sample: progress(sample / count),

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.belief import Estimate
 from harness.loop.ports import Estimator, Plant, Sensors
 
 Array = NDArray[np.float64]
@@ -35,7 +34,6 @@ def watch(
     inputs: Array,
     sensors: Sensors,
     estimator: Estimator,
-    first: Estimate,
     held: Array,
     skipped: int = 0,
     progress: Callable[[int], None] | None = None,
@@ -46,33 +44,33 @@ def watch(
         plant: Not yet started.
         inputs: Of the plant, a row for each sample, shape (k, inputs); row 0 at the start.
         sensors: Instruments; their sample 0 is the first one that is read.
-        estimator: Given the belief, `held` and the new reading.
-        first: Belief before the first reading.
+        estimator: At its start; given every reading, missing entries NaN.
         held: What the estimator knows beside its readings, for the whole run.
         skipped: Samples at the beginning that are not read: the plant settles.
         progress: Called with the sample now and then.
 
     Raises:
         PlantFailed: The plant refused a step.
+        ArithmeticError: The estimator failed.
     """
     count = len(inputs) - skipped
     truth = plant.start(inputs[0])
     shown = np.empty((count, len(truth)))
     reading: Array | None = None
-    mean, variance = np.empty((count, len(first.mean))), np.empty((count, len(first.mean)))
-    belief = first
+    mean, variance = np.empty((count, len(estimator.mean))), np.empty((count, len(estimator.mean)))
+    estimator.held[:] = held
     for k in range(len(inputs)):
         if k > 0:
             truth = plant.step(inputs[k])
         row = k - skipped
         if row < 0:
             continue
-        seen = sensors.read(row, truth)
-        belief = estimator.step(belief, held, seen)
+        seen = estimator.seen[:] = sensors.read(row, truth)
+        estimator.advance()
         if reading is None:
             reading = np.empty((count, len(seen)))
         shown[row], reading[row] = truth, seen
-        mean[row], variance[row] = belief.mean, np.diagonal(belief.covariance)
+        mean[row], variance[row] = estimator.mean, np.diagonal(estimator.covariance)
         if progress is not None and row % 512 == 0:
             progress(row)
     return Watched(truth=shown, reading=np.empty((0, 0)) if reading is None else reading, mean=mean, variance=variance)

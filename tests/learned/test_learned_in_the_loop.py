@@ -1,6 +1,7 @@
 """A trained estimator beside the car's FMU, through the protocols of the loop: in CasADi, as FMU, and all at once."""
 
 from dataclasses import replace
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from estimators.learned.trained import GeneralEstimator, PaperEstimator, load, s
 from fmus.native.package import pack
 from harness.fmu import FmuError, describe
 from harness.learn.export import as_fmu
-from harness.learn.parties import READINGS, UNKNOWN, AxleBoxes, in_casadi, in_fmu
+from harness.learn.parties import READINGS, AxleBoxes, in_casadi, in_fmu
 from harness.learn.ride import LIBRARY, difference, read_ride, ride_beside, said_of
 from harness.loop import ports
 from harness.loop.beside import watch
@@ -73,9 +74,18 @@ def beside(estimator, run=RIDE):
         parties = ((car, ports.Plant), (sensors, ports.Sensors), (estimator, ports.Estimator))
         assert all(isinstance(party, protocol) for party, protocol in parties)
         return watch(
-            plant=car, inputs=inputs, sensors=sensors, estimator=estimator, first=UNKNOWN,
+            plant=car, inputs=inputs, sensors=sensors, estimator=estimator,
             held=np.array([-1.0 if run.backwards else 1.0]), skipped=skipped,
         )  # fmt: skip
+
+
+def said_by(estimator, readings, direction=1.0):
+    """Mean and variance after every reading."""
+    estimator.held[:] = direction
+    for reading in readings:
+        estimator.seen[:] = reading
+        estimator.advance()
+        yield estimator.mean[0], estimator.covariance[0, 0]
 
 
 @pytest.fixture(scope="module")
@@ -110,22 +120,24 @@ def test_the_exported_fmu_is_the_same_party(kind, estimators, exported, watched)
     assert validate_fmu(str(exported[kind])) == []
     ridden = watched[kind]
     with in_fmu(exported[kind], RATE) as estimator:
-        belief, made = UNKNOWN, []
-        for reading in ridden.reading:
-            belief = estimator.step(belief, np.array([-1.0]), reading)
-            made.append((belief.mean[0], belief.covariance[0, 0]))
+        made = list(said_by(estimator, ridden.reading, direction=-1.0))
     mean, variance = np.array(made).T
     np.testing.assert_allclose(mean, ridden.mean[:, 0], rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(variance, ridden.variance[:, 0], rtol=1e-9)
 
 
 def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(exported):
-    assert describe(exported["general"]).variables["lateral[4]"].causality == "input"
+    for file in exported.values():
+        assert describe(file).variables["lateral[4]"].causality == "input"
+        with ZipFile(file) as parts:
+            told = parts.read("modelDescription.xml").decode()
+        assert "accelerations of the axle boxes, 5120 a second" in told
+        assert f'stepSize="{1 / 5120!r}"' in told
     with (
         in_fmu(exported["paper"], 3 * RATE // 2) as estimator,
         pytest.raises(Exception, match="whole number of periods"),
     ):
-        estimator.step(UNKNOWN, np.array([1.0]), np.zeros(len(READINGS)))
+        list(said_by(estimator, np.zeros((1, len(READINGS)))))
 
 
 def test_a_sample_that_is_missing_is_held(estimators):
@@ -137,9 +149,8 @@ def test_a_sample_that_is_missing_is_held(estimators):
     readings[5:, 3] = readings[4, 3]
     said = []
     for given in (readings, holes):
-        estimator = in_casadi(estimators["paper"].online())
-        said.append([estimator.step(UNKNOWN, np.array([1.0]), row).mean[0] for row in given])
-    assert said[0][-1] == said[1][-1] > 0
+        said.append(list(said_by(in_casadi(estimators["paper"].online()), given)))
+    assert said[0][-1][0] == said[1][-1][0] > 0
 
 
 def test_sensors_sample_by_sample_are_those_of_the_records():
