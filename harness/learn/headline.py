@@ -10,10 +10,11 @@ from estimators.learned.channels import COMBINATIONS
 from harness.learn.evaluate import Recipe, within_exchanged, within_runs, without_each
 from harness.learn.gather import spectral_features
 from harness.learn.measured import readings
-from harness.learn.reduction import CHANNELS, SPECTRAL, reduce
+from harness.learn.reduction import CHANNELS, SPECTRAL, Run, reduce
 from harness.learn.runs import campaign
-from harness.twins.instrumented_car import MPH
+from harness.twins.instrumented_car import MPH, Pass
 from harness.verdict.baseline import Finding
+from harness.workers import workers
 
 SPEED: Final = 60
 """mph, the shortest runs."""
@@ -28,19 +29,18 @@ LEVEL: Final = 1e-3
 
 def headlines(tell: Callable[[str], None]) -> list[Finding]:
     """Return errors of the paper's networks at one speed, and levels and features of what they were trained on."""
-    runs = []
-    for run in campaign(length=LENGTH):
-        if run.speed == SPEED * MPH:
-            tell(f"learn, {run.name}")
-            runs.append(reduce(run.name, run.friction, readings(run)))
-    tell("learn, training")
+    tell(f"learn, six runs at {SPEED} mph")
     recipe = Recipe(starts=3)
-    scores = {
-        "bias inside": within_runs(runs, recipe),
-        "bias outside": within_runs(runs, replace(recipe, bias="outside")),
-        "labels exchanged": within_exchanged(runs, recipe),
-        "a run left out": without_each(runs, replace(recipe, starts=1)),
-    }
+    with workers(2) as pool:
+        runs = list(pool.map(_reduced, [run for run in campaign(length=LENGTH) if run.speed == SPEED * MPH]))
+        tell("learn, training")
+        training = {
+            "bias inside": pool.submit(within_runs, runs, recipe),
+            "bias outside": pool.submit(within_runs, runs, replace(recipe, bias="outside")),
+            "labels exchanged": pool.submit(within_exchanged, runs, recipe),
+            "a run left out": pool.submit(without_each, runs, replace(recipe, starts=1)),
+        }
+        scores = {name: one.result() for name, one in training.items()}
     who = f"learn {SPEED} mph"
     found = [
         Finding(name=f"{who}, {name}: MAE", value=score.mae, unit="1", tolerance=TRAINED * score.mae)
@@ -58,3 +58,7 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
         value = float(features[SPECTRAL.names.index(name)])
         found.append(Finding(name=f"{who}, {name}", value=value, unit="1", tolerance=LEVEL))
     return found
+
+
+def _reduced(run: Pass) -> Run:
+    return reduce(run.name, run.friction, readings(run))

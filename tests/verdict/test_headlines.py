@@ -49,8 +49,8 @@ def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
     assert learn["learn 60 mph, a run left out: MAE"].value > learn["learn 60 mph, always the mean: MAE"].value
     lateral = load_baseline(BASELINES / "lateral.toml").figures
     rmse = {
-        name: lateral[f"lateral transition, plant {name}: friction RMSE"].value
-        for name in ("'paper', literal", "'paper', known_track", "'paper', unknown_track", "'softer', known_track")
+        name: lateral[f"lateral, {name}: friction RMSE"].value
+        for name in ("paper, literal", "paper, known_track", "paper, unknown_track", "softer, known_track")
     }
-    assert rmse["'paper', known_track"] < rmse["'paper', unknown_track"] < rmse["'paper', literal"]
-    assert rmse["'softer', known_track"] > 0.1
+    assert rmse["paper, known_track"] < rmse["paper, unknown_track"] < rmse["paper, literal"]
+    assert rmse["softer, known_track"] > 0.1
