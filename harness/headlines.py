@@ -117,7 +117,25 @@ def monitor(tell: Tell) -> list[Finding]:
     ]
 
 
-STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {"estimate": (rig, field, monitor)}
+def lateral(tell: Tell) -> list[Finding]:
+    """Return what the filters of a wandering wheelset make of one run through all conditions."""
+    from harness.lateral.headline import headlines as of_lateral
+
+    return of_lateral(tell)
+
+
+def learn(tell: Tell) -> list[Finding]:
+    """Return errors of the networks on axle-box accelerations at one speed, and levels of what they see."""
+    from harness.learn.headline import headlines as of_learn
+
+    return of_learn(tell)
+
+
+STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
+    "estimate": (rig, field, monitor),
+    "lateral": (lateral,),
+    "learn": (learn,),
+}
 
 
 def _mean(name: str, value: float, unit: str = "1") -> Finding:

@@ -33,5 +33,8 @@ class AntiAlias:
 
     def __call__(self, raw: Array) -> Array:
         """Return the slow signal, shape (n // keep, channels), relative to the first sample."""
-        passed = sosfilt(self.sections, raw - raw[0], axis=0)
-        return np.asarray(passed[self.keep - 1 :: self.keep], dtype=np.float64)
+        return self.kept(np.asarray(sosfilt(self.sections, raw - raw[0], axis=0), dtype=np.float64))
+
+    def kept(self, raw: Array) -> Array:
+        """Return the samples that are kept, as they are, shape (n // keep, …)."""
+        return np.asarray(raw[self.keep - 1 :: self.keep], dtype=np.float64)

@@ -41,3 +41,11 @@ def motions(left: Array, right: Array, lateral: Array, combination: str) -> Arra
         "right": right,
     }
     return np.hstack([parts[motion] for motion in COMBINATIONS[combination]])
+
+
+def forwards(lateral: Array, yaw: Array, *, backwards: bool) -> tuple[Array, Array]:
+    """Return lateral and yaw acceleration, each of shape (n, 4), in axes that point forwards, wheelset 1 leading.
+
+    Run backwards, the car is turned by half a turn: the fourth wheelset leads, left is right, and yaw stays yaw.
+    """
+    return (-lateral[:, ::-1], yaw[:, ::-1]) if backwards else (lateral, yaw)

@@ -15,12 +15,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.errors import EstimatorError
 from estimators.learned.network import Network, train
 
 Array = NDArray[np.float64]
 
 LEAST_SPREAD: Final = 0.03
 """Friction added to the disagreement: networks that agree know no more than the spread of friction at one slope."""
+QUANTILE: Final = 1.6449
+"""Standard deviations from the middle of a Gaussian to either end of its 90 % interval."""
 SLOPE_CENTRE: Final = 0.3
 SLOPE_HALF: Final = 0.5
 """Slopes from 0 to 0.8, clean contacts to the softest films, are scaled to about [−1, 1] for the second stage."""
@@ -88,6 +91,9 @@ def fit(
         slope: Of the creep curve, shape (n,), where it is known; asks for two stages.
         decay: Weight of the squared weights, see `network.train`.
         confidence: Of the interval.
+
+    Raises:
+        EstimatorError: There are too few runs or networks for an interval.
     """
     centre, spread = features.mean(axis=0), features.std(axis=0) + 1e-12
     made = Ensemble(centre=centre, spread=spread, networks=(), second=(), half_width=0.0)
@@ -104,6 +110,11 @@ def fit(
     made = replace(made, networks=tuple(networks))
     # Only what networks say of runs they have not seen is like what they will say of new ones.
     judged = (~np.isnan(said)).sum(axis=0) >= FEWEST_OPINIONS
+    if not judged.any():
+        raise EstimatorError(
+            f"an interval wants a run that {FEWEST_OPINIONS} of the {members} networks have not seen, and none of the "
+            f"{runs.size} runs is one; train on more runs or more networks."
+        )
     mean = np.nanmean(said[:, judged], axis=0)
     if slope is not None:
         inner = ((mean - SLOPE_CENTRE) / SLOPE_HALF)[:, None]

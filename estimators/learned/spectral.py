@@ -72,17 +72,14 @@ class Spectral:
                "yaw in phase", "yaw quadrature")  # fmt: skip
         return (*(f"{name}, {centre:g} Hz" for centre in self.centres for name in one), "log speed")
 
-    def means(self, lateral: Array, yaw: Array, speed: float) -> Array:
+    def means(self, lateral: Array, yaw: Array, speed: Array) -> Array:
         """Return running means of products, shape (n, bands, 2 bogies, 10).
 
         Args:
             lateral, yaw: At `rate`, in axes that point forwards, wheelset 1 leading, m/s², shape (n, 4).
-            speed: m/s, held; sample by sample it may change, see `online`.
+            speed: m/s, shape (n,).
         """
-        weight = self.weight(speed, np)
-        # The sum of the weights so far, so that the start counts for no more than it is worth.
-        averaged = np.maximum(np.arange(len(lateral)) + 1 - self.settled, 0)
-        total = np.maximum(1 - (1 - weight) ** averaged, TINY)
+        weight = np.where(np.arange(len(lateral)) < self.settled, 0.0, self.weight(speed, np))
         made = np.empty((len(lateral), len(self.centres), 2, PRODUCTS))
         for k, centre in enumerate(self.centres):
             swing, turn = self._filtered(centre, lateral), self._filtered(centre, yaw)
@@ -93,15 +90,20 @@ class Spectral:
                     (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
                 )  # fmt: skip
                 made[:, k, bogie] = np.stack(own, axis=-1)
-        made[: self.settled] = 0.0
-        mean = lfilter([weight], [1, weight - 1], made, axis=0)
-        return np.asarray(mean / total[:, None, None, None], dtype=np.float64)
+        # A mean over metres, not seconds: its weights change with the speed, which no filter of SciPy's can. Divided
+        # by the sum of the weights so far, the start counts for no more than it is worth.
+        mean, total = np.zeros(made.shape[1:]), 0.0
+        for k, w in enumerate(weight):
+            total += w * (1 - total)
+            mean += w * (made[k] - mean)
+            made[k] = mean / max(total, TINY)
+        return made
 
-    def features(self, lateral: Array, yaw: Array, speed: float) -> Array:
+    def features(self, lateral: Array, yaw: Array, speed: Array) -> Array:
         """Return the features, shape (n, features); arguments as for `means`."""
         means = self.means(lateral, yaw, speed).sum(axis=2)
         made = [value for k in range(len(self.centres)) for value in ratios(list(means[:, k].T), np)]
-        return np.stack([*made, np.full(len(lateral), np.log(max(abs(speed), SLOWEST)))], axis=-1)
+        return np.stack([*made, np.log(np.maximum(np.abs(speed), SLOWEST))], axis=-1)
 
     def _filtered(self, centre: float, signal: Array) -> Array:
         """Return the band and its integral, shape (2, *signal.shape)."""

@@ -40,7 +40,8 @@ def test_figure(trace: Trace) -> Figure:
         style.dress(left, y=LABELS[quantity])
         right.set_yscale("log")
         right.set_ylim(1e-7 * size, 1e1 * size)
-        style.dress(right, y="|error|")
+        unit = LABELS[quantity].partition("[")[2]
+        style.dress(right, y=f"|error| [{unit}" if unit else "|error|")
         for axes in (left, right):
             for change in trace.changes[1:]:
                 axes.axvline(change, color=style.GREY, linewidth=0.8, linestyle=":")

@@ -129,7 +129,8 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
 
     errors[filter][quantity]: rmse, bias, peak, nees (mean of e²/σ², one for a consistent filter), settling [s] (worst
     over the changes of condition, null if ever not). detection[filter]: confusion, delays [s] after the start and each
-    change. observability: standard deviation of mu0 from each window. diverged[filter]: instant [s] or null.
+    change. levels[filter][condition]: mean and rms error of mu0 from `WINDOW` after each change on. observability:
+    standard deviation of mu0 from each window. diverged[filter]: instant [s] or null.
 
     Args:
         trace: The run.
@@ -142,6 +143,7 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
             for name, about in said.items()
         },
         "detection": {name: _detection(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
+        "levels": {name: _levels(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
         "observability": _observability(trace) if observe else None,
         "diverged": {
             name: belief.diverged_at * trace.period / EVERY if belief.diverged else None
@@ -187,6 +189,20 @@ def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
         right = np.flatnonzero(labels[part] == trace.condition[part])
         delays.append(float(trace.time[part][right[0]] - begin) if right.size else None)
     return {"confusion": confusion(trace.condition, labels, len(CONDITIONS)).tolist(), "delays": delays}
+
+
+def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
+    """Return by condition of the run the mean of what is believed of mu0 and its rms error, once it could settle."""
+    since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
+    found: dict[str, tuple[float | None, float | None]] = {}
+    for number, condition in enumerate(CONDITIONS):
+        part = (trace.condition == number) & (since >= WINDOW)
+        if part.any():
+            with np.errstate(over="ignore", invalid="ignore"):
+                mean = float(np.mean(mu0.mean[part]))
+                rms = float(np.sqrt(np.mean((mu0.mean[part] - trace.mu0[part]) ** 2)))
+            found[condition.name] = (mean if math.isfinite(mean) else None, rms if math.isfinite(rms) else None)
+    return found
 
 
 def _observability(trace: Trace) -> dict[str, Any]:

@@ -7,7 +7,15 @@ from harness.lateral.figures import test_figure
 from harness.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SERVICE_NOISE, SHARE_TOLERANCE, WINDOW
 from harness.lateral.run import Case, simulate
 from harness.lateral.study import Plan, Result
-from harness.lateral.tables import detection_lines, error_rows, error_tables, observability_lines, spread, write_csv
+from harness.lateral.tables import (
+    detection_lines,
+    error_rows,
+    error_tables,
+    level_lines,
+    observability_lines,
+    spread,
+    write_csv,
+)
 from harness.twins.lateral import PLANTS
 from harness.verdict.style import save
 
@@ -53,10 +61,16 @@ def write_report(
                 "",
                 f"Standard deviation to which μ0 is told by {WINDOW:g} s of readings alone, the track known and the "
                 "model exact (from the observability Gramian along the true run): a bound for every filter. Service "
-                f"sensors: {SERVICE_NOISE[0] ** 0.5:g} m/s² and {SERVICE_NOISE[1] ** 0.5:g} rad/s at 50 µs. What an "
-                "inexact model costs is in the tables of the plants that differ.",
+                f"sensors: {SERVICE_NOISE[0] ** 0.5:g} m/s² and {SERVICE_NOISE[1] ** 0.5:g} rad/s at 50 µs. Windows of "
+                f"{plan.seeds} seeds.",
                 "",
                 *observability_lines(results),
+                "## What an inexact model costs",
+                "",
+                f"The transition at {speed:g} m/s, {plan.seeds} seeds: what the filters that know no condition believe "
+                f"of μ0 from {WINDOW:g} s after each change on.",
+                "",
+                *level_lines(results),
                 "## Detected condition",
                 "",
                 f"Announced when {DETECTOR.confidence:.0%} probable for {DETECTOR.hold:g} s, with "

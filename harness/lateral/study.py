@@ -4,11 +4,10 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.resources import files
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,13 +17,12 @@ from harness.lateral.filters import CLASSES
 from harness.lateral.judge import measure
 from harness.lateral.run import Case, simulate
 from harness.twins.lateral import PLANTS, TESTS, Trial
+from harness.workers import workers as processes
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
 
 SEEDS: Final = 10
-OBSERVED_SEEDS: Final = 2
-"""Runs of each test whose observability is computed: it differs little from seed to seed and takes longest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,9 +92,9 @@ def conduct(
         else:
             missing.append(case)
     if missing:
-        # Compiled here once, so that the workers find everything made; spawned, because CasADi holds threads.
+        # Compiled here once, so that the workers find everything made.
         simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        with processes(workers) as pool:
             running = {pool.submit(one, case): case for case in missing}
             try:
                 for done in as_completed(running):
@@ -112,13 +110,18 @@ def conduct(
 
 def one(case: Case) -> dict[str, Any]:
     """Run and measure one case."""
-    observe = case.seed <= OBSERVED_SEEDS and case.plant == "paper"
-    return measure(simulate(case), observe=observe)
+    return measure(simulate(case), observe=_observed(case))
 
 
 def key(case: Case) -> str:
     """Return the digest of a case and of everything that its result rests on."""
-    return hashlib.sha256((_ground() + json.dumps(asdict(case), sort_keys=True)).encode()).hexdigest()[:20]
+    asked = json.dumps([asdict(case), _observed(case)], sort_keys=True)
+    return hashlib.sha256((_ground() + asked).encode()).hexdigest()[:20]
+
+
+def _observed(case: Case) -> bool:
+    """Return whether observability is asked for: it is that of the model, which other plants do not keep to."""
+    return case.plant == "paper"
 
 
 @cache

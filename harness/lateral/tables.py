@@ -18,6 +18,8 @@ from harness.lateral.study import Result
 from harness.twins.lateral import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
+LEVEL_TOLERANCE: Final = 0.05
+"""Half of the distance between the two lowest levels: a filter that is this far off cannot name the condition."""
 PLANT_TITLES: Final = {
     "paper": "plant as the filters know it",
     "twisting": "plant with a twisting axle",
@@ -185,6 +187,38 @@ def detection_lines(results: Sequence[Result]) -> list[str]:
                 lines.append(_line([condition.name, *(f"{value:.1%}" for value in share)]))
             lines += ["", *_delay_lines(runs, name), ""]
     return lines
+
+
+def level_lines(results: Sequence[Result]) -> list[str]:
+    """Return Markdown: what each well-posed filter believes of mu0 in runs of several conditions, with a sentence."""
+    lines: list[str] = []
+    for plant, title in PLANT_TITLES.items():
+        several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]
+        speeds = sorted({run.case.speed for run in several})
+        runs = [run for run in several if run.case.speed == speeds[len(speeds) // 2]]
+        for name in [name for name in NAMES if runs and name in runs[0].measures["levels"]]:
+            lines += [
+                f"**{TITLES[name]}, {title}**",
+                "",
+                *_level_table([run.measures["levels"][name] for run in runs]),
+                "",
+            ]
+    return lines
+
+
+def _level_table(levels: Sequence[dict[str, tuple[float | None, float | None]]]) -> list[str]:
+    conditions = [condition for condition in CONDITIONS if condition.name in levels[0]]
+    believed = {c: [spread(level[c.name][k] for level in levels) for k in (0, 1)] for c in conditions}
+    lines = _header(["condition", "true μ0", "believed: median [interval]", "rms error"])
+    lines += [_line([c.name, f"{c.mu0:g}", *map(str, believed[c])]) for c in conditions]
+    right = [c.name for c in conditions if believed[c][1].median < LEVEL_TOLERANCE]
+    far = [
+        f"takes {c.name}, {c.mu0:g}, for {_digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
+        for c, (mean, error) in believed.items()
+        if error.median >= LEVEL_TOLERANCE
+    ]
+    told = f"Tells μ0 within {LEVEL_TOLERANCE:g} rms in {', '.join(right) or 'no condition'}"
+    return [*lines, "", f"{told}; {'; '.join(far)}." if far else f"{told}."]
 
 
 def _delay_lines(runs: Sequence[Result], name: str) -> list[str]:

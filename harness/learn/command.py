@@ -1,5 +1,6 @@
-"""`railgrip learn`: the study of the paper, or a user's own runs."""
+"""`railgrip learn`: the study of the paper, or a user's own runs; `railgrip ride`: a trained estimator in the loop."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -7,84 +8,140 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from harness.scenario.error import ScenarioError
+
 if TYPE_CHECKING:
-    from estimators.learned.ensemble import Ensemble
+    from estimators.learned.trained import GeneralEstimator, PaperEstimator
 
 OUT: Final = Path("build/learn")
 
 
 def add_to(app: typer.Typer) -> None:
-    """Register the command."""
+    """Register the commands."""
     app.command("learn")(learn)
+    app.command("ride")(ride)
 
 
 def learn(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE.toml]", help="Your own runs, see harness/learn/own_file.py.")
+    ] = None,
+    inputs: Annotated[
+        str | None,
+        typer.Option(help="What the paper's networks listen to, as 'left, right'; longitudinal unless given."),
+    ] = None,
     quick: Annotated[
         bool, typer.Option(help="A small study that shows everything works; its figures mean nothing.")
     ] = False,
-    out: Annotated[Path, typer.Option(help="Folder for report, figures and FMU.")] = OUT,
-    runs: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of your own recordings; needs --labels.")
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for report, figures, estimators and FMUs; build/learn or …/learn_NAME.")
     ] = None,
-    labels: Annotated[Path | None, typer.Option(metavar="FILE", help="Table of their friction.")] = None,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
 ) -> None:
-    """Learn friction from axle-box accelerations: train, judge, report, and export as an FMU."""
-    if (runs is None) != (labels is None):
-        raise typer.BadParameter("--runs and --labels go together")
-    page = own(runs, labels, out, workers) if runs and labels else paper(quick, out, workers)
+    """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
+    from estimators.learned.channels import COMBINATIONS
+
+    if inputs is not None and inputs not in COMBINATIONS:
+        raise ScenarioError(f"--inputs is '{inputs}'; there is {'; '.join(COMBINATIONS)}.")
+    if file is not None and quick:
+        raise ScenarioError("--quick is of the paper's study; your own runs are taken as they are.")
+    page = _paper(inputs, quick, out or OUT, workers) if file is None else _own(file, inputs, out, workers)
     Console().print(str(page), highlight=False, soft_wrap=True)
 
 
-def paper(quick: bool, out: Path, workers: int) -> Path:
-    """Run the study of the paper and write its report, figures and the FMU of the estimator for all speeds."""
+def ride(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A ride, see harness/learn/ride.py.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for trace and figure; build/rides/NAME unless given.")
+    ] = None,
+) -> None:
+    """Run the instrumented car with a trained estimator beside it, sample by sample."""
+    from harness.learn.ride import read_ride, ride_beside, ride_figure
+    from harness.record.atomic import replacing
+    from harness.verdict.style import save
+
+    asked = read_ride(file)
+    folder = out or Path("build/rides") / asked.name
+    with _progress() as bar:
+        task = bar.add_task(asked.name, total=1.0)
+        ridden = ride_beside(asked, file.parent, lambda share: bar.update(task, completed=share))
+    with replacing(folder / "ride.nc") as partial:
+        ridden.trace.to_netcdf(partial, engine="h5netcdf")
+    save(ride_figure(ridden.trace), folder / "ride.png")
+    last = ridden.trace.isel(time=-1)
+    shown = f"{asked.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
+    if float(last["friction_sd"]) > 0:
+        shown += f" ± {float(last['friction_sd']):.3f}"
+    shown += f", true {asked.car.friction:.3f} in the mean"
+    if ridden.apart is not None:
+        shown += f"; sample by sample within {ridden.apart:.1e} of the same readings at once"
+    console = Console()
+    console.print(shown, highlight=False, soft_wrap=True)
+    console.print(f"{folder}/ride.nc", highlight=False, soft_wrap=True)
+
+
+def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
+    """Run the study of the paper and write its report, figures, estimators and their FMUs."""
     from harness.learn.figures import draw
-    from harness.learn.study import FULL, QUICK, pieces, study
+    from harness.learn.study import FULL, QUICK, estimators_of, pieces, study
     from harness.learn.tables import report
     from harness.record.atomic import write_text
 
     size = QUICK if quick else FULL
     with _progress() as bar:
-        task = bar.add_task("learn", total=pieces(size) + 1)
+        task = bar.add_task("learn", total=pieces(size))
 
         def tell(name: str) -> None:
             bar.update(task, advance=1, description=name)
 
-        made = study(size, workers=workers, tell=tell)
-        bar.update(task, description="figures and FMU")
+        made = study(size, inputs=inputs or "longitudinal", workers=workers, tell=tell)
+        bar.update(task, description="figures and FMUs")
         drawn = draw(made, out)
-        _export(made.ensemble, out)
+        _export(estimators_of(made), out)
     pictures = "\n".join(f"![{path.stem}]({path.name})" for path in drawn)
     page = out / "report.md"
     write_text(page, report(made) + "\n" + pictures + "\n")
     return page
 
 
-def own(runs: Path, labels: Path, out: Path, workers: int) -> Path:
-    """Train and judge on a user's runs, write the report and the FMU of the estimator for all speeds."""
-    from harness.learn.own import judge_own
-    from harness.learn.users import read_runs
+def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
+    """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
+    from harness.learn.own import judge_own, own_pieces
+    from harness.learn.own_file import read_own
+    from harness.learn.users import read_folder, read_labels
     from harness.record.atomic import write_text
 
+    asked = read_own(file)
+    network = asked.network if inputs is None else asked.network.model_copy(update={"inputs": inputs})
+    folder = out or OUT.with_name(f"learn_{asked.name}")
+    labels = file.parent / asked.runs.labels
     with _progress() as bar:
-        task = bar.add_task("reading", total=None)
-        read = read_runs(runs, labels)
-        bar.update(task, description="training")
-        text, ensemble = judge_own(read, workers=workers)
-        bar.update(task, description="FMU")
-        _export(ensemble, out)
-    page = out / "report.md"
+        task = bar.add_task("reading", total=len(read_labels(labels)))
+
+        def tell(name: str) -> None:
+            bar.update(task, advance=1, description=name)
+
+        read = read_folder(file.parent / asked.runs.folder, labels, asked.data, tell)
+        bar.update(task, description="training and judging", total=len(read.runs) + own_pieces(read.runs))
+        text, trained = judge_own(read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=tell)
+        bar.update(task, description="FMUs")
+        _export(trained, folder)
+    page = folder / "report.md"
     write_text(page, text)
     return page
 
 
-def _export(ensemble: "Ensemble", out: Path) -> Path:
-    from estimators.learned.online import general
+def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
+    """Write every estimator as a file of numbers and as an FMU."""
+    from estimators.learned.trained import save
     from fmus.native.package import pack
     from harness.learn.export import as_fmu
-    from harness.learn.gather import SLOW, SPECTRAL
+    from harness.record.atomic import replacing
 
-    return pack(as_fmu(general(SLOW, SPECTRAL, ensemble)), out / "Friction.fmu")
+    for name, one in trained.items():
+        with replacing(out / f"{name}.json") as partial:
+            save(one, partial)
+        pack(as_fmu(one.online()), out / f"{name}.fmu")
 
 
 def _progress() -> Progress:

@@ -12,7 +12,8 @@ def as_fmu(built: Online) -> Source:
     return sources(
         Discrete(
             name=built.name,
-            description="Friction between wheel and rail from accelerations of the axle boxes",
+            # Whoever steps it at the rate of something slower must know: a longer step holds its inputs.
+            description=f"Friction between wheel and rail from accelerations of the axle boxes, {built.rate} a second",
             period=1 / built.rate,
             states=states,
             inputs=inputs,

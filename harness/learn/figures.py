@@ -1,24 +1,24 @@
 """Figures of a study."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from harness.learn.evaluate import Fitted, Recipe
-from harness.learn.gather import Run, spectral_features
+from estimators.learned.preprocessing import BLOCKS
+from harness.learn.evaluate import exchanged, parts_of
+from harness.learn.gather import spectral_features
+from harness.learn.reduction import CHANNELS
 from harness.learn.study import PUBLISHED, Study, over_speeds
-from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, save
-
-Array = NDArray[np.float64]
+from harness.twins.accelerometer import RATE
+from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
 
 
 def draw(made: Study, folder: Path) -> list[Path]:
     """Draw every figure of a study into a folder."""
     return [
         save(errors(made), folder / "errors.png"),
+        save(processed(made), folder / "processed.png"),
         save(campaign(made), folder / "campaign.png"),
         save(over_time(made), folder / "within_runs.png"),
     ]
@@ -48,7 +48,7 @@ def errors(made: Study) -> Figure:
 
 
 def campaign(made: Study) -> Figure:
-    """The estimator for all speeds on each run of the campaign: estimates with interval over the label."""
+    """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
     sheet = figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
         np.atleast_1d(sheet.subplots(1, len(made.runs), sharey=True)), made.runs.items(), strict=True
@@ -56,36 +56,63 @@ def campaign(made: Study) -> Figure:
         for k, run in enumerate(sorted(runs, key=lambda r: r.friction)):
             said = made.ensemble(spectral_features(run))
             place = k + np.linspace(-0.3, 0.3, len(said.friction))
-            axes.vlines(place, said.lower, said.upper, color=GREEN, alpha=0.3, linewidth=1)
-            axes.plot(place, said.friction, ".", color=GREEN, markersize=3)
-            axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6)
+            axes.vlines(place, said.lower, said.upper, color=GREEN, alpha=0.3, linewidth=1, label="90 % interval")
+            axes.plot(place, said.friction, ".", color=GREEN, markersize=3, label="estimate")
+            axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
+        if speed == next(iter(made.runs)):
+            axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
         axes.set_xticks([])
+        axes.set_ylim(0, 0.55)
         dress(axes, x="runs by friction", y="friction" if speed == next(iter(made.runs)) else "", title=f"{speed} mph")
+    return sheet
+
+
+def processed(made: Study) -> Figure:
+    """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
+    sheet = figure(8.0, 1.7 * len(made.runs))
+    rows = np.atleast_1d(sheet.subplots(len(made.runs), 1))
+    colours = lead_to_trail(4)
+    for axes, (speed, runs) in zip(rows, made.runs.items(), strict=True):
+        ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
+        seen = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
+        seconds = np.arange(len(seen)) * (BLOCKS[speed] / RATE)
+        for wheelset, colour in enumerate(colours):
+            axes.plot(seconds, seen[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
+        for begin, end, run in zip([0.0, *ends[:-1]], ends, runs, strict=True):
+            axes.axvline(end, color=GREY, linewidth=0.8, linestyle=":")
+            axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
+                      ha="center", va="top", color=GREY)  # fmt: skip
+        axes.set_xlim(0, ends[-1])
+        axes.set_ylim(0, 1.25 * float(seen.max()))
+        last = speed == list(made.runs)[-1]
+        dress(
+            axes,
+            x="time of the linked runs [s]" if last else "",
+            y="|acc.| [m/s²]",
+            title=f"{speed} mph; grey: friction",
+        )
+    sheet.legend(*rows[0].get_legend_handles_labels(), fontsize=8, ncols=4, loc="outside upper right")
     return sheet
 
 
 def over_time(made: Study) -> Figure:
     """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
     sheet = figure(8.0, 1.9 * len(made.runs))
-    recipe = Recipe(starts=3)
-    grid = np.atleast_2d(sheet.subplots(len(made.runs), 2, sharey=True))
+    grid = np.atleast_2d(sheet.subplots(len(made.runs), 2, sharex="row", sharey=True))
     for pair, (speed, runs) in zip(grid, made.runs.items(), strict=True):
-        for axes, shift, title in ((pair[0], 0, "true labels"), (pair[1], len(runs) // 2, "labels of other runs")):
-            given = [runs[(k + shift) % len(runs)].friction for k in range(len(runs))]
-            truth, said = _late(runs, given, recipe)
-            axes.plot(said, color=ORANGE, linewidth=1)
-            axes.plot(truth, color="black", linewidth=1.2)
-            dress(axes, y="friction" if shift == 0 else "", title=f"{speed} mph, {title}")
-            axes.set_xticks([])
+        for axes, fitted, labels, title in (
+            (pair[0], made.networks[speed], None, "labels of the runs"),
+            (pair[1], made.exchanged[speed], exchanged(runs), "labels of other runs"),
+        ):
+            _, late = parts_of(runs, made.recipe, labels)
+            seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
+            axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
+            axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=0.9, label="estimate")
+            last = speed == list(made.runs)[-1]
+            dress(
+                axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",
+                title=f"{speed} mph, {title}",
+            )  # fmt: skip
+    grid[0, 0].legend(fontsize=8, ncols=2, loc="upper right")
+    grid[0, 0].set_ylim(0, 0.45)
     return sheet
-
-
-def _late(runs: Sequence[Run], given: list[float], recipe: Recipe) -> tuple[Array, Array]:
-    blocks = [recipe.blocks(run) for run in runs]
-    cuts = [int(0.8 * len(b)) for b in blocks]
-    early = [(b[:c], np.full(c, y)) for b, c, y in zip(blocks, cuts, given, strict=True)]
-    x, y = np.vstack([d[0] for d in early]), np.concatenate([d[1] for d in early])
-    tried: list[Fitted] = recipe.fit(early, "figure")
-    best = min(tried, key=lambda one: float(np.abs(one(x) - y).mean()))
-    truth = np.concatenate([np.full(len(b) - c, y) for b, c, y in zip(blocks, cuts, given, strict=True)])
-    return truth, best(np.vstack([b[c:] for b, c in zip(blocks, cuts, strict=True)]))

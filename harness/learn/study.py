@@ -1,20 +1,37 @@
 """The whole study: gather runs, train, judge; a value that tables and figures are made from."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
 import numpy as np
 
+from estimators.learned.channels import COMBINATIONS
 from estimators.learned.ensemble import Ensemble, fit
-from harness.learn.evaluate import Recipe, Score, average, elsewhere, judge, within_exchanged, within_runs, without_each
-from harness.learn.gather import Run, gather, spectral_features
+from estimators.learned.preprocessing import BLOCKS, Chain
+from estimators.learned.trained import GeneralEstimator, PaperEstimator
+from harness.learn.evaluate import (
+    Fitted,
+    Recipe,
+    Score,
+    average,
+    best_of,
+    best_of_exchanged,
+    elsewhere,
+    judge,
+    tried_within,
+    within_exchanged,
+    within_runs,
+    without_each,
+)
+from harness.learn.gather import gather, spectral_features
+from harness.learn.reduction import SLOW, SPECTRAL, Run
 from harness.learn.runs import SPEEDS, abroad, campaign, design
-from harness.learn.workers import workers as processes
 from harness.scenario.seed import generator
 from harness.twins.instrumented_car import Pass
+from harness.workers import workers as processes
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
     16: (0.0053, 0.0041),
@@ -23,6 +40,9 @@ PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
     60: (0.0080, 0.0063),
 }
 """Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
+
+DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
+"""Weights of the squared weights that are tried inside of the training part."""
 
 Rows = Mapping[str, Mapping[int, Score]]
 """What was judged → speed [mph] → score."""
@@ -58,19 +78,26 @@ class Study:
     """What came out.
 
     Attributes:
+        recipe: Of the paper's networks, all rows but those that say otherwise.
         split: Rows of the paper's split, among them what takes the paper's networks apart.
+        decays: Trained on the first 64 % of each run, judged on the following 16 %: where `evaluate.DECAY` is from.
         inputs: The paper's split with the other combinations of motions.
         honest: Rows of the paper's networks on runs they have not seen.
         general: Rows of the estimator for all speeds on the same runs.
         ensemble: That estimator.
+        networks: By speed, the network that fits the training part best; exchanged: the same under other labels.
         runs: The campaign, by speed.
     """
 
+    recipe: Recipe
     split: Rows
+    decays: Rows
     inputs: Rows
     honest: Rows
     general: Rows
     ensemble: Ensemble
+    networks: Mapping[int, Fitted]
+    exchanged: Mapping[int, Fitted]
     runs: Mapping[int, Sequence[Run]]
 
 
@@ -80,10 +107,13 @@ def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
     return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
 
 
-def study(size: Size, *, workers: int = 2, tell: Callable[[str], None] = lambda _: None) -> Study:
+def study(
+    size: Size, *, inputs: str = "longitudinal", workers: int = 2, tell: Callable[[str], None] = lambda _: None
+) -> Study:
     """Simulate what is not in the cache, train and judge.
 
     Args:
+        inputs: Of the paper's networks, key of `channels.COMBINATIONS`.
         workers: Processes.
         tell: Told each run that is there and each piece that is judged; `pieces` says how often.
     """
@@ -91,23 +121,40 @@ def study(size: Size, *, workers: int = 2, tell: Callable[[str], None] = lambda 
     with processes(workers) as pool:
         everything = iter(gather([p for part in wanted.values() for p in part], pool, tell=tell))
         named = {name: [next(everything) for _ in part] for name, part in wanted.items()}
-        by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
-        away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
-        # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
-        all_speeds = pool.submit(general, named["design"], size.members)
-        submitted = {
-            (table, name, s): pool.submit(one, by_speed[s])
-            for table, rows in _pieces(size).items()
-            for name, one in rows.items()
-            for s in size.speeds
-        }
-        abroad_of = {
-            s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, Recipe(starts=size.starts))
-            for s in size.speeds
-        }
-        for done in as_completed([all_speeds, *submitted.values(), *abroad_of.values()]):
-            done.result()
-            tell("training and judging")
+        return concluded(size, named, Recipe(inputs=inputs, starts=size.starts), pool, tell)
+
+
+def concluded(
+    size: Size, named: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
+) -> Study:
+    """Train and judge.
+
+    Args:
+        named: Runs by set, see `passes`.
+        recipe: Of the paper's networks.
+        pool: Where that is done.
+        tell: Told each piece that is judged.
+    """
+    few = replace(recipe, starts=size.honest_starts)
+    by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
+    away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
+    # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
+    all_speeds = pool.submit(general, named["design"], size.members)
+    submitted = {
+        (table, name, s): pool.submit(one, by_speed[s])
+        for table, rows in _pieces(recipe, few).items()
+        for name, one in rows.items()
+        for s in size.speeds
+    }
+    abroad_of = {
+        s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, recipe) for s in size.speeds
+    }
+    networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
+    others = {s: pool.submit(best_of_exchanged, by_speed[s], few) for s in size.speeds}
+    pending = [all_speeds, *submitted.values(), *abroad_of.values(), *networks.values(), *others.values()]
+    for done in as_completed(pending):
+        done.result()
+        tell("training and judging")
     tables: dict[str, dict[str, dict[int, Score]]] = {}
     for (table, name, s), found in submitted.items():
         tables.setdefault(table, {}).setdefault(name, {})[s] = found.result()
@@ -117,11 +164,15 @@ def study(size: Size, *, workers: int = 2, tell: Callable[[str], None] = lambda 
     ensemble, mean = all_speeds.result()
     sets = {"campaign": named["campaign"], **away}
     return Study(
+        recipe=recipe,
         split=tables["split"],
+        decays=tables["decays"],
         inputs=tables["inputs"],
         honest=tables["honest"],
         general={name: {s: judge(ensemble, mean, _at(runs, s)) for s in size.speeds} for name, runs in sets.items()},
         ensemble=ensemble,
+        networks={s: one.result() for s, one in networks.items()},
+        exchanged={s: one.result() for s, one in others.items()},
         runs=by_speed,
     )
 
@@ -129,24 +180,48 @@ def study(size: Size, *, workers: int = 2, tell: Callable[[str], None] = lambda 
 def pieces(size: Size) -> int:
     """Return how many runs and pieces `study` tells of."""
     runs = sum(len(part) for part in passes(size).values())
-    return runs + 1 + len(size.speeds) * (1 + sum(len(rows) for rows in _pieces(size).values()))
+    judged = sum(len(rows) for rows in _pieces(Recipe(), Recipe()).values())
+    return runs + 1 + len(size.speeds) * (3 + judged)
 
 
-def _pieces(size: Size) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
-    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed."""
-    recipe = Recipe(starts=size.starts)
-    few = replace(recipe, starts=size.honest_starts)
-    motions = (("lateral",), ("yaw",), ("longitudinal", "yaw"), ("longitudinal", "lateral", "yaw"))
+def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
+    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed.
+
+    Args:
+        recipe: With all random starts.
+        few: With those that suffice where a mean over speeds or runs counts.
+    """
+    free = replace(recipe, decay=0.0)
     return {
         "split": {
-            "bias inside": partial(within_runs, recipe=recipe),
-            "bias outside": partial(within_runs, recipe=replace(recipe, bias="outside")),
+            "bias inside": partial(within_runs, recipe=free),
+            "bias outside": partial(within_runs, recipe=replace(free, bias="outside")),
+            "bias inside, weights kept small": partial(within_runs, recipe=recipe),
+            "bias outside, weights kept small": partial(within_runs, recipe=replace(recipe, bias="outside")),
             "labels exchanged": partial(within_exchanged, recipe=recipe),
             "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
         },
-        "inputs": {", ".join(m): partial(within_runs, recipe=replace(few, motions=m)) for m in motions},
+        "decays": {f"{decay:g}": partial(tried_within, recipe=replace(few, decay=decay)) for decay in DECAYS},
+        "inputs": {name: partial(within_runs, recipe=replace(few, inputs=name)) for name in COMBINATIONS},
         "honest": {"a run left out": partial(without_each, recipe=few)},
     }
+
+
+def estimators_of(made: Study) -> dict[str, PaperEstimator | GeneralEstimator]:
+    """Return what a study trained, by the name of the file it goes into."""
+    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=made.ensemble)
+    papers = {f"friction_{s}mph": paper_estimator(one, s, made.recipe) for s, one in made.networks.items()}
+    return {"friction": general, **papers}
+
+
+def paper_estimator(fitted: Fitted, speed: int, recipe: Recipe) -> PaperEstimator:
+    """Return a network with all that stands in front of it, for a speed class, mph."""
+    return PaperEstimator(
+        chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
+        scale=fitted.scale,
+        networks=(fitted.network,),
+        inputs=recipe.inputs,
+    )
 
 
 def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:

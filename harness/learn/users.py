@@ -1,13 +1,15 @@
-"""Somebody's own runs: a folder of recordings and a table of labels.
+"""Somebody's own runs: a folder of recordings, a table of labels, and a column map as every estimation has one.
 
-Each recording is a CSV file with a header: `time` [s], `speed` [m/s], `left[1]` … `left[4]` and `right[1]` …
-`right[4]`, the longitudinal accelerations of the axle boxes, and `lateral[1]` … `lateral[4]` [m/s²], on an even time
-grid. The table of labels is a CSV file with the columns `file`, `friction` and, where it was not always wheelset 1
-that led, `direction` (1 or -1).
+Recordings are read as `harness.estimate.recorded` reads them (csv, parquet, mat, mf4; units, gaps, outliers, sensors
+that froze). Their signals: `left[1]` … `left[4]` and `right[1]` … `right[4]`, longitudinal accelerations of the axle
+boxes, `lateral[1]` … `lateral[4]`, all in axes of the car, and `speed`.
+
+The table of labels is a CSV file with the columns `file`, `friction` and, where it was not always wheelset 1 that led,
+`direction` (1 or -1).
 """
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -16,12 +18,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.learned.online import BOXES
-from harness.learn.gather import SLOW, Readings, Run, reduce
+from harness.estimate.recorded.flag import Flag, summary
+from harness.estimate.recorded.read import Taken, recorded
+from harness.estimate.recorded.table import Column, DataTable, TimeColumn
+from harness.learn.gather import SETTLED
+from harness.learn.reduction import SLOW, SPECTRAL, Readings, Run, reduce
 from harness.scenario.error import ScenarioError
 
 Array = NDArray[np.float64]
 
-COLUMNS: Final = ("time", "speed", *BOXES)
+UNITS: Final[Mapping[str, str]] = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s"}
+"""Signals of a run, as the map of columns calls them."""
+PERIOD: Final = 1 / SLOW.rate
+"""s, of the grid that all recordings are put on: filters and networks are made for it."""
+SLOWEST: Final = 256
+"""Samples a second that an accelerometer must have: features end at 16 Hz, what is filtered away begins at 38 Hz."""
 FEWEST: Final = 2
 """Runs at a speed; with one there is nothing to leave out."""
 
@@ -43,21 +54,62 @@ class Label:
     backwards: bool
 
 
-def read_runs(folder: Path, labels: Path) -> list[Run]:
-    """Return the labelled runs of a folder, reduced.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Folder:
+    """Runs out of a folder.
+
+    Attributes:
+        runs: Reduced.
+        remarks: What was mended in which file, a sentence each.
+    """
+
+    runs: tuple[Run, ...]
+    remarks: tuple[str, ...]
+
+
+def plain_table() -> DataTable:
+    """Return the map of files whose columns are called as the signals are, in SI units, time in s."""
+    return DataTable(
+        time=TimeColumn(column="time", unit="s"),
+        period=PERIOD,
+        longest_gap=0.05,
+        frozen=0.5,
+        spike=20.0,
+        columns={name: Column(column=name, unit="m/s" if name == "speed" else "m/s**2") for name in UNITS},
+    )
+
+
+def read_folder(
+    folder: Path, labels: Path, table: DataTable | None = None, tell: Callable[[str], None] = lambda name: None
+) -> Folder:
+    """Return the labelled runs of a folder.
+
+    Args:
+        folder: Of the recordings.
+        labels: Table of labels.
+        table: Column map; `plain_table` unless given.
+        tell: Told the name of every file as it has been read.
 
     Raises:
-        DataError: A file, column or value is missing or impossible; names file, line and column.
+        DataError, EstimationError: A file, column or value is missing or impossible; in a sentence.
     """
-    known = read_labels(labels)
-    return [_reduced(folder / name, label) for name, label in known.items()]
+    known, chosen = read_labels(labels), table or plain_table()
+    runs: list[Run] = []
+    remarks: list[str] = []
+    for name, label in known.items():
+        taken = _taken(folder / name, chosen)
+        bridged: list[Flag] = []
+        runs.append(reduce(name, label.friction, _readings(name, taken, chosen, label, bridged)))
+        remarks += [f"{name}: {sentence}" for sentence in (*taken.recording.attrs["flags"], *summary(bridged))]
+        tell(name)
+    return Folder(runs=tuple(runs), remarks=tuple(remarks))
 
 
 def read_labels(file: Path) -> dict[str, Label]:
     """Return the table of labels by file name.
 
     Raises:
-        DataError: See `read_runs`.
+        DataError: See `read_folder`.
     """
     rows = _rows(file, ("file", "friction"))
     out: dict[str, Label] = {}
@@ -76,73 +128,91 @@ def read_labels(file: Path) -> dict[str, Label]:
     return out
 
 
-def read_table(file: Path) -> dict[str, Array]:
-    """Return the columns of one recording, each of shape (n,).
+def _taken(file: Path, table: DataTable) -> Taken:
+    if abs(table.period / PERIOD - 1) > 1e-6:
+        raise DataError(
+            f"[data] period is {1e6 * table.period:g} us; write '{1e6 * PERIOD:g} us', {SLOW.rate} samples a second: "
+            "filters are made for it, and recordings of other rates are put on it."
+        )
+    missing = [name for name in UNITS if name not in table.columns]
+    if missing:
+        raise DataError(f"[data.columns] lacks {', '.join(missing)}; an estimator listens to all axle boxes.")
+    return recorded(file, table, UNITS, ["speed"], list(BOXES))
+
+
+def _readings(name: str, taken: Taken, table: DataTable, label: Label, bridged: list[Flag]) -> Readings:
+    """Return what a file says of a run; `bridged` is told of what was interpolated."""
+    recording = taken.recording
+    boxes = np.column_stack([_whole(name, box, taken, table.longest_gap, bridged) for box in BOXES])
+    there = np.flatnonzero(np.isfinite(boxes).all(axis=1))
+    # Loggers do not all begin and end at once; between, nothing is missing any more.
+    part = slice(there[0], there[-1] + 1) if there.size else slice(0, 0)
+    boxes, speed = boxes[part], recording["speed"].values[part]
+    metres = float(np.abs(speed).sum()) * PERIOD
+    seconds = len(boxes) * PERIOD
+    if seconds <= 2 * SPECTRAL.settling or metres <= SETTLED:
+        raise DataError(
+            f"{name}: the {seconds:.1f} s and {metres:.0f} m that all sensors cover are too little; a run takes more "
+            f"than {2 * SPECTRAL.settling:g} s and {SETTLED:g} m, until filters have settled."
+        )
+    return Readings(
+        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:], speed=speed, backwards=label.backwards,
+        rate=SLOW.rate,
+    )  # fmt: skip
+
+
+def _whole(name: str, box: str, taken: Taken, longest_gap: float, bridged: list[Flag]) -> Array:
+    """Return an acceleration without holes: short ones are bridged, NaN stands before and after all samples.
 
     Raises:
-        DataError: See `read_runs`.
+        DataError: A hole is too long, or the sensor too slow.
     """
-    header = _header(file)
-    _require(file, header, COLUMNS)
-    try:
-        values = np.loadtxt(file, delimiter=",", skiprows=1, usecols=[header.index(c) for c in COLUMNS], ndmin=2)
-    except ValueError as problem:
-        raise DataError(f"{file}: a value is not a number: {problem}.") from problem
-    if not np.all(np.isfinite(values)):
-        row, column = np.argwhere(~np.isfinite(values))[0]
+    values, time = taken.recording[box].values, taken.recording["time"].values
+    known = np.flatnonzero(np.isfinite(values))
+    if known.size < 2:
+        raise DataError(f"{name}: {box} has {known.size} usable samples{_why(box, taken)}.")
+    apart = np.diff(time[known])
+    spacing = float(np.median(apart))
+    if spacing > 1 / SLOWEST:
+        raise DataError(f"{name}: {box} has {1 / spacing:.0f} samples a second; it takes {SLOWEST} or more.")
+    worst = int(np.argmax(apart))
+    if apart[worst] > max(longest_gap, 1.5 * spacing) + 0.5 * PERIOD:
         raise DataError(
-            f"{file}: line {row + 2}: {COLUMNS[column]} is {values[row, column]}; gaps must be filled before."
+            f"{name}: {box} is missing from {time[known[worst]]:.3f} s for {apart[worst]:.3g} s{_why(box, taken)}, and "
+            f"a filter needs every sample; cut the recording with begin and end in [data], or raise longest_gap "
+            f"({longest_gap:g} s) if it can be interpolated."
         )
-    return dict(zip(COLUMNS, values.T, strict=True))
+    for k in np.flatnonzero(apart > 1.5 * spacing):
+        begin, end = (float(time[known[j]]) for j in (k, k + 1))
+        bridged.append(Flag(signal=box, kind="bridged", begin=begin, end=end, samples=0))
+    return np.interp(time, time[known], values[known], left=np.nan, right=np.nan)
 
 
-def _reduced(file: Path, label: Label) -> Run:
-    held = read_table(file)
-    rate = _rate(file, held["time"])
-    boxes = np.column_stack([held[name] for name in BOXES])
-    seen = Readings(
-        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:],
-        speed=float(np.mean(np.abs(held["speed"]))), backwards=label.backwards, rate=rate,
-    )  # fmt: skip
-    return reduce(file.name, label.friction, seen)
-
-
-def _rate(file: Path, time: Array) -> int:
-    """Return the samples a second of an even grid that the filters can take."""
-    if len(time) < SLOW.rate:
-        raise DataError(f"{file}: {len(time)} samples are too few; a run has {SLOW.rate} or more.")
-    step = (time[-1] - time[0]) / (len(time) - 1)
-    # A printed time is rounded; a lost sample is a whole step.
-    if step <= 0 or np.abs(np.diff(time) - step).max() > 0.5 * step:
-        raise DataError(f"{file}: column time is not an even grid of rising seconds.")
-    rate = round(1 / step)
-    if rate != SLOW.rate:
-        raise DataError(f"{file}: it has {rate} samples a second; resample it to {SLOW.rate}.")
-    return rate
+def _why(box: str, taken: Taken) -> str:
+    kinds = dict.fromkeys(flag.kind for flag in taken.flags if flag.signal == box and flag.kind != "timing")
+    return f" ({', '.join(kinds)})" if kinds else ""
 
 
 def _rows(file: Path, wanted: tuple[str, ...]) -> list[Mapping[str, str]]:
-    _require(file, _header(file), wanted)
-    with file.open(newline="", encoding="utf-8") as stream:
-        return list(csv.DictReader(stream, skipinitialspace=True))
-
-
-def _header(file: Path) -> list[str]:
     try:
-        with file.open(newline="", encoding="utf-8") as stream:
-            return [name.strip() for name in next(csv.reader(stream), [])]
+        with file.open(newline="", encoding="utf-8-sig") as stream:
+            rows = csv.DictReader(stream, skipinitialspace=True)
+            header = [name.strip() for name in rows.fieldnames or ()]
+            rows.fieldnames = header
+            missing = [name for name in wanted if name not in header]
+            if missing:
+                raise DataError(
+                    f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}."
+                )
+            return list(rows)
     except FileNotFoundError as problem:
         raise DataError(f"there is no file {file}.") from problem
+    except (OSError, UnicodeDecodeError) as problem:
+        raise DataError(f"{file}: is not a table of labels: {problem}.") from problem
 
 
-def _require(file: Path, header: list[str], wanted: tuple[str, ...]) -> None:
-    missing = [name for name in wanted if name not in header]
-    if missing:
-        raise DataError(f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}.")
-
-
-def _number(file: Path, line: int, column: str, text: str) -> float:
+def _number(file: Path, line: int, column: str, text: str | None) -> float:
     try:
-        return float(text)
+        return float(text or "")
     except ValueError as problem:
-        raise DataError(f"{file}: line {line}: {column} is a number, got '{text}'.") from problem
+        raise DataError(f"{file}: line {line}: {column} is a number, got '{text or ''}'.") from problem

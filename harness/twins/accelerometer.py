@@ -55,6 +55,47 @@ AXLE_BOX: Final = Accelerometer(
 )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Disturbance:
+    """What sensors add to the truth in one run, drawn before it.
+
+    Attributes:
+        gain: Shape (channels,).
+        before: Vibration that the plate is shaken by, m/s², shape (n, channels).
+        after: Offset, drift and noise, m/s², shape (n, channels).
+    """
+
+    gain: Array
+    before: Array
+    after: Array
+
+
+def disturbance(
+    count: int,
+    channels: int,
+    speed: float,
+    sensor: Accelerometer,
+    vehicle: np.random.Generator,
+    run: np.random.Generator,
+) -> Disturbance:
+    """Draw what sensors add to `count` samples at `RATE`.
+
+    Args:
+        speed: m/s.
+        vehicle: Draws what belongs to the sensors: offsets and gains.
+        run: Draws what differs from run to run: drift and noise.
+    """
+    shape = (count, channels)
+    rolling = run.standard_normal(shape) * sensor.rolling * speed
+    gain = 1 + sensor.gain_error * vehicle.standard_normal(channels)
+    time = np.arange(count) / RATE
+    after = vehicle.uniform(*sensor.offset, channels) + time[:, None] * (sensor.drift * run.standard_normal(channels))
+    after += np.cumsum(run.standard_normal(shape), axis=0) * (sensor.walk / np.sqrt(RATE))
+    after += run.standard_normal(shape) * (sensor.noise * np.sqrt(RATE / 2))
+    before = np.asarray(sosfilt(butter(2, 50, "highpass", fs=RATE, output="sos"), rolling, axis=0), dtype=np.float64)
+    return Disturbance(gain=gain, before=before, after=after)
+
+
 def measure(
     true: Array,
     true_rate: int,
@@ -68,22 +109,32 @@ def measure(
     Args:
         true: Accelerations, m/s², shape (n, channels).
         true_rate: Of `true`, samples a second; `RATE` is a multiple of it.
-        speed: m/s.
-        vehicle: Draws what belongs to the sensors: offsets and gains.
-        run: Draws what differs from run to run: drift and noise.
+        speed, vehicle, run: As for `disturbance`.
     """
     seen = _fine(true, true_rate)
     count, channels = seen.shape
-    rolling = run.standard_normal(seen.shape) * sensor.rolling * speed
-    seen += sosfilt(butter(2, 50, "highpass", fs=RATE, output="sos"), rolling, axis=0)
-    seen = _plate(seen, sensor)
-    seen *= 1 + sensor.gain_error * vehicle.standard_normal(channels)
-    seen += vehicle.uniform(*sensor.offset, channels)
-    time = np.arange(count) / RATE
-    seen += time[:, None] * (sensor.drift * run.standard_normal(channels))
-    seen += np.cumsum(run.standard_normal(seen.shape), axis=0) * (sensor.walk / np.sqrt(RATE))
-    seen += run.standard_normal(seen.shape) * (sensor.noise * np.sqrt(RATE / 2))
-    return seen
+    added = disturbance(count, channels, speed, sensor, vehicle, run)
+    return _plate(seen + added.before, sensor) * added.gain + added.after
+
+
+class Sampled:
+    """The same sensors sample by sample: what `measure` returns at `RATE`, one row at a time."""
+
+    def __init__(self, sensor: Accelerometer, added: Disturbance) -> None:
+        """Mount `sensor`, with what it adds drawn before."""
+        self._b, self._a = plate(sensor)
+        self._added = added
+        self._state: Array | None = None
+
+    def read(self, sample: int, true: Array) -> Array:
+        """Return the reading of a sample, m/s², shape (channels,); samples come one after the other from 0."""
+        shaken = true + self._added.before[sample]
+        b, a = self._b, self._a
+        # The plate has settled under the first sample, as if the run had begun before.
+        state = _initial(b, a)[:, None] * shaken if self._state is None else self._state
+        moved = b[0] * shaken + state[0]
+        self._state = np.stack([b[1] * shaken - a[1] * moved + state[1], b[2] * shaken - a[2] * moved])
+        return moved * self._added.gain + self._added.after[sample]
 
 
 def _fine(true: Array, rate: int) -> Array:
@@ -93,13 +144,18 @@ def _fine(true: Array, rate: int) -> Array:
     return np.asarray(CubicSpline(np.arange(len(true)), true)(fine), dtype=np.float64)
 
 
-def _plate(seen: Array, sensor: Accelerometer) -> Array:
-    """Return the acceleration of a plate that follows with one resonance; gain 1 at rest (bilinear transform)."""
+def plate(sensor: Accelerometer) -> tuple[Array, Array]:
+    """Return numerator and denominator of a plate that follows with one resonance; gain 1 at rest (bilinear)."""
     w = np.tan(np.pi * sensor.plate_frequency / RATE)
     a = np.array([1 + 2 * sensor.plate_damping * w + w**2, 2 * (w**2 - 1), 1 - 2 * sensor.plate_damping * w + w**2])
     b = np.array([1.0, 2.0, 1.0]) * w**2
-    settled = _initial(b / a[0], a / a[0])[:, None] * seen[0]
-    return np.asarray(lfilter(b / a[0], a / a[0], seen, axis=0, zi=settled)[0], dtype=np.float64)
+    return b / a[0], a / a[0]
+
+
+def _plate(seen: Array, sensor: Accelerometer) -> Array:
+    b, a = plate(sensor)
+    settled = _initial(b, a)[:, None] * seen[0]
+    return np.asarray(lfilter(b, a, seen, axis=0, zi=settled)[0], dtype=np.float64)
 
 
 def _initial(b: Array, a: Array) -> Array:

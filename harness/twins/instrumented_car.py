@@ -4,7 +4,8 @@ A run is one pass over 400 m at a held speed. What decides it is a `Pass`; what 
 the axle boxes as they are, before any accelerometer (see `accelerometer`).
 """
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from harness.fmu import CoSimulation
 from harness.scenario.seed import generator
 from harness.twins.irregularity import KINDS, TRACKS, Irregularity, realise
 from harness.twins.plant import plant
@@ -32,6 +34,8 @@ BEHIND: Final = (0.0, WHEELBASE, PIVOTS, PIVOTS + WHEELBASE)
 """m, each wheelset behind the leading one."""
 MPH: Final = 0.44704
 FMU: Final = "MultiPurposeVehicle"
+SHOWN: Final = 21
+"""Numbers that the car shows, see `car_of`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +138,29 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
         PlantFailed: The FMU failed.
         fmus.errors.FmuError: It cannot be built.
     """
-    speed, surface = _held_speed(run), _surface(run)
+    with car_of(run, rate=rate) as (car, inputs, skipped):
+        seen = np.empty((len(inputs), SHOWN))
+        seen[0] = car.start(inputs[0])
+        step = car.step
+        for k in range(1, len(inputs)):
+            seen[k] = step(inputs[k])
+    seen, friction = seen[skipped:], inputs[skipped:, 16:]
+    made = Ride(
+        longitudinal=np.stack([seen[:, 0:4], seen[:, 4:8]], axis=-1),
+        lateral=seen[:, 8:12], offset=seen[:, 12:16], creep=seen[:, 16:20], speed=seen[:, 20], friction=friction,
+    )  # fmt: skip
+    return _turned(made) if run.backwards else made
+
+
+@contextmanager
+def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Array, int]]:
+    """Yield the car of a run, not started, its inputs sample by sample, and how many samples lie before the section.
+
+    What it shows is `SHOWN` numbers: longitudinal acceleration of the left and of the right boxes, lateral
+    acceleration, lateral offset and creep of the wheelsets, leading one first, and the speed; in axes that point
+    forwards.
+    """
+    speed, surface = held_speed(run), _surface(run)
     inputs, skipped = _inputs(run, speed, rate)
     outputs = {
         "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
@@ -148,17 +174,7 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
     # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
     edge = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
     with plant(FMU, inputs=edge, outputs=outputs, period=1 / rate, parameters=parameters) as car:
-        seen = np.empty((len(inputs), 21))
-        seen[0] = car.start(inputs[0])
-        step = car.step
-        for k in range(1, len(inputs)):
-            seen[k] = step(inputs[k])
-    seen, friction = seen[skipped:], inputs[skipped:, 16:]
-    made = Ride(
-        longitudinal=np.stack([seen[:, 0:4], seen[:, 4:8]], axis=-1),
-        lateral=seen[:, 8:12], offset=seen[:, 12:16], creep=seen[:, 16:20], speed=seen[:, 20], friction=friction,
-    )  # fmt: skip
-    return _turned(made) if run.backwards else made
+        yield car, inputs, skipped
 
 
 def _turned(made: Ride) -> Ride:
@@ -179,7 +195,8 @@ def slope(run: Pass) -> float:
     return (own.k_A + own.k_S) / 2
 
 
-def _held_speed(run: Pass) -> float:
+def held_speed(run: Pass) -> float:
+    """Return the speed that the car is held at, m/s: near the nominal one."""
     return run.speed * (1 + SPEED_SPREAD * generator(run.seed, f"{run.name}.speed").standard_normal())
 
 

@@ -9,9 +9,10 @@ from scipy.stats import norm
 from estimators.condition import UNDECIDED, ConditionDetector, confusion
 from estimators.errors import EstimatorError
 from harness.lateral.report import write_report
-from harness.lateral.study import Plan, conduct
-from harness.lateral.tables import spread
-from harness.twins.lateral import DRY, WET, Trial
+from harness.lateral.run import Case
+from harness.lateral.study import Plan, Result, conduct
+from harness.lateral.tables import level_lines, spread
+from harness.twins.lateral import DRY, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
 
@@ -86,3 +87,20 @@ def test_what_has_been_run_is_found_again_and_reported(tmp_path):
     assert "well posed, track unknown" in text
     assert len(list(tmp_path.glob("*.png"))) == 3
     assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + 3 * 3 * 5
+
+
+def test_a_filter_that_is_wrong_in_a_condition_is_said_to_be():
+    right, wrong = Result(case=case("paper"), measures=told(0.46)), Result(case=case("softer"), measures=told(0.11))
+    lines = "\n".join(level_lines([right, wrong]))
+    assert "Tells μ0 within 0.05 rms in dry, worst." in lines
+    assert "Tells μ0 within 0.05 rms in worst; takes dry, 0.46, for 0.11." in lines
+    assert "in worst; is lost in dry." in "\n".join(level_lines([Result(case=case("paper"), measures=told(1e37))]))
+
+
+def case(plant):
+    test = Trial(name="change", changes=((0.0, DRY), (0.3, WORST)), duration=0.6)
+    return Case(test=test, speed=25.0, plant=plant, seed=1)
+
+
+def told(dry):
+    return {"levels": {"known_track": {"dry": (dry, abs(0.46 - dry)), "worst": (0.1, 0.001)}}}

@@ -1,9 +1,7 @@
-"""The trained chain runs sample by sample as it does offline, in CasADi and inside an FMU."""
+"""The trained chain runs sample by sample as it does offline, in CasADi."""
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
-from fmpy.validation import validate_fmu
 
 from estimators.learned import online
 from estimators.learned.antialias import AntiAlias
@@ -12,8 +10,6 @@ from estimators.learned.ensemble import Ensemble
 from estimators.learned.network import Network
 from estimators.learned.preprocessing import Chain, Scale
 from estimators.learned.spectral import Spectral
-from fmus.native.package import pack
-from harness.learn.export import as_fmu
 
 ROUNDING = 1e-9
 """Relative: thousands of recursive filter steps in another order of additions, behind a network of slope about 1."""
@@ -59,7 +55,7 @@ def general_pair(direction, stages):
     lateral, yaw = made[:, :4], made[:, 4:]
     if direction < 0:
         lateral, yaw = -lateral[:, ::-1], yaw[:, ::-1]
-    features = spectral.features(lateral, yaw, speed)
+    features = spectral.features(lateral, yaw, np.full(len(slow.kept(raw)), speed))
     known = features[2 * spectral.settled :]
     ensemble = Ensemble(
         centre=known.mean(axis=0), spread=known.std(axis=0) + 1e-3, half_width=1.7,
@@ -80,30 +76,6 @@ def test_the_general_estimator_is_the_same_online(direction, stages):
     np.testing.assert_allclose(said[first :: slow.keep, 2], offline.upper, rtol=ROUNDING)
     assert said[first - 1, 3] == 0
     assert said[first, 3] == 1
-
-
-def test_the_fmu_says_what_the_estimator_says(tmp_path):
-    draw = np.random.default_rng(5)
-    raw = samples(draw, 0.2, 5120)
-    chain = Chain(rate=5120, block=100)
-    blocks = chain.process(motions(raw[:, :4], raw[:, 4:8], raw[:, 8:], "longitudinal"))
-    built = online.paper(chain, Scale.over(blocks), [network(draw, 4)])
-    packed = pack(as_fmu(built), tmp_path / "friction.fmu")
-    assert validate_fmu(str(packed)) == []
-    time = np.arange(len(raw)) / 5120
-    names = [edge.name for edge in built.inputs]
-    signals = np.array(list(zip(time, *raw.T, strict=True)), dtype=[("time", float), *((n, float) for n in names)])
-    result = simulate_fmu(
-        str(packed),
-        stop_time=time[-1],
-        step_size=1 / 5120,
-        output_interval=1 / 5120,
-        input=signals,
-        output=["friction"],
-    )
-    # The FMU's value at the end of a step is that of the sample at its beginning.
-    expected = built.run(raw)[:, 0]
-    np.testing.assert_allclose(result["friction"][1:], expected[: len(result) - 1], rtol=1e-12)
 
 
 def test_a_start_that_is_not_causal_is_refused():

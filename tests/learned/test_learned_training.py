@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime, least_squares
 
+from estimators.errors import EstimatorError
 from estimators.learned import network as nn
 from estimators.learned.channels import COMBINATIONS, motions
 from estimators.learned.ensemble import fit
 from estimators.learned.preprocessing import BLOCKS, Chain, Scale
 from estimators.learned.spectral import Spectral
 from harness.learn.evaluate import Recipe, exchanged, within_exchanged, within_runs, without_each
-from harness.learn.gather import Run
+from harness.learn.reduction import CHANNELS, Run
 
 
 def test_the_high_pass_keeps_what_came_first():
@@ -89,8 +90,8 @@ def test_a_network_learns_a_smooth_function():
 def run(name, friction, blocks, generator, slow=None):
     return Run(
         name=name, group=60, speed=26.8, friction=friction,
-        blocks=np.abs(np.tile(blocks, (100, 3)) + 0.05 * generator.standard_normal((100, 12))),
-        settled=np.abs(generator.standard_normal((100, 12))), slow=np.zeros((3, 8)) if slow is None else slow,
+        blocks=np.abs(np.tile(blocks, (100, 5)) + 0.05 * generator.standard_normal((100, 20))),
+        settled=np.abs(generator.standard_normal((100, 20))), slow=np.zeros((3, 9)) if slow is None else slow,
     )  # fmt: skip
 
 
@@ -134,6 +135,13 @@ def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
     assert np.abs(said.friction - y).mean() < 0.6 * np.abs(y - y.mean()).mean()
 
 
+def test_too_few_networks_for_an_interval_are_refused():
+    draw = np.random.default_rng(5)
+    x, number = draw.standard_normal((4, 3)), np.arange(4)
+    with pytest.raises(EstimatorError, match="3 of the 2 networks have not seen"):
+        fit(x, np.array([0.1, 0.2, 0.3, 0.4]), number, generator=draw, members=2, steps=2)
+
+
 def test_a_second_stage_turns_slope_into_friction():
     """Friction is a bent function of slope and slope of the features: two stages find both."""
     draw = np.random.default_rng(7)
@@ -150,7 +158,8 @@ def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():
     draw = np.random.default_rng(6)
     lateral, yaw = draw.standard_normal((2, 2000, 4))
     spectral = Spectral(rate=128.0)
-    one, two = spectral.features(lateral, yaw, 20.0), spectral.features(3 * lateral, 3 * yaw, 20.0)
+    speed = np.full(2000, 20.0)
+    one, two = spectral.features(lateral, yaw, speed), spectral.features(3 * lateral, 3 * yaw, speed)
     level = np.array(["level" in name for name in spectral.names])
     after = slice(2 * spectral.settled, None)
     assert two[after][:, ~level] == pytest.approx(one[after][:, ~level], abs=1e-9)
@@ -163,7 +172,49 @@ def test_two_signals_a_quarter_apart_show_it():
     yaw = np.repeat(np.cos(2 * np.pi * 4 * time)[:, None], 4, axis=1)
     lateral = np.repeat(-np.sin(2 * np.pi * 4 * time)[:, None], 4, axis=1)
     spectral = Spectral(rate=128.0)
-    found = dict(zip(spectral.names, spectral.features(lateral, yaw, 20.0)[-1], strict=True))
+    found = dict(zip(spectral.names, spectral.features(lateral, yaw, np.full(time.size, 20.0))[-1], strict=True))
     # The bilinear transform moves 4 Hz by a third of a per cent at 128 Hz.
     assert abs(found["quadrature leading, 4 Hz"]) == pytest.approx(1.0, abs=0.02)
     assert found["in phase leading, 4 Hz"] == pytest.approx(0.0, abs=0.02)
+
+
+def test_means_over_metres_follow_the_speed():
+    """A signal that steps where the car slows down: the mean forgets by metres, e^(-metres/50), at either speed."""
+    spectral = Spectral(rate=128.0, metres=50.0, settling=0.5)
+    level = np.concatenate([np.ones(6400), 2 * np.ones(6400)])
+    speed = np.concatenate([np.full(6400, 20.0), np.full(6400, 5.0)])
+    carrier = np.cos(2 * np.pi * 8 * np.arange(12800) / 128)
+    yaw = np.repeat((level * carrier)[:, None], 4, axis=1)
+    power = spectral.means(yaw, yaw, speed)[:, 3, 0, 0]
+    low, high = power[6399], 4 * power[6399]  # 1000 m at level 1 are twenty times the memory
+    travelled = 5.0 * np.arange(1, 6401) / 128
+    expected = high + (low - high) * np.exp(-travelled / 50.0)
+    # The band of 8 Hz takes some tenths of a second to follow, in which the car rolls a metre or two of the fifty.
+    assert power[6400 + 640 :] == pytest.approx(expected[640:], rel=0.03)
+
+
+@pytest.mark.parametrize("inputs", list(COMBINATIONS))
+def test_a_recipe_sees_the_motions_of_its_combination(inputs):
+    one = run("run", 0.2, np.ones(4), np.random.default_rng(0))
+    seen = Recipe(inputs=inputs).blocks(one)
+    wanted = [one.blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[inputs]]
+    assert np.array_equal(seen, np.hstack(wanted))
+
+
+def test_decay_is_part_of_what_is_minimised():
+    """With it training ends where mean squared error plus decay times squared weights is flat, at smaller weights."""
+    draw = np.random.default_rng(9)
+    x = draw.uniform(-1, 1, (60, 4))
+    y = np.where(x[:, 0] > 0, 0.3, 0.15)
+    sizes = {}
+    for decay in (0.0, 1e-5):
+        made = nn.train(x, y, hidden=6, bias="inside", generator=np.random.default_rng(1), decay=decay, steps=400)
+        p = np.concatenate([made.hidden_weights.ravel(), made.hidden_bias, made.output_weights, [made.output_bias]])
+        sizes[decay] = float(p @ p)
+
+    def cost(q):
+        return np.mean((nn._unpack(q, 4, 6, "inside")(x) - y) ** 2) + 1e-5 * (q @ q)
+
+    assert sizes[1e-5] < sizes[0.0]
+    # Forward differences of 1e-6 on a cost of curvature below one; at the start the slope is a thousand times that.
+    assert np.abs(approx_fprime(p, cost, 1e-6)).max() < 1e-5

@@ -1,22 +1,40 @@
-"""A folder of somebody's own runs is read, judged and answered with sentences."""
+"""A folder of somebody's own runs is read as every recording is, judged, and answered with sentences."""
 
 import numpy as np
+import pandas as pd
 import pytest
+from scipy.io import savemat
 
 from estimators.learned.online import BOXES
-from harness.learn.own import judge_own
-from harness.learn.users import COLUMNS, DataError, read_labels, read_runs, read_table
+from estimators.learned.trained import GeneralEstimator, PaperEstimator
+from harness.estimate.error import EstimationError
+from harness.estimate.recorded.table import DataTable
+from harness.learn.evaluate import Recipe
+from harness.learn.own import judge_own, own_pieces
+from harness.learn.own_file import read_own
+from harness.learn.users import PERIOD, UNITS, DataError, plain_table, read_folder, read_labels
+from harness.scenario.error import ScenarioError
 
 RATE = 5120
+SECONDS = 6.4
 
 
-def write_run(file, generator, seconds=6.2, speed=26.8, rate=RATE, **spoiled):
+def signals(seed=1, seconds=SECONDS, speed=26.8, rate=RATE):
+    draw = np.random.default_rng(seed)
     count = int(seconds * rate)
     held = {"time": np.arange(count) / rate, "speed": np.full(count, speed)}
-    held |= {name: 268 + generator.standard_normal(count) for name in BOXES}
-    held |= spoiled
-    header = ",".join(held)
-    np.savetxt(file, np.column_stack(list(held.values())), delimiter=",", header=header, comments="", fmt="%.9g")
+    return held | {name: 268 + draw.standard_normal(count) for name in BOXES}
+
+
+def write(file, held):
+    frame = pd.DataFrame(held)
+    if file.suffix == ".parquet":
+        frame.to_parquet(file)
+    elif file.suffix == ".mat":
+        savemat(file, {name.replace("[", "_").replace("]", ""): frame[name].to_numpy() for name in frame})
+    else:
+        frame.to_csv(file, index=False)
+    return file.name
 
 
 def write_labels(file, rows, header="file,friction,direction"):
@@ -27,39 +45,148 @@ def write_labels(file, rows, header="file,friction,direction"):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     made = tmp_path_factory.mktemp("runs")
-    draw = np.random.default_rng(1)
     for k in range(4):
-        write_run(made / f"{k}.csv", draw)
+        write(made / f"{k}.parquet", signals(k))
     return made
 
 
-def test_runs_become_a_report(folder, tmp_path):
-    labels = write_labels(tmp_path / "labels.csv", [(f"{k}.csv", 0.1 + 0.08 * k, (-1) ** k) for k in range(4)])
-    runs = read_runs(folder, labels)
-    assert [run.group for run in runs] == [60] * 4
-    assert [run.friction for run in runs] == pytest.approx([0.10, 0.18, 0.26, 0.34])
-    assert runs[0].blocks.shape == (int(6.2 * RATE) // 50, 12)
-    text, ensemble = judge_own(runs)
+@pytest.fixture(scope="module")
+def read(folder):
+    labels = write_labels(folder / "labels.csv", [(f"{k}.parquet", 0.1 + 0.08 * k, (-1) ** k) for k in range(4)])
+    return read_folder(folder, labels)
+
+
+def test_runs_become_a_report_and_estimators(read):
+    assert [run.group for run in read.runs] == [60] * 4
+    assert [run.friction for run in read.runs] == pytest.approx([0.10, 0.18, 0.26, 0.34])
+    assert read.runs[0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
+    told = []
+    recipe = Recipe(inputs="left, right", starts=1, steps=10)
+    text, trained = judge_own(
+        read.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=told.append
+    )
+    assert len(told) == own_pieces(read.runs)
     assert "a run left out" in text
-    assert ensemble.second == ()  # nobody knows the slope of a real creep curve
+    assert "Inputs: left, right; bias inside; 1 random start." in text
+    assert "- 0.parquet: mended." in text
+    assert isinstance(trained["friction"], GeneralEstimator)
+    assert trained["friction"].ensemble.second == ()  # nobody knows the slope of a real creep curve
+    assert isinstance(trained["friction_60mph"], PaperEstimator)
+    assert trained["friction_60mph"].networks[0].hidden_weights.shape == (6, 8)
 
 
-def test_direction_turns_the_car_around(folder, tmp_path):
-    ahead, _ = read_runs(folder, write_labels(tmp_path / "a.csv", [("0.csv", 0.2, 1), ("1.csv", 0.3, 1)]))
-    behind, _ = read_runs(folder, write_labels(tmp_path / "b.csv", [("0.csv", 0.2, -1), ("1.csv", 0.3, 1)]))
-    np.testing.assert_array_equal(behind.slow[:, :4], -ahead.slow[:, 3::-1])
-    np.testing.assert_array_equal(behind.slow[:, 4:], ahead.slow[:, :3:-1])
+def test_direction_turns_the_car_around(folder, read, tmp_path):
+    behind = read_folder(folder, write_labels(tmp_path / "b.csv", [("0.parquet", 0.2, -1), ("1.parquet", 0.3, 1)]))
+    ahead, turned = read.runs[0].slow, behind.runs[0].slow
+    np.testing.assert_array_equal(turned[:, :4], -ahead[:, 3::-1])
+    np.testing.assert_array_equal(turned[:, 4:8], ahead[:, 7:3:-1])
 
 
-def test_a_missing_file_is_named(tmp_path):
+def table(units="m/s**2", names=None, **changes):
+    names = names or {name: name for name in UNITS}
+    columns = {name: {"column": column, "unit": "m/s" if name == "speed" else units} for name, column in names.items()}
+    given = {
+        "time": {"column": "time", "unit": "s"}, "period": PERIOD, "longest_gap": 0.05, "frozen": 0.5, "spike": 20.0,
+        "columns": columns,
+    }  # fmt: skip
+    return DataTable.model_validate(given | changes)
+
+
+def one_run(folder, held, chosen=None, suffix=".parquet"):
+    names = [write(folder / f"a{suffix}", held), write(folder / f"b{suffix}", held)]
+    labels = write_labels(folder / "labels.csv", [(names[0], 0.2, 1), (names[1], 0.3, 1)])
+    return read_folder(folder, labels, chosen)
+
+
+def test_units_and_names_come_from_the_map(folder, read, tmp_path):
+    """The same run in g, under the names of a MATLAB file."""
+    held = signals(0)
+    held |= {name: held[name] / 9.80665 for name in BOXES}
+    names = {name: name.replace("[", "_").replace("]", "") for name in UNITS}
+    found = one_run(tmp_path, held, table("g_0", names), ".mat").runs[0]
+    # The record of direction +1 is run 0; a division and a multiplication round at 270 * 2e-16, the filter adds up.
+    np.testing.assert_allclose(found.slow, read.runs[0].slow, rtol=0, atol=1e-9)
+
+
+def test_another_rate_is_put_on_the_grid(tmp_path):
+    """2560 samples a second of motions below 20 Hz: the slow signals are those of 5120, but for interpolation.
+
+    Straight lines between samples of 20 Hz are off by (2 pi 20 / 2560)^2 / 8 = 3e-4 of the amplitude.
+    """
+    fine = signals(0)
+    waves = {name: 268 + np.sin(2 * np.pi * (2 + k) * fine["time"]) for k, name in enumerate(BOXES)}
+    whole = one_run(tmp_path, fine | waves).runs[0].slow
+    coarse = {name: values[::2] for name, values in (fine | waves).items()}
+    (tmp_path / "coarse").mkdir()
+    resampled = one_run(tmp_path / "coarse", coarse).runs[0].slow
+    count = min(len(whole), len(resampled))
+    np.testing.assert_allclose(resampled[128:count], whole[128:count], rtol=0, atol=2 * 2 * 3e-4)
+
+
+def test_a_short_gap_is_bridged_and_a_spike_is_said(tmp_path):
+    held = signals(0)
+    held["left[2]"][5000:5100] = np.nan  # 20 ms
+    held["right[1]"][9000] = 2000.0
+    found = one_run(tmp_path, held)
+    assert np.isfinite(found.runs[0].slow).all()
+    assert "a.parquet: left[2], 0.976–0.996 s: no samples; interpolated between the neighbours." in found.remarks
+    assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in found.remarks)
+
+
+def test_the_part_that_all_sensors_cover_is_taken(tmp_path):
+    held = signals(0, seconds=7.0)
+    held["left[1]"][:1024] = np.nan
+    assert len(one_run(tmp_path, held).runs[0].slow) == (int(7.0 * RATE) - 1024) // 40
+
+
+def spoiled(**changes):
+    held = signals(0)
+    for name, (part, value) in changes.items():
+        held[name.replace("_", "[") + "]" if name[-1].isdigit() else name][part] = value
+    return held
+
+
+@pytest.mark.parametrize(
+    ("held", "sentence"),
+    [
+        (
+            lambda: spoiled(left_3=(slice(2000, 4000), np.nan)),
+            r"left\[3\] is missing from 0\.390 s for 0\.391 s \(gap\)",
+        ),
+        (
+            lambda: spoiled(left_3=(slice(2000, 8000), 268.1)),
+            r"left\[3\] is missing from 0\.391 s for 1\.17 s \(frozen",
+        ),
+        (lambda: spoiled(lateral_1=(slice(None), np.nan)), r"lateral\[1\].* has 0 usable samples"),
+        (lambda: spoiled(speed=(slice(None), 0.2)), r"the 6\.4 s and 1 m that all sensors cover are too little"),
+        (lambda: signals(0, seconds=3.0), r"the 3\.0 s and 80 m that all sensors cover are too little"),
+        (lambda: signals(0, seconds=9.0, rate=100), r"left\[1\] has 100 samples a second; it takes 256 or more"),
+        (lambda: {k: v for k, v in signals(0).items() if k != "left[3]"}, r"has no column 'left\[3\]'"),
+    ],
+    ids=["gap", "frozen", "dead", "standing", "short", "slow", "column"],
+)
+def test_data_that_cannot_be_used_are_answered(tmp_path, held, sentence):
+    with pytest.raises((DataError, EstimationError), match=sentence):
+        one_run(tmp_path, held())
+
+
+def test_a_map_that_does_not_fit_is_answered(tmp_path):
+    labels = write_labels(tmp_path / "labels.csv", [("a.csv", 0.2, 1), ("b.csv", 0.3, 1)])
+    with pytest.raises(DataError, match=r"period is 1000 us; write '195\.312 us', 5120 samples a second"):
+        read_folder(tmp_path, labels, table(period=1e-3))
+    few = {name: name for name in UNITS if name != "lateral[4]"}
+    with pytest.raises(DataError, match=r"\[data\.columns\] lacks lateral\[4\]"):
+        read_folder(tmp_path, labels, table(names=few))
+    with pytest.raises(EstimationError, match=r"a\.csv: there is no such file"):
+        read_folder(tmp_path, labels)
+    write(tmp_path / "a.csv", {name: values[:100] for name, values in signals(0).items()})
+    with pytest.raises(EstimationError, match=r"left\[1\].*kg"):
+        read_folder(tmp_path, labels, table("kg"))
+
+
+def test_a_missing_table_of_labels_is_named(tmp_path):
     with pytest.raises(DataError, match=r"there is no file .*gone\.csv"):
-        read_table(tmp_path / "gone.csv")
-
-
-def test_a_missing_column_is_named(tmp_path):
-    (tmp_path / "few.csv").write_text(",".join(c for c in COLUMNS if c != "left[3]") + "\n1\n")
-    with pytest.raises(DataError, match=r"few\.csv: it has no column left\[3\]"):
-        read_table(tmp_path / "few.csv")
+        read_labels(tmp_path / "gone.csv")
 
 
 @pytest.mark.parametrize(
@@ -67,6 +194,7 @@ def test_a_missing_column_is_named(tmp_path):
     [
         ([("a.csv", 1.2, 1), ("b.csv", 0.2, 1)], "line 2: friction lies between 0 and 1, got 1.2"),
         ([("a.csv", 0.3, 1), ("b.csv", "wet", 1)], "line 3: friction is a number, got 'wet'"),
+        ([("a.csv", 0.3, 1), ("b.csv",)], "line 3: friction is a number, got ''"),
         ([("a.csv", 0.3, 2), ("b.csv", 0.2, 1)], "line 2: direction is 1 or -1, got 2"),
         ([("a.csv", 0.3, 1), ("a.csv", 0.2, 1)], "line 3: a.csv is labelled twice"),
         ([("a.csv", 0.3, 1)], "it labels 1 runs; training needs 2 or more"),
@@ -77,17 +205,13 @@ def test_a_label_that_cannot_be_is_answered(tmp_path, rows, sentence):
         read_labels(write_labels(tmp_path / "labels.csv", rows))
 
 
-def test_another_rate_is_refused(tmp_path):
-    write_run(tmp_path / "slow.csv", np.random.default_rng(0), seconds=12, rate=512)
-    write_run(tmp_path / "too.csv", np.random.default_rng(0), seconds=12, rate=512)
-    labels = write_labels(tmp_path / "labels.csv", [("slow.csv", 0.2, 1), ("too.csv", 0.3, 1)])
-    with pytest.raises(DataError, match=r"slow\.csv: it has 512 samples a second; resample it to 5120"):
-        read_runs(tmp_path, labels)
-
-
-def test_a_gap_is_named(tmp_path):
-    values = np.full(100, 3.0)
-    values[7] = np.nan
-    write_run(tmp_path / "gap.csv", np.random.default_rng(0), seconds=100 / RATE, speed=10.0, **{"left[2]": values})
-    with pytest.raises(DataError, match=r"line 9: left\[2\] is nan"):
-        read_table(tmp_path / "gap.csv")
+def test_a_file_says_what_is_learned(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "lateral, yaw"\n')
+    asked = read_own(path)
+    assert asked.network.recipe().inputs == "lateral, yaw"
+    assert asked.data is None
+    assert set(plain_table().columns) == set(UNITS)
+    path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "vertical"\n')
+    with pytest.raises(ScenarioError, match=r"\[network\] inputs is 'vertical'; there is longitudinal, lateral, yaw; "):
+        read_own(path)

@@ -39,3 +39,18 @@ def test_the_accepted_figures_are_what_was_asked_for():
     assert figures["monitor: stops until lost friction is found"].value <= 10
     assert figures["monitor: stops until a sticking brake is found"].value <= 10
     assert figures["monitor: false alarms"].value == 0
+
+
+def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
+    """The paper's MAE at 60 mph under its split, which exchanged labels reach too and a run left out does not."""
+    learn = load_baseline(BASELINES / "learn.toml").figures
+    for name in ("bias inside", "bias outside", "labels exchanged"):
+        assert learn[f"learn 60 mph, {name}: MAE"].value <= 0.0063
+    assert learn["learn 60 mph, a run left out: MAE"].value > learn["learn 60 mph, always the mean: MAE"].value
+    lateral = load_baseline(BASELINES / "lateral.toml").figures
+    rmse = {
+        name: lateral[f"lateral, {name}: friction RMSE"].value
+        for name in ("paper, literal", "paper, known_track", "paper, unknown_track", "softer, known_track")
+    }
+    assert rmse["paper, known_track"] < rmse["paper, unknown_track"] < rmse["paper, literal"]
+    assert rmse["softer, known_track"] > 0.1

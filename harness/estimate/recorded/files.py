@@ -138,7 +138,9 @@ def _of_frame(path: Path, frame: Mapping[str, Any], table: DataTable, asked: Seq
                 f"{path.name}: column '{name}' has {values.size} samples, its time '{table.time.column}' {time.size}."
             )
         told = _UNIT_IN_NAME.fullmatch(name)
-        series[name] = Series(time=time, values=values, unit=told.group(1) if told else None)
+        # "left[1]" is the first of several, not a signal without dimension.
+        unit = told.group(1) if told and not told.group(1).isdigit() else None
+        series[name] = Series(time=time, values=values, unit=unit)
     return series
 
 

@@ -228,7 +228,8 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
             f"{path.name}: from {begin:.3f} s to {end:.3f} s nothing is left of which all inputs are known; "
             "see begin and end in [data], and that all columns cover the same time."
         )
-    return np.asarray(begin + np.arange(count) * table.period, dtype=np.float64)
+    # The last instant is not let beyond the last sample by a rounding of 1e-16: nothing would be known there.
+    return np.asarray(np.minimum(begin + np.arange(count) * table.period, end), dtype=np.float64)
 
 
 def _refuse_gaps(path: Path, name: str, column: Column, placed: Vector, grid: Vector, table: DataTable) -> None:

@@ -1,4 +1,4 @@
-"""Processes that simulate and train, each on one core."""
+"""Processes that simulate, judge and train, each on one core."""
 
 import os
 from collections.abc import Generator

@@ -1,0 +1,192 @@
+"""Trained estimators as values: what they say of a whole run at once, what they are sample by sample, and as a file."""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import EstimatorError
+from estimators.learned.antialias import AntiAlias
+from estimators.learned.channels import COMBINATIONS, forwards, motions
+from estimators.learned.ensemble import Ensemble
+from estimators.learned.network import Network
+from estimators.learned.online import Online, general, paper
+from estimators.learned.preprocessing import Chain, Scale
+from estimators.learned.spectral import Spectral
+
+Array = NDArray[np.float64]
+
+FORMAT: Final = 1
+"""Of the files; raised whenever an older reader would understand a newer file wrongly."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Said:
+    """What an estimator says of a run, each of shape (k,).
+
+    Attributes:
+        sample: Index of the last sample that an estimate rests on.
+        friction: Estimate.
+        lower, upper: Ends of its 90 % interval; NaN where the estimator gives none.
+    """
+
+    sample: NDArray[np.intp]
+    friction: Array
+    lower: Array
+    upper: Array
+
+
+class Trained(Protocol):
+    """A trained estimator."""
+
+    @property
+    def rate(self) -> int:
+        """Samples a second of the accelerations that go in."""
+        ...
+
+    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> Said:
+        """Return the estimates of a whole run.
+
+        Args:
+            boxes: Accelerations as `online.BOXES` orders them, at `rate`, m/s², shape (n, 12), in axes of the car.
+            speed: m/s, shape (n,).
+            backwards: Whether the fourth wheelset leads.
+        """
+        ...
+
+    def online(self) -> Online:
+        """Return the same estimator sample by sample."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PaperEstimator:
+    """Abduraxman et al. (2024): filters, block means, scaling and a network 4-6-1, or the mean of several.
+
+    Attributes:
+        inputs: Key of `channels.COMBINATIONS`.
+    """
+
+    chain: Chain
+    scale: Scale
+    networks: tuple[Network, ...]
+    inputs: str
+
+    @property
+    def rate(self) -> int:
+        """See `Trained`."""
+        return self.chain.rate
+
+    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> Said:
+        """See `Trained`; neither speed nor direction is used."""
+        blocks = self.chain.process(motions(boxes[:, :4], boxes[:, 4:8], boxes[:, 8:], self.inputs))
+        friction = np.mean([network(self.scale(blocks)) for network in self.networks], axis=0)
+        none = np.full(len(blocks), np.nan)
+        return Said(
+            sample=self.chain.block * np.arange(1, len(blocks) + 1) - 1, friction=friction, lower=none, upper=none
+        )
+
+    def online(self) -> Online:
+        """See `Trained`."""
+        return paper(self.chain, self.scale, self.networks, self.inputs)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GeneralEstimator:
+    """One estimator for all speeds: spectral features of lateral and yaw acceleration, an ensemble, an interval."""
+
+    slow: AntiAlias
+    spectral: Spectral
+    ensemble: Ensemble
+
+    @property
+    def rate(self) -> int:
+        """See `Trained`."""
+        return self.slow.rate
+
+    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> Said:
+        """See `Trained`; an estimate at every slow sample once the features have settled."""
+        slow = self.slow(np.hstack([boxes[:, 8:], boxes[:, 4:8] - boxes[:, :4]]))
+        lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=backwards)
+        features = self.spectral.features(lateral, yaw, self.slow.kept(speed))
+        known = np.arange(2 * self.spectral.settled, len(features))
+        made = self.ensemble(features[known])
+        return Said(sample=self.slow.keep * (known + 1) - 1, friction=made.friction, lower=made.lower, upper=made.upper)
+
+    def online(self) -> Online:
+        """See `Trained`."""
+        return general(self.slow, self.spectral, self.ensemble)
+
+
+def save(trained: PaperEstimator | GeneralEstimator, file: Path) -> Path:
+    """Write a trained estimator; every number comes back as it was."""
+    file.write_text(json.dumps({"format": FORMAT, "kind": _KIND[type(trained)], **asdict(trained)}, default=_plain))
+    return file
+
+
+def load(file: Path) -> PaperEstimator | GeneralEstimator:
+    """Return the estimator that `save` wrote.
+
+    Raises:
+        EstimatorError: There is no such file, or it is no trained estimator.
+    """
+    try:
+        told = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError as problem:
+        raise EstimatorError(f"{file}: there is no such file; `make learn` writes trained estimators.") from problem
+    except (UnicodeDecodeError, json.JSONDecodeError) as problem:
+        raise EstimatorError(f"{file}: is not JSON: {problem}.") from problem
+    if not isinstance(told, dict) or told.get("kind") not in _READ or told.get("format") != FORMAT:
+        raise EstimatorError(f"{file}: is no trained estimator of format {FORMAT}; it wants kind {' or '.join(_READ)}.")
+    try:
+        return _READ[told["kind"]](told)
+    except (KeyError, TypeError, ValueError) as problem:
+        raise EstimatorError(f"{file}: is a damaged trained estimator: {problem!r}.") from problem
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} has no place in a trained estimator")
+
+
+def _paper(told: Mapping[str, Any]) -> PaperEstimator:
+    if told["inputs"] not in COMBINATIONS:
+        raise ValueError(f"inputs '{told['inputs']}' are unknown")
+    return PaperEstimator(
+        chain=Chain(**told["chain"]),
+        scale=Scale(**{name: np.array(values) for name, values in told["scale"].items()}),
+        networks=tuple(map(_network, told["networks"])),
+        inputs=told["inputs"],
+    )
+
+
+def _general(told: Mapping[str, Any]) -> GeneralEstimator:
+    ensemble = dict(told["ensemble"])
+    return GeneralEstimator(
+        slow=AntiAlias(**told["slow"]),
+        spectral=replace(Spectral(**told["spectral"]), centres=tuple(told["spectral"]["centres"])),
+        ensemble=Ensemble(
+            centre=np.array(ensemble["centre"]),
+            spread=np.array(ensemble["spread"]),
+            networks=tuple(map(_network, ensemble["networks"])),
+            second=tuple(map(_network, ensemble["second"])),
+            half_width=ensemble["half_width"],
+        ),
+    )
+
+
+def _network(told: Mapping[str, Any]) -> Network:
+    weights = {name: np.array(told[name]) for name in ("hidden_weights", "hidden_bias", "output_weights")}
+    return Network(**weights, output_bias=told["output_bias"], bias=told["bias"])
+
+
+_KIND: Final[Mapping[type, str]] = {PaperEstimator: "paper", GeneralEstimator: "general"}
+_READ: Final[Mapping[str, Callable[[Mapping[str, Any]], PaperEstimator | GeneralEstimator]]] = {
+    "paper": _paper,
+    "general": _general,
+}

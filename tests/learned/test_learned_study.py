@@ -1,0 +1,65 @@
+"""The study from runs to report, figures and estimators, on made-up runs: what it says of them must be so."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimators.learned.channels import COMBINATIONS
+from harness.learn.evaluate import Recipe
+from harness.learn.figures import draw
+from harness.learn.reduction import Run
+from harness.learn.study import QUICK, concluded, estimators_of, passes, pieces
+from harness.learn.tables import report
+
+SIZE = replace(QUICK, starts=2, members=6)
+
+
+def made_up(run, number):
+    """A run with levels of its own, which a network can recognise and which have nothing to do with friction."""
+    draw = np.random.default_rng(number)
+    level = draw.uniform(0, 3, 20)
+    return Run(
+        name=run.name, group=60, speed=26.8, friction=run.friction,
+        blocks=np.abs(level + 0.02 * draw.standard_normal((100, 20))), settled=draw.uniform(0, 3, (100, 20)),
+        slow=np.column_stack([draw.standard_normal((1000, 8)), np.full(1000, 26.8)]), slope=0.4,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def study():
+    sets = passes(SIZE)
+    numbers = iter(range(1000))
+    runs = {name: [made_up(run, next(numbers)) for run in part] for name, part in sets.items()}
+    told = []
+    with ThreadPoolExecutor(1) as pool:
+        made = concluded(SIZE, runs, Recipe(starts=2, steps=40), pool, told.append)
+    assert len(told) + sum(map(len, runs.values())) == pieces(SIZE)
+    return made
+
+
+def test_a_study_of_recognisable_runs_says_that_they_are_recognised(study):
+    split = {name: row[60] for name, row in study.split.items()}
+    assert split["labels exchanged"].mae < 0.01
+    assert split["first second is zero"].mae > 3 * split["labels exchanged"].mae
+    assert study.honest["a run left out"][60].mae > 0.03
+
+
+def test_every_row_is_in_the_report(study):
+    page = report(study)
+    for name in (*study.split, *study.honest, *COMBINATIONS, *(f"decay {decay}" for decay in study.decays)):
+        assert name in page
+    assert "| paper, MAE | 0.0063 |" in page
+    for name, row in study.split.items():
+        mark = " ✓" if row[60].mae <= 0.0063 else ""
+        assert not name.startswith("bias") or f"| {name}: MAE | {row[60].mae:.4f}{mark} |" in page
+
+
+def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
+    assert [path.stem for path in draw(study, tmp_path)] == ["errors", "processed", "campaign", "within_runs"]
+    assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
+    trained = estimators_of(study)
+    assert set(trained) == {"friction", "friction_60mph"}
+    said = trained["friction_60mph"].offline(np.full((500, 12), 268.0), np.full(500, 26.8), backwards=False)
+    assert len(said.friction) == 500 // 50
