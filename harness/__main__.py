@@ -278,6 +278,7 @@ def _print_rows(rows: "Sequence[Row]") -> None:
             "scenario": row.label,
             "actuation": row.actuation,
             "sensors": row.sensors,
+            "creep curve": row.polach,
             "controller": CONTROLLERS.get(row.controller, row.controller),
             "distance": f"{row.distance_m:.1f} m" if row.distance_m is not None else row.outcome,
             "paper": "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f} m",
