@@ -1,7 +1,6 @@
 """From a demanded pressure to fill, hold and dump valves."""
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
@@ -77,8 +76,3 @@ class ValveLogic:
             elif command == DUMP:
                 pressure -= pressure * model.period / model.vent_time
         return pressure
-
-
-def valve_logics(full: Sequence[float], model: ValveModel) -> tuple[ValveLogic, ...]:
-    """One valve logic per group, for highest pressures `full` [Pa]."""
-    return tuple(ValveLogic(pressure, model) for pressure in full)
