@@ -13,12 +13,14 @@ Two forms:
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from functools import cache
 from types import MappingProxyType
 from typing import ClassVar
 
-from controllers.brake import BrakeGroup
-from controllers.sight import Sight
+from controllers.brake import BrakeGroup, pressure_for
+from controllers.law import Demand, Law, Seen, law
+from controllers.sampled import Draft, Expression, Formula, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,49 +60,33 @@ class SeekerTuning:
     adhesion_guard: float
     speed_min: float
 
-    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType(
+    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
-            "filter_time": "s",
-            "margin": "1",
-            "rise": "1",
-            "fall": "1",
-            "slip_rate_max": "1/s",
-            "slip_rate_min": "1/s",
-            "dwell": "s",
-            "slip_small": "1",
-            "slip_vent": "1",
-            "adhesion_small": "1",
-            "adhesion_guard": "1",
-            "speed_min": "m/s",
+            "period": ("s", "between two decisions"),
+            "filter_time": ("s", "time constant of the filters that differentiate slip and adhesion"),
+            "margin": ("1", "elasticity of adhesion over slip at which the peak counts as reached"),
+            "rise": ("1", "share of the equivalent torque added while seeking upwards"),
+            "fall": ("1", "share of it taken away while seeking downwards"),
+            "slip_rate_max": ("1/s", "largest relative slip rate that a torque may cause"),
+            "slip_rate_min": ("1/s", "relative slip rate below which the seeker goes upwards"),
+            "dwell": ("s", "shortest time between two changes of direction"),
+            "slip_small": ("1", "slip below which the wheel counts as rolling"),
+            "slip_vent": ("1", "slip above which the brake is released"),
+            "adhesion_small": ("1", "estimated adhesion below which there is no peak to seek"),
+            "adhesion_max": ("1", "highest adhesion that may be used"),
+            "adhesion_guard": ("1", "distance below adhesion_max at which the torque is capped"),
+            "speed_min": ("m/s", "train speed below which the brake is simply applied"),
         }
+    )
+    """Unit and meaning of each parameter, in short."""
+
+    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {name: unit for name, (unit, _) in MEANINGS.items() if name not in ("period", "adhesion_max")}
     )
     """Unit of each parameter that a user may change; period and adhesion_max are the scenario's."""
 
 
-class _Derivative:
-    """First-order filter and its rate: the filtered derivative of a sampled signal."""
-
-    __slots__ = ("_share", "_started", "_time", "rate", "value")
-
-    def __init__(self, filter_time: float, period: float) -> None:
-        self._share = period / (filter_time + period)
-        self._time = period
-        self._started = False
-        self.value = 0.0
-        self.rate = 0.0
-
-    def follow(self, sample: float) -> float:
-        """Take a sample; return and keep the filtered value, keep its rate."""
-        if not self._started:  # without this the first sample would look like a jump from zero
-            self._started, self.value = True, sample
-            return sample
-        step = self._share * (sample - self.value)
-        self.value = value = self.value + step
-        self.rate = step / self._time
-        return value
-
-
-class AdhesionBased:
+class AdhesionBased(Law):
     """Sliding-mode peak seeking with equivalent control.
 
     Per group, with a = α̂ and ˙ the filtered derivative:
@@ -119,117 +105,120 @@ class AdhesionBased:
     start.
     """
 
+    wants_estimate = True
+
     def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
         """Control `groups` with one `tuning`."""
-        self._seekers = tuple(_Seeker(group, tuning) for group in groups)
-
-    def decide(self, sight: Sight) -> tuple[float, ...]:
-        """Return the demanded pressure of each group [Pa].
-
-        Raises:
-            ValueError: The sight carries no estimate of adhesion and pad friction.
-        """
-        _, speed, acceleration, slips, adhesions, pad_frictions, _ = sight
-        if adhesions is None or pad_frictions is None:
-            raise ValueError("AdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario.")
-        return tuple(
-            [
-                seeker.demand(speed, acceleration, slip, adhesion, pad_friction)
-                for seeker, slip, adhesion, pad_friction in zip(
-                    self._seekers, slips, adhesions, pad_frictions, strict=True
-                )
-            ]
-        )
+        super().__init__(adhesion_based(len(groups)), groups, asdict(tuning))
 
 
-class _Seeker:
-    """Seeks the peak of one group."""
-
-    __slots__ = ("_adhesion", "_group", "_slip", "_tuning", "_upwards", "_wait")
-
-    def __init__(self, group: BrakeGroup, tuning: SeekerTuning) -> None:
-        self._group = group
-        self._tuning = tuning
-        self._slip = _Derivative(tuning.filter_time, tuning.period)
-        self._adhesion = _Derivative(tuning.filter_time, tuning.period)
-        self._upwards = True
-        self._wait = 0.0
-
-    def demand(self, speed: float, acceleration: float, slip: float, adhesion: float, pad_friction: float) -> float:
-        """Return the demanded pressure [Pa]."""
-        tuning, group = self._tuning, self._group
-        seen_slip = self._slip.follow(slip)
-        seen_adhesion = self._adhesion.follow(adhesion)
-        seeking = speed >= tuning.speed_min
-        if slip > tuning.slip_vent and seeking:
-            self._upwards = False
-            return 0.0
-        radius, inertia = group.wheel_radius, group.inertia
-        held = group.load * radius  # torque per adhesion
-        inertial = -inertia * (1.0 - slip) * acceleration / radius
-        torque = (tuning.adhesion_max - tuning.adhesion_guard) * held + inertial
-        if seen_slip < tuning.slip_small or seen_adhesion < tuning.adhesion_small or not seeking:
-            self._upwards = True
-            return group.pressure(torque, pad_friction)
-        self._turn(self._slip.rate / seen_slip, self._adhesion.rate / seen_adhesion)
-
-        balance = seen_adhesion * held + inertial
-        extra = (tuning.rise if self._upwards else tuning.fall) * balance
-        reach = inertia * tuning.slip_rate_max * seen_slip * speed / radius
-        if extra > reach:
-            extra = reach
-        sought = balance + extra if self._upwards else balance - extra
-        return group.pressure(sought if sought < torque else torque, pad_friction)
-
-    def _turn(self, slip_rate: float, adhesion_rate: float) -> None:
-        """Choose the direction of seeking from the relative rates [1/s]."""
-        tuning = self._tuning
-        self._wait -= tuning.period
-        if self._wait > 0.0:
-            return
-        upwards = (
-            -tuning.slip_rate_min < slip_rate < tuning.slip_rate_min
-            or slip_rate * (adhesion_rate - tuning.margin * slip_rate) > 0.0
-        )
-        if upwards != self._upwards:
-            self._upwards = upwards
-            self._wait = tuning.dwell
-
-
-class LiteralAdhesionBased:
+class LiteralAdhesionBased(Law):
     """The law as printed, eq. (11): full pressure while ṡ·α̇ > 0, none while it is negative.
 
     Source: Schwarz, Posielek, Goetjes (2021), §3.2, with the limit α ≤ adhesion_max of the same section. Of `tuning`
     only period, filter_time, adhesion_max, adhesion_small, slip_small and speed_min are used.
     """
 
+    wants_estimate = True
+
     def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
         """Control `groups` with one `tuning`."""
-        self._tuning = tuning
-        self._full = tuple(group.pressure_max for group in groups)
-        self._demands = list(self._full)
-        self._slip = [_Derivative(tuning.filter_time, tuning.period) for _ in groups]
-        self._adhesion = [_Derivative(tuning.filter_time, tuning.period) for _ in groups]
+        super().__init__(literal_adhesion_based(len(groups)), groups, asdict(tuning))
 
-    def decide(self, sight: Sight) -> tuple[float, ...]:
-        """Return the demanded pressure of each group [Pa].
 
-        Raises:
-            ValueError: The sight carries no estimate of adhesion.
-        """
-        if sight.adhesion is None:
-            raise ValueError("LiteralAdhesionBased: needs an estimator; [estimator] kind is 'none' in this scenario.")
-        tuning = self._tuning
-        if sight.speed < tuning.speed_min:
-            return self._full
-        for g, (slip, adhesion) in enumerate(zip(sight.slip, sight.adhesion, strict=True)):
-            self._slip[g].follow(slip)
-            self._adhesion[g].follow(adhesion)
-            switch = self._slip[g].rate * self._adhesion[g].rate
-            if adhesion > tuning.adhesion_max:
-                self._demands[g] = 0.0
-            elif slip < tuning.slip_small or adhesion < tuning.adhesion_small or switch > 0.0:
-                self._demands[g] = self._full[g]
-            elif switch < 0.0:
-                self._demands[g] = 0.0
-        return tuple(self._demands)
+@cache
+def adhesion_based(groups: int) -> Formula:
+    """Return the formula of `AdhesionBased` for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        tuning = _parameters(draft, SeekerTuning.MEANINGS)
+        filters = _Derivatives(draft, tuning)
+
+        def demand(draft: Draft, seen: Seen) -> Expression:
+            brake, radius, inertia = seen.brake, seen.brake["wheel_radius"], seen.brake["inertia"]
+            slip, slip_rate = filters.follow(draft, seen.named("seen_slip"), seen.slip)
+            adhesion, adhesion_rate = filters.follow(draft, seen.named("seen_adhesion"), seen.adhesion)
+            upwards = draft.state(seen.named("upwards"), "1", "1 while it seeks upwards", start=1.0)
+            wait = draft.state(seen.named("wait"), "s", "until the direction may change again")
+            seeking, creeping = seen.speed >= tuning["speed_min"], seen.speed < tuning["speed_min"]
+            venting = every(seen.slip > tuning["slip_vent"], seeking)
+            rolling = either(slip < tuning["slip_small"], adhesion < tuning["adhesion_small"], creeping)
+
+            # The direction, from the relative rates.
+            s_rate, a_rate = slip_rate / slip, adhesion_rate / adhesion
+            still = every(-tuning["slip_rate_min"] < s_rate, s_rate < tuning["slip_rate_min"])
+            rising = either(still, s_rate * (a_rate - tuning["margin"] * s_rate) > 0.0)
+            left = wait - tuning["period"]
+            turned = choose(left > 0.0, upwards, rising)
+            waits = choose(turned != upwards, tuning["dwell"], left)
+
+            held = brake["load"] * radius  # torque per adhesion
+            inertial = -inertia * (1.0 - seen.slip) * seen.acceleration / radius
+            limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * held + inertial
+            balance = adhesion * held + inertial
+            wanted = choose(turned, tuning["rise"], tuning["fall"]) * balance
+            reach = inertia * tuning["slip_rate_max"] * slip * seen.speed / radius
+            extra = choose(wanted > reach, reach, wanted)
+            sought = choose(turned, balance + extra, balance - extra)
+            torque = choose(rolling, limit, choose(sought < limit, sought, limit))
+
+            draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, turned)))
+            draft.keep(wait, choose(either(venting, rolling), wait, waits))
+            return choose(venting, 0.0, pressure_for(torque, seen.pad_friction, brake))
+
+        return demand
+
+    return law("AdhesionBased", "Adhesion-based wheel-slide protection, peak seeking", groups, demand_with)
+
+
+@cache
+def literal_adhesion_based(groups: int) -> Formula:
+    """Return the formula of `LiteralAdhesionBased` for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        tuning = _parameters(draft, {name: SeekerTuning.MEANINGS[name] for name in _LITERAL})
+        filters = _Derivatives(draft, tuning)
+
+        def demand(draft: Draft, seen: Seen) -> Expression:
+            full, controlling = seen.brake["pressure_max"], seen.speed >= tuning["speed_min"]
+            _, slip_rate = filters.follow(draft, seen.named("seen_slip"), seen.slip)
+            _, adhesion_rate = filters.follow(draft, seen.named("seen_adhesion"), seen.adhesion)
+            applied = draft.state(
+                seen.named("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
+            )
+            switch = slip_rate * adhesion_rate
+            rolling = either(seen.slip < tuning["slip_small"], seen.adhesion < tuning["adhesion_small"])
+            seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, applied))
+            decided = choose(seen.adhesion > tuning["adhesion_max"], 0.0, seeking)
+            draft.keep(applied, choose(controlling, decided, applied))
+            return choose(controlling, decided * full, full)
+
+        return demand
+
+    return law("LiteralAdhesionBased", "Adhesion-based wheel-slide protection as printed", groups, demand_with)
+
+
+_LITERAL = ("period", "filter_time", "adhesion_max", "adhesion_small", "slip_small", "speed_min")
+
+
+def _parameters(draft: Draft, meanings: Mapping[str, tuple[str, str]]) -> dict[str, Expression]:
+    return {name: draft.parameter(name, unit, text) for name, (unit, text) in meanings.items()}
+
+
+class _Derivatives:
+    """First-order filters and their rates: the filtered derivatives of sampled signals."""
+
+    def __init__(self, draft: Draft, tuning: Mapping[str, Expression]) -> None:
+        self._started = draft.state("started", "1", "1 once there is a sample before this one")
+        self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
+        self._period = tuning["period"]
+        draft.keep(self._started, 1.0)
+
+    def follow(self, draft: Draft, name: str, sample: Expression) -> tuple[Expression, Expression]:
+        """Return the filtered value of a sample and its rate."""
+        before = draft.state(name, "1", "filtered value")
+        step = self._share * (sample - before)
+        # Without this the first sample would look like a jump from zero.
+        value = choose(self._started, before + step, sample)
+        draft.keep(before, value)
+        return value, choose(self._started, step / self._period, 0.0)

@@ -1,23 +1,30 @@
 """The brake equipment as a controller knows it: torque from pressure and pressure from torque."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+
+from controllers.sampled import Expression, choose
+
+BRAKE = MappingProxyType(
+    {
+        "load": ("N", "static wheel-rail force of the group"),
+        "inertia": ("kg.m2", "rotational inertia of its wheelsets and discs"),
+        "wheel_radius": ("m", "rolling radius"),
+        "units": ("1", "number of brake units"),
+        "friction_radius": ("m", "mean radius of the pads on the disc"),
+        "piston_area": ("m2", "of one brake cylinder"),
+        "rigging": ("1", "lever ratio times efficiency, both pads"),
+        "spring_force": ("N", "of slack adjuster and return spring, at the piston"),
+        "pressure_max": ("Pa", "highest brake cylinder pressure"),
+    }
+)
+"""Unit and meaning of each datum of a group's brake."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BrakeGroup:
-    """Nominal data of the brake units and wheelsets of one group.
-
-    Attributes:
-        load: Static wheel-rail force of the group [N].
-        inertia: Rotational inertia of its wheelsets and discs [kg·m²].
-        wheel_radius: Rolling radius [m].
-        units: Number of brake units.
-        friction_radius: Mean radius of the pads on the disc [m].
-        piston_area: Of one brake cylinder [m²].
-        rigging: Lever ratio times efficiency, both pads [1].
-        spring_force: Of slack adjuster and return spring, at the piston [N].
-        pressure_max: Highest brake cylinder pressure [Pa].
-    """
+    """Nominal data of the brake units and wheelsets of one group; units and meanings are in `BRAKE`."""
 
     load: float
     inertia: float
@@ -44,13 +51,13 @@ class BrakeGroup:
                 f"({self.pressure_max} Pa on {self.piston_area} m²); check both."
             )
 
-    def pressure(self, torque: float, pad_friction: float) -> float:
-        """Brake cylinder pressure [Pa] at which the group's units give `torque` [N·m]; within 0 … pressure_max.
 
-        Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3), solved for p_c.
-        """
-        pad_force = torque / (self.units * pad_friction * self.friction_radius)
-        pressure = (pad_force / self.rigging + self.spring_force) / self.piston_area
-        if pressure <= 0.0:
-            return 0.0
-        return pressure if pressure < self.pressure_max else self.pressure_max
+def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[str, Expression]) -> Expression:
+    """Return the brake cylinder pressure [Pa] at which a group's units give `torque` [N·m]; within 0 … pressure_max.
+
+    Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3), solved for p_c.
+    """
+    pad_force = torque / (brake["units"] * pad_friction * brake["friction_radius"])
+    pressure = (pad_force / brake["rigging"] + brake["spring_force"]) / brake["piston_area"]
+    full = brake["pressure_max"]
+    return choose(pressure <= 0.0, 0.0, choose(pressure < full, pressure, full))

@@ -1,18 +1,26 @@
 """No wheel-slide protection."""
 
 from collections.abc import Sequence
+from functools import cache
 
 from controllers.brake import BrakeGroup
-from controllers.sight import Sight
+from controllers.law import Demand, Law, law
+from controllers.sampled import Draft, Formula
 
 
-class FullBrake:
+class FullBrake(Law):
     """Full pressure from the first instant, whatever the wheels do."""
 
     def __init__(self, groups: Sequence[BrakeGroup]) -> None:
         """Brake every one of `groups` with its highest pressure."""
-        self._demands = tuple(group.pressure_max for group in groups)
+        super().__init__(full_brake(len(groups)), groups, {})
 
-    def decide(self, sight: Sight) -> tuple[float, ...]:
-        """Return the highest pressure of each group [Pa]."""
-        return self._demands
+
+@cache
+def full_brake(groups: int) -> Formula:
+    """Return the formula for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        return lambda draft, seen: seen.brake["pressure_max"]
+
+    return law("FullBrake", "Full brake pressure, no wheel-slide protection", groups, demand_with)

@@ -1,10 +1,12 @@
 """Slip-based two-level control (SBC): the state of the art that adhesion-based control is measured against."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from functools import cache
 
 from controllers.brake import BrakeGroup
-from controllers.sight import Sight
+from controllers.law import Demand, Law, Seen, law
+from controllers.sampled import Draft, Expression, Formula, choose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,28 +41,38 @@ class SlipLevels:
             raise ValueError(f"SlipBased: speed_min must not be negative, got {self.speed_min} m/s.")
 
 
-class SlipBased:
+class SlipBased(Law):
     """Apply below the low level, release above the high one.
 
-    Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %.
+    Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %. As long as no speed has been read (NaN)
+    there is no slip to protect from, and the brake is applied.
     """
 
     def __init__(self, groups: Sequence[BrakeGroup], levels: SlipLevels) -> None:
         """Control `groups` between `levels`."""
-        self._levels = levels
-        self._full = tuple(group.pressure_max for group in groups)
-        self._demands = list(self._full)
+        super().__init__(slip_based(len(groups)), groups, asdict(levels))
 
-    def decide(self, sight: Sight) -> tuple[float, ...]:
-        """Return the demanded pressure of each group [Pa]."""
-        levels = self._levels
-        if sight.speed < levels.speed_min:
-            return self._full
-        for g, slip in enumerate(sight.slip):
-            if slip > levels.high:
-                self._demands[g] = 0.0
-            elif slip < levels.low:
-                self._demands[g] = self._full[g]
-            elif levels.hold:
-                self._demands[g] = sight.pressure[g]
-        return tuple(self._demands)
+
+@cache
+def slip_based(groups: int) -> Formula:
+    """Return the formula for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        low = draft.parameter("low", "1", "slip below which the brake is applied")
+        high = draft.parameter("high", "1", "slip above which it is released")
+        speed_min = draft.parameter("speed_min", "m/s", "train speed below which protection is off")
+        hold = draft.parameter("hold", "1", "1: between the levels the pressure stays; 0: the last action goes on")
+
+        def demand(draft: Draft, seen: Seen) -> Expression:
+            applied = draft.state(
+                seen.named("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
+            )
+            full, protecting = seen.brake["pressure_max"], seen.speed >= speed_min
+            releasing, applying = seen.slip > high, seen.slip < low
+            draft.keep(applied, choose(protecting, choose(releasing, 0.0, choose(applying, 1.0, applied)), applied))
+            between = choose(hold, seen.pressure, applied * full)
+            return choose(protecting, choose(releasing, 0.0, choose(applying, full, between)), full)
+
+        return demand
+
+    return law("SlipBased", "Slip-based two-level wheel-slide protection", groups, demand_with)

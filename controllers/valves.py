@@ -1,21 +1,23 @@
-"""From a demanded pressure to fill, hold and dump valves."""
+"""From demanded pressures to fill, hold and dump valves."""
 
-from collections import deque
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+
+from controllers.sampled import Draft, Expression, Formula, Sampled, choose
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValveModel:
-    """What the valve logic believes of one group's valves and brake cylinder.
+    """What the valve logic believes of the valves and brake cylinders.
 
     Attributes:
         period: Between two commands [s].
         dead_time: From a command to the change of flow [s].
-        fill_time: Time constant of filling towards `supply` [s].
+        fill_time: Time constant of filling towards the supply pressure [s].
         vent_time: Time constant of venting towards zero gauge pressure [s].
-        supply: Pressure behind the fill valve [Pa].
         band: Half width of the band around the demand in which the valves hold [Pa].
         pulse_min: Shortest time a valve stays as it is [s].
     """
@@ -24,55 +26,61 @@ class ValveModel:
     dead_time: float
     fill_time: float
     vent_time: float
-    supply: float
     band: float
     pulse_min: float
 
 
-class ValveLogic:
-    """Three-state tracking of a demanded pressure with a predictor over the dead time.
+class ValveLogic(Sampled):
+    """Three-state tracking of demanded pressures with a predictor over the dead time.
 
     The pressure that matters for a command is the one when it takes effect, not the measured one: commands on their
     way are run through the valve model first (Smith, 1957). A demand of zero or of full pressure is passed on at
     once as dump or fill, so that two-level controllers work as they do with binary valves.
     """
 
-    def __init__(self, full: float, model: ValveModel) -> None:
-        """Serve a group whose highest pressure is `full` [Pa]."""
-        self._full = full
-        self._model = model
+    def __init__(self, supplies: Sequence[float], model: ValveModel) -> None:
+        """Serve groups whose highest pressures, those behind their fill valves, are `supplies` [Pa]."""
         delay = max(round(model.dead_time / model.period), 0)
-        self._under_way: deque[float] = deque([HOLD] * delay, maxlen=delay) if delay else deque(maxlen=0)
-        self._command = HOLD
-        self._age = model.pulse_min
+        values = {f"supply[{g}]": supply for g, supply in enumerate(supplies, 1)}
+        super().__init__(valve_logic(len(supplies), delay), values | asdict(model))
+        # A valve may act at once: it has been as it is for long.
+        self.state[[quantity.name.startswith("age") for quantity in self.formula.states]] = model.pulse_min
 
-    def command(self, demand: float, measured: float) -> float:
-        """Return −1 dump, 0 hold or +1 fill for a demanded and a measured pressure [Pa]."""
-        model = self._model
-        self._age += model.period
-        if self._age >= model.pulse_min - 1e-9:
-            wanted = self._wanted(demand, self._predicted(measured))
-            if wanted != self._command:
-                self._command, self._age = wanted, 0.0
-        self._under_way.append(self._command)
-        return self._command
+    def command(self, demands: Sequence[float], measured: Sequence[float]) -> tuple[float, ...]:
+        """Return −1 dump, 0 hold or +1 fill for each group, from demanded and measured pressures [Pa]."""
+        return self.call((*demands, *measured))
 
-    def _wanted(self, demand: float, predicted: float) -> float:
-        if demand <= 0.0:
-            return DUMP
-        if demand >= self._full:
-            return FILL
-        if predicted < demand - self._model.band:
-            return FILL
-        if predicted > demand + self._model.band:
-            return DUMP
-        return HOLD
 
-    def _predicted(self, pressure: float) -> float:
-        model = self._model
-        for command in self._under_way:
-            if command == FILL:
-                pressure += (model.supply - pressure) * model.period / model.fill_time
-            elif command == DUMP:
-                pressure -= pressure * model.period / model.vent_time
-        return pressure
+@cache
+def valve_logic(groups: int, delay: int) -> Formula:
+    """Return the formula for so many groups, and a dead time of so many periods."""
+    draft, numbers = Draft(), range(1, groups + 1)
+    demands = [draft.input(f"demand[{g}]", "Pa", "demanded brake cylinder pressure") for g in numbers]
+    pressures = [draft.input(f"pressure[{g}]", "Pa", "measured brake cylinder pressure") for g in numbers]
+    period = draft.parameter("period", "s", "between two commands")
+    fill_time = draft.parameter("fill_time", "s", "time constant of filling")
+    vent_time = draft.parameter("vent_time", "s", "time constant of venting")
+    band = draft.parameter("band", "Pa", "half width of the band in which the valves hold")
+    pulse_min = draft.parameter("pulse_min", "s", "shortest time a valve stays as it is")
+    commands: list[Expression] = []
+    for g, demand, pressure in zip(numbers, demands, pressures, strict=True):
+        supply = draft.parameter(f"supply[{g}]", "Pa", "pressure behind the fill valve")
+        command = draft.state(f"command[{g}]", "1", "last command", start=HOLD)
+        age = draft.state(f"age[{g}]", "s", "since it changed")
+        under_way = [draft.state(f"under_way[{g},{i}]", "1", "a command on its way", HOLD) for i in range(1, delay + 1)]
+        for acting in under_way:
+            filled = pressure + (supply - pressure) * period / fill_time
+            vented = pressure - pressure * period / vent_time
+            pressure = choose(acting == FILL, filled, choose(acting == DUMP, vented, pressure))
+        tracking = choose(pressure < demand - band, FILL, choose(pressure > demand + band, DUMP, HOLD))
+        wanted = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
+        older = age + period
+        changed = choose(older >= pulse_min - 1e-9, wanted, command)
+        draft.keep(age, choose(changed == command, older, 0.0))
+        draft.keep(command, changed)
+        for place, following in zip(under_way, [*under_way[1:], changed], strict=False):
+            draft.keep(place, following)
+        commands.append(changed)
+    for g, command in zip(numbers, commands, strict=True):
+        draft.output(f"command[{g}]", "1", "-1 dump, 0 hold, 1 fill", command)
+    return draft.formula("ValveLogic", "Tracks demanded pressures with fill, hold and dump valves")

@@ -415,39 +415,20 @@ class _Ideal:
         return demands
 
 
-class _Valves:
-    """One valve logic for each group."""
-
-    def __init__(self, logics: tuple[ValveLogic, ...]) -> None:
-        self._logics = logics
-
-    def command(self, demands: tuple[float, ...], measured: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple(
-            logic.command(demand, pressure)
-            for logic, demand, pressure in zip(self._logics, demands, measured, strict=True)
-        )
-
-
 def _actuation(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
     if scenario.actuation.kind == "ideal":
         return _Ideal()
     nominal = parameters_of(description_of(recipe_file("TwoPartTrainPneumatic")))
-    return _Valves(
-        tuple(
-            ValveLogic(
-                group.pressure_max,
-                ValveModel(
-                    period=scenario.periods.controller,
-                    dead_time=0.5 * (nominal["dead_fill"] + nominal["dead_vent"]),
-                    fill_time=nominal["T_fill"],
-                    vent_time=nominal["T_vent"],
-                    supply=group.pressure_max,
-                    band=tuning.VALVE_BAND,
-                    pulse_min=tuning.VALVE_PULSE_MIN,
-                ),
-            )
-            for group in groups
-        )
+    return ValveLogic(
+        [group.pressure_max for group in groups],
+        ValveModel(
+            period=scenario.periods.controller,
+            dead_time=0.5 * (nominal["dead_fill"] + nominal["dead_vent"]),
+            fill_time=nominal["T_fill"],
+            vent_time=nominal["T_vent"],
+            band=tuning.VALVE_BAND,
+            pulse_min=tuning.VALVE_PULSE_MIN,
+        ),
     )
 
 

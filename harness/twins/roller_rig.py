@@ -117,13 +117,12 @@ class _Protection:
             (self._group,), SlipLevels(low=its.low, high=its.high, speed_min=its.speed_min, hold=False)
         )
         self._valves = ValveLogic(
-            self._group.pressure_max,
+            (self._group.pressure_max,),
             ValveModel(
                 period=self.every * scenario.period,
                 dead_time=0.5 * (values["dead_fill"] + values["dead_vent"]),
                 fill_time=values["T_fill"],
                 vent_time=values["T_vent"],
-                supply=self._group.pressure_max,
                 band=VALVE_BAND,
                 pulse_min=VALVE_PULSE_MIN,
             ),
@@ -137,7 +136,7 @@ class _Protection:
         sight = Sight(time, speed, 0.0, (slip,), None, None, (pressure,))
         allowed = self._law.decide(sight)[0]
         self.releases = allowed < self._group.pressure_max
-        return self._valves.command(min(allowed, demand), pressure)
+        return self._valves.command((min(allowed, demand),), (pressure,))[0]
 
 
 def _brake(values: dict[str, float]) -> BrakeGroup:

@@ -120,6 +120,14 @@ def test_hold_keeps_the_pressure_that_is_measured():
     assert law.decide(Sight(0, SPEED, 0, (0.12,), None, None, (1.234e5,))) == (1.234e5,)
 
 
+@pytest.mark.parametrize("hold", [True, False])
+def test_the_brake_is_applied_before_a_speed_is_known(hold):
+    """A radar reads some 50 ms after the demand; a train that waited for it would roll on."""
+    law = SlipBased([GROUP], replace(SLIP_LEVELS, hold=hold))
+    unknown = float("nan")
+    assert law.decide(Sight(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
+
+
 def test_full_brake_looks_at_nothing():
     assert FullBrake([GROUP]).decide(Sight(0, SPEED, 0, (0.9,), None, None, (0.0,))) == (3.4e5,)
 

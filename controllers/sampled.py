@@ -1,0 +1,170 @@
+"""A sampled function with memory: the form of every law here, as a CasADi graph.
+
+Written once, it runs in Python, in C beside a plant, and as an FMU in somebody else's tool, with the same results.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Expression = Any
+"""A scalar `casadi.SX`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """One number at the edge of a sampled function.
+
+    Attributes:
+        name: As FMI writes it, `slip[1]` an element of an array.
+        unit: SI, "1" for ratios.
+        description: One line.
+        start: Of a state: before the first call.
+    """
+
+    name: str
+    unit: str
+    description: str
+    start: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Formula:
+    """A sampled function.
+
+    Attributes:
+        name: Of the law.
+        description: One line.
+        states, inputs, parameters, outputs: In the order of the vectors of `step`.
+        step: (state, input, parameter) → (state, output), dense columns.
+    """
+
+    name: str
+    description: str
+    states: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]
+    outputs: tuple[Quantity, ...]
+    step: ca.Function
+
+
+class Draft:
+    """A formula while it is written: symbols are asked for by name, results are given to names.
+
+    draft = Draft()
+    slip = draft.input("slip[1]", "1", "slip")
+    ...
+    draft.output("demand[1]", "Pa", "demanded pressure", choose(slip > high, 0.0, full))
+    return draft.formula("SlipBased", "two-level control")
+    """
+
+    def __init__(self) -> None:
+        """Begin."""
+        self._symbols: dict[str, tuple[list[Quantity], list[Expression]]] = {
+            kind: ([], []) for kind in ("state", "input", "parameter")
+        }
+        self._following: dict[str, Expression] = {}
+        self._outputs: tuple[list[Quantity], list[Expression]] = ([], [])
+
+    def input(self, name: str, unit: str, description: str) -> Expression:
+        """Return the symbol of a new input."""
+        return self._symbol("input", Quantity(name=name, unit=unit, description=description))
+
+    def parameter(self, name: str, unit: str, description: str) -> Expression:
+        """Return the symbol of a new parameter."""
+        return self._symbol("parameter", Quantity(name=name, unit=unit, description=description))
+
+    def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
+        """Return the symbol of a new state, its value before the call."""
+        return self._symbol("state", Quantity(name=name, unit=unit, description=description, start=start))
+
+    def keep(self, state: Expression, value: Expression) -> None:
+        """Say what a state is after the call."""
+        self._following[state.name()] = value
+
+    def output(self, name: str, unit: str, description: str, value: Expression) -> None:
+        """Add an output."""
+        self._outputs[0].append(Quantity(name=name, unit=unit, description=description))
+        self._outputs[1].append(value)
+
+    def formula(self, name: str, description: str) -> Formula:
+        """Return what was written."""
+        given = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
+        following = [self._following[quantity.name] for quantity in self._symbols["state"][0]]
+        results = [ca.densify(ca.vertcat(*each)) for each in (following, self._outputs[1])]
+        return Formula(
+            name=name,
+            description=description,
+            states=tuple(self._symbols["state"][0]),
+            inputs=tuple(self._symbols["input"][0]),
+            parameters=tuple(self._symbols["parameter"][0]),
+            outputs=tuple(self._outputs[0]),
+            step=ca.Function("step", [ca.SX(each) for each in given], results, {"cse": True}),
+        )
+
+    def _symbol(self, kind: str, quantity: Quantity) -> Expression:
+        symbol = ca.SX.sym(quantity.name)
+        quantities, symbols = self._symbols[kind]
+        quantities.append(quantity)
+        symbols.append(symbol)
+        return symbol
+
+
+def choose(condition: Expression, this: Expression, otherwise: Expression) -> Expression:
+    """Return `this` where the condition holds, else `otherwise`; the other one may be infinite or not a number."""
+    return ca.if_else(condition, this, otherwise)
+
+
+def every(*conditions: Expression) -> Expression:
+    """Return whether all conditions hold."""
+    result = conditions[0]
+    for condition in conditions[1:]:
+        result = ca.logic_and(result, condition)
+    return result
+
+
+def either(*conditions: Expression) -> Expression:
+    """Return whether at least one condition holds."""
+    result = conditions[0]
+    for condition in conditions[1:]:
+        result = ca.logic_or(result, condition)
+    return result
+
+
+class Sampled:
+    """A formula with its parameters, and the memory from call to call.
+
+    Attributes:
+        formula: What is computed.
+        parameters: Shape (number of parameters,); may be written between calls.
+        state: Shape (number of states,).
+    """
+
+    def __init__(self, formula: Formula, parameters: Mapping[str, float]) -> None:
+        """Begin at the start values of the states; `parameters` by name, all of them."""
+        self.formula = formula
+        self.parameters = np.array([parameters[quantity.name] for quantity in formula.parameters])
+        self.state = np.array([quantity.start for quantity in formula.states])
+        self._given, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
+        self._following = np.zeros(self.state.size)
+        # Arguments and results stay where they are: a call through CasADi's conversions would cost ten times as much.
+        buffer, self._evaluate = formula.step.buffer()
+        self._buffer: Any = buffer
+        for place, values in enumerate((self.state, self._given, self.parameters)):
+            if values.size:
+                self._buffer.set_arg(place, values.data)
+        for place, values in enumerate((self._following, self._result)):
+            if values.size:
+                self._buffer.set_res(place, values.data)
+
+    def call(self, given: Sequence[float]) -> tuple[float, ...]:
+        """Return the outputs for inputs in the order of the formula, and remember."""
+        self._given[:] = given
+        self._evaluate()
+        self.state[:] = self._following
+        return tuple(self._result.tolist())
