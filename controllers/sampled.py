@@ -162,6 +162,11 @@ class Sampled:
             if values.size:
                 self._buffer.set_res(place, values.data)
 
+    @property
+    def step(self) -> ca.Function:
+        """The formula's (state, input, parameter) → (state, output)."""
+        return self.formula.step
+
     def call(self, given: Sequence[float]) -> tuple[float, ...]:
         """Return the outputs for inputs in the order of the formula, and remember."""
         self._given[:] = given

@@ -170,7 +170,12 @@ class CompiledFilter:
         self._last = None
         outcome = self._step(self._address)
         if outcome:
-            raise FilterDiverged(DIVERGED[outcome])
+            raise FilterDiverged(self.failure(outcome))
+
+    @staticmethod
+    def failure(outcome: int) -> str:
+        """Return what it means when the function of `entry` gives this number, other than 0."""
+        return DIVERGED[outcome]
 
     def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> None:
         """Take other noises from the next step on, without compiling again.

@@ -3,11 +3,12 @@
 import platform
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +29,13 @@ from fmus.native import Model, lower
 from harness.contact import compiled_contact
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
-from harness.loop.cycle import Clock, Ended, run
+from harness.loop import compiled_cycle, cycle
+from harness.loop.actuation import Direct
 from harness.loop.edge import OUTPUT
+from harness.loop.ended import Clock, Ended
 from harness.loop.ports import Actuation, Controller, Plant
-from harness.loop.sensors import READING
+from harness.loop.rail import TabulatedRail
+from harness.loop.reading import READING
 from harness.loop.watch import Believer
 from harness.record import signals
 from harness.record.bound import with_bound
@@ -60,6 +64,8 @@ CATALOGUE = "TwoPartTrain"
 _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
 
+Engine = Literal["auto", "python", "compiled"]
+
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
@@ -67,13 +73,15 @@ def run_stop(
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
     tell: Callable[[str], None] = lambda sentence: None,
+    engine: Engine = "auto",
 ) -> Stop:
     """Run a scenario and return its stop.
 
     Args:
         scenario: What to run.
-        progress: Called with the train speed [m/s] a few times per simulated second.
+        progress: Called with the train speed [m/s] now and then.
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
+        engine: Loop in Python, in C (`compiled`), or in C where every party allows it; the stop is the same.
 
     Raises:
         ScenarioError: The scenario asks for something that its parties cannot do.
@@ -83,7 +91,6 @@ def run_stop(
         from harness.ideal import ideal_stop  # it needs this module to run its reference stop
 
         return ideal_stop(scenario, progress)
-    profile, force = profile_of(scenario), track_force_of(scenario.track)
     believing = scenario.estimator.kind != "none"
     recorder = Recorder(
         (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believing else ())),
@@ -96,14 +103,20 @@ def run_stop(
     with ExitStack() as stack:
         plant = stack.enter_context(_plant(scenario, plant_file, radius, tell))
         believer = stack.enter_context(_believer(scenario, fmus)) if believing else None
+        sensors, controller = sensors_of(scenario, radius[0]), controller_of(scenario, groups)
+        actuation = _actuation(scenario, groups)
+        obstacle = compiled_cycle.obstacle(plant, sensors, believer, controller, actuation)
+        if obstacle and engine == "compiled":
+            raise ScenarioError(f"{scenario.name}: engine 'compiled' cannot run it: {obstacle}; take engine 'auto'.")
+        loop = cycle.run if obstacle or engine == "python" else compiled_cycle.run
         try:
-            ended = run(
+            ended = loop(
                 plant=plant,
-                rail=_Rail(profile.mu0, force.at),
-                sensors=sensors_of(scenario, radius[0]),
+                rail=TabulatedRail(profile_of(scenario), track_force_of(scenario.track)),
+                sensors=sensors,
                 believer=believer,
-                controller=controller_of(scenario, groups),
-                actuation=_actuation(scenario, groups),
+                controller=controller,
+                actuation=actuation,
                 wheel_radius=radius,
                 clock=Clock(
                     period=scenario.periods.communication,
@@ -148,12 +161,6 @@ def versions() -> dict[str, str]:
 
 def _samples(scenario: Scenario) -> int:
     return round(scenario.limits.horizon / scenario.periods.communication)
-
-
-@dataclass(frozen=True, slots=True)
-class _Rail:
-    mu0: Callable[[float, float], Vector]
-    force: Callable[[float], float]
 
 
 # ---- the train's nominal data -----------------------------------------------------------------------------------
@@ -408,16 +415,9 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
     return (AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
 
 
-class _Ideal:
-    """The plant takes the demanded pressure itself."""
-
-    def command(self, demands: tuple[float, ...], measured: tuple[float, ...]) -> tuple[float, ...]:
-        return demands
-
-
 def _actuation(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
     if scenario.actuation.kind == "ideal":
-        return _Ideal()
+        return Direct()
     nominal = parameters_of(description_of(recipe_file("TwoPartTrainPneumatic")))
     return ValveLogic(
         [group.pressure_max for group in groups],

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import assemble
-from harness.loop.cycle import Ended
+from harness.loop.ended import Ended
 from harness.record import signals
 from harness.record.bound import with_bound
 from harness.record.outcome import Outcome

@@ -23,6 +23,7 @@ from harness.fmu.instance import Instance, unpacked
 from harness.fmu.mapping import Binding, Side
 from harness.fmu.parameters import Values, assignments
 from harness.loop.compiled import Calls
+from harness.loop.compiled_cycle import Edge
 
 Vector = NDArray[np.float64]
 
@@ -174,11 +175,27 @@ class CoSimulation:
         crossing.inputs[:] = inputs
         ended = crossing.step(self._start_time + self._sample * self._period)
         if ended:
+            self.crossed(0, ended)
+        self._sample += 1
+        return crossing.outputs.copy() if self._present is None else self._spread()
+
+    def edge(self) -> Edge:
+        """Return what a loop in C steps this plant by; it then reports to `crossed`."""
+        if not self._ready:
+            raise self._not_ready()
+        return self._crossing.edge(self._start_time)
+
+    def crossed(self, steps: int, ended: int) -> None:
+        """Take note of steps done by `edge`, and of the number of the outcome that ended them, 0 for none.
+
+        Raises:
+            PlantFailed: They ended early.
+        """
+        self._sample += steps
+        if ended:
             what = outcome(ended)
             self._sample += what in ("getting", "not finite")  # the step itself succeeded
             self._fail_crossing(what)
-        self._sample += 1
-        return crossing.outputs.copy() if self._present is None else self._spread()
 
     def calls(self) -> Calls:
         """Return what a loop in C needs to step this plant; it then reports to `stepped`.

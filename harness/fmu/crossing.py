@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from fmus.native.toolchain import shared_library
 from harness.fmu.instance import Instance
 from harness.fmu.mapping import Binding, Channel
+from harness.loop.compiled_cycle import Edge
 
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
@@ -125,6 +126,17 @@ class Crossing:
         if outcome == "stepping":
             return "fmi2DoStep"
         return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
+
+    def edge(self, start: float) -> Edge:
+        """Return this crossing as C sees it, of a plant that started at a time [s]."""
+        return Edge(
+            cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
+            plan=self._address.value or 0,
+            inputs=self.inputs,
+            outputs=self.outputs,
+            present=self.present,
+            start=start,
+        )
 
     def send(self) -> Outcome:
         """Set the inputs."""

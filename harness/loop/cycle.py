@@ -2,48 +2,15 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT
+from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command
 from harness.loop.ports import Actuation, Controller, Plant, Rail, Sensors
 from harness.loop.watch import Beliefs, Believer, Readings
-from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
 from harness.record.signals import PLANT, READINGS, SENT
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Clock:
-    """Integer time: everything happens at whole multiples of the communication period.
-
-    Attributes:
-        period: Communication period [s].
-        estimator: Communication periods between two steps of the estimator.
-        controller: The same for the controller.
-        samples: Communication periods until the horizon.
-    """
-
-    period: float
-    estimator: int
-    controller: int
-    samples: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ended:
-    """How a run of the loop ended.
-
-    Attributes:
-        outcome: The kind of end.
-        reason: In one sentence.
-        samples: Rows written.
-    """
-
-    outcome: Outcome
-    reason: str
-    samples: int
 
 
 def run(
@@ -109,25 +76,17 @@ def run(
             if believer is not None and k % clock.estimator == 0 and k > 0:
                 problem = watch.believe()
                 if problem:
-                    return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=k)
+                    return diverged(problem, time, k)
             watch.record(row)
             written = k + 1
             if k % clock.controller == 0:
                 sight = watch.sight(time)
                 command = actuation.command(controller.decide(sight), sight.pressure)
                 if not math.isfinite(sum(command)):
-                    return Ended(
-                        outcome=Outcome.CONTROLLER_FAILED,
-                        reason=f"The controller's command at {time:.3f} s is {command}, not four numbers.",
-                        samples=written,
-                    )
+                    return without_command(command, time, written)
                 inputs[COMMAND] = command
             if speed <= stop_speed:
-                return Ended(
-                    outcome=Outcome.STANDSTILL,
-                    reason=f"Stopped after {distance:.2f} m and {time:.3f} s.",
-                    samples=written,
-                )
+                return stood(distance, time, written)
             if progress is not None and k % report_every == 0:
                 progress(speed)
             inputs[FRICTION] = rail.mu0(time, distance)
@@ -135,8 +94,4 @@ def run(
     finally:
         recorder.written = written
         watch.complete(rows[:written])
-    return Ended(
-        outcome=Outcome.HORIZON,
-        reason=f"Still moving at {speed:.2f} m/s after {clock.samples * period:g} s and {distance:.1f} m.",
-        samples=written,
-    )
+    return still_moving(speed, distance, clock, written)

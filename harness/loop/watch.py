@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from controllers.sight import Sight
 from harness.loop.ports import Estimator
-from harness.loop.sensors import READING, READINGS
+from harness.loop.reading import READING, READINGS
 from harness.record import signals
 from harness.record.recorder import Recorder
 from harness.record.signals import GROUPS
@@ -24,6 +24,8 @@ _PRESSURE = READING["cylinder_pressure"]
 
 _SMALL_SPEED = 0.05
 """Speed [m/s] below which slip is not formed: over the last millimetres it is a ratio of two noises."""
+
+NEGATIVE = "The estimator diverged: a variance is negative or not a number."
 
 _EVERY = np.ones(READINGS)
 """Its product with a reading is NaN exactly when an entry is: readings are far too small to overflow."""
@@ -103,7 +105,7 @@ class Beliefs:
         self._believed = its.mean.take(self._states)
         self._spread = self._variances.take(self._uncertain)
         self._mean_columns, self._spread_columns = recorder.block(signals.BELIEVED), recorder.block(signals.SPREAD)
-        self._columns = recorder.columns
+        self._recorder = recorder
         self._latest: Vector | None = None  # newest reading of every sensor
         self._fresh: Vector | None = None  # the same, NaN where nothing came since the last step of the belief
 
@@ -135,7 +137,7 @@ class Beliefs:
         self._believed = its.mean.take(self._states)
         self._spread = spread = self._variances.take(self._uncertain)
         if not np.minimum.reduce(spread) >= 0.0:
-            return "The estimator diverged: a variance is negative or not a number."
+            return NEGATIVE
         return None
 
     def record(self, row: Vector) -> None:
@@ -144,13 +146,8 @@ class Beliefs:
         row[self._spread_columns] = self._spread
 
     def complete(self, rows: Matrix) -> None:
-        """Add to the rows of a stop what follows from the beliefs in them: slips, and deviations for variances."""
-        spread = rows[:, self._spread_columns]
-        np.sqrt(spread, out=spread)
-        speed = rows[:, self._columns["estimate_speed"]]
-        rolling = np.array(self._radius) * rows[:, self._columns["estimate_wheelset_speed"]]
-        ratio = np.divide(rolling, speed, out=np.ones_like(rolling), where=speed >= _SMALL_SPEED)
-        rows[:, self._columns["estimate_slip"]] = 1.0 - ratio
+        """Add to the rows of a stop what follows from the beliefs in them."""
+        complete(rows, self._recorder, self._radius)
 
     def sight(self, time: float) -> Sight:
         """Return what the controller sees now; a sensor without a new reading shows its last one."""
@@ -166,6 +163,16 @@ class Beliefs:
             tuple(believed[2 * GROUPS :]),
             tuple(pressure),
         )
+
+
+def complete(rows: Matrix, recorder: Recorder, radius: tuple[float, ...]) -> None:
+    """Add to the rows of a stop what follows from the beliefs in them: slips, and deviations for variances."""
+    spread, columns = rows[:, recorder.block(signals.SPREAD)], recorder.columns
+    np.sqrt(spread, out=spread)
+    speed = rows[:, columns["estimate_speed"]]
+    rolling = np.array(radius) * rows[:, columns["estimate_wheelset_speed"]]
+    ratio = np.divide(rolling, speed, out=np.ones_like(rolling), where=speed >= _SMALL_SPEED)
+    rows[:, columns["estimate_slip"]] = 1.0 - ratio
 
 
 def _slips(speed: float, wheels: list[float], radius: tuple[float, ...]) -> tuple[float, ...]:

@@ -45,12 +45,12 @@ class Profile:
         The array is a view of the table, not to be written to.
         """
         nearest = int((time if self.over_time else distance) / self.step + 0.5)
-        return self.mu0_at[min(nearest, len(self.mu0_at) - 1)]
+        return self.mu0_at[min(max(nearest, 0), len(self.mu0_at) - 1)]
 
     def table(self, time: Array, distance: Array) -> Array:
         """Return `mu0` for many instants at once: shapes (n,), (n,) → (n, 6)."""
         nearest = ((time if self.over_time else distance) / self.step + 0.5).astype(int)
-        return self.mu0_at[np.minimum(nearest, len(self.mu0_at) - 1)]
+        return self.mu0_at[np.clip(nearest, 0, len(self.mu0_at) - 1)]
 
 
 def profile_of(scenario: Scenario) -> Profile:

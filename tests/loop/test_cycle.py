@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from harness.loop.cycle import Clock, run
+from harness.loop.cycle import run
 from harness.loop.edge import COMMAND, FRICTION, OUTPUT, OUTPUTS
-from harness.loop.sensors import READING, READINGS, IdealSensors
+from harness.loop.ended import Clock
+from harness.loop.reading import READING, READINGS
+from harness.loop.sensors import IdealSensors
 from harness.loop.watch import Believer
 from harness.record import signals
 from harness.record.outcome import Outcome

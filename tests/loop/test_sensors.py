@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from harness.loop.edge import OUTPUT, OUTPUTS
-from harness.loop.sensors import READING, Encoder, IdealSensors, ServiceInstruments, ServiceSensors
+from harness.loop.reading import READING
+from harness.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors
 
 PERIOD = 1e-3
 

@@ -1,0 +1,264 @@
+"""The compiled engine: the stop of `cycle.run` in C, to the same bits, when every party can be called from there."""
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.loop.actuation import Direct
+from harness.loop.edge import FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
+from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command
+from harness.loop.library import compiled, kernel
+from harness.loop.ports import Actuation, Controller, Plant, Sensors
+from harness.loop.rail import TabulatedRail
+from harness.loop.reading import READINGS
+from harness.loop.sensors import IdealSensors, ServiceSensors
+from harness.loop.watch import NEGATIVE, Believer, complete
+from harness.record.recorder import Recorder
+from harness.record.signals import BELIEVED, GROUPS, PLANT, SENT, SPREAD
+from harness.record.signals import READINGS as READ
+
+Vector = NDArray[np.float64]
+
+_GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND = range(5)
+_NEGATIVE_VARIANCE = -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Edge:
+    """A communication step of a plant as C sees it.
+
+    Attributes:
+        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/crossing.c` has it.
+        plan: Address of its first argument.
+        inputs: Read by it, shape (INPUTS,).
+        outputs: Written by it: those that the plant has.
+        present: Their places among all outputs.
+        start: Time at which the plant starts [s].
+    """
+
+    cross: int
+    plan: int
+    inputs: Vector
+    outputs: Vector
+    present: NDArray[np.intp]
+    start: float
+
+
+@runtime_checkable
+class PlantInC(Protocol):
+    """A plant that C can step."""
+
+    def start(self, inputs: Vector) -> Vector:
+        """Initialise with `inputs` applied and return the outputs at the start time."""
+        ...
+
+    def edge(self) -> Edge:
+        """Return how, once started."""
+        ...
+
+    def crossed(self, steps: int, ended: int) -> None:
+        """Take note of steps done by C and of the outcome that ended them early, if not 0; raise PlantFailed then."""
+        ...
+
+
+@runtime_checkable
+class FormulaInC(Protocol):
+    """A law or valve logic as `controllers.sampled.Sampled`; C works on its `state` and reads its `parameters`."""
+
+    state: Vector
+    parameters: Vector
+
+    @property
+    def step(self) -> ca.Function:
+        """(state, input, parameter) → (state, output)."""
+        ...
+
+
+@runtime_checkable
+class FilterInC(Protocol):
+    """An estimator as `estimators.compiled.CompiledFilter`."""
+
+    mean: Vector
+    covariance: NDArray[np.float64]
+    held: Vector
+    seen: Vector
+
+    @property
+    def entry(self) -> tuple[int, int, int]:
+        """Addresses of its step, of the argument of that, and of the squared innovation."""
+        ...
+
+    def failure(self, outcome: int) -> str:
+        """Return what a number that its step returns means."""
+        ...
+
+
+class _Formula(ctypes.Structure):
+    _fields_ = tuple((name, ctypes.c_void_p) for name in ("call", "state", "parameter"))
+
+
+class _Cycle(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("cross", "crossing", "taken", "shown", "present")),
+        ("start", ctypes.c_double),
+        *((name, ctypes.c_void_p) for name in ("mu0", "begins", "forces")),
+        ("grid", ctypes.c_double),
+        *((name, ctypes.c_void_p) for name in ("service", "shown_by_ideal", "advance", "block", "held", "seen")),
+        *((name, ctypes.c_void_p) for name in ("mean", "covariance", "seen_of", "believed_of", "radius")),
+        *((name, _Formula) for name in ("law", "valves")),
+        *((name, ctypes.c_double) for name in ("period", "stop_speed")),
+        ("rows", ctypes.c_void_p),
+        *((name, ctypes.c_double * size) for name, size in (("truth", OUTPUTS), ("inputs", INPUTS))),
+        *((name, ctypes.c_double * READINGS) for name in ("latest", "fresh")),
+        *(
+            (name, ctypes.c_double * (size * GROUPS + one))
+            for name, size, one in (("believed", 3, 1), ("spread", 2, 0))
+        ),
+        ("command", ctypes.c_double * GROUPS),
+        *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
+        *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
+        *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
+        *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
+    )
+
+
+def obstacle(
+    plant: Plant, sensors: Sensors, believer: Believer | None, controller: Controller, actuation: Actuation
+) -> str | None:
+    """Return which party cannot be called from C, and why; None when all can."""
+    if not isinstance(plant, PlantInC):
+        return "the plant is not called in this process, or shows no slip of its own"
+    if not isinstance(sensors, IdealSensors | ServiceSensors):
+        return "the sensors are Python"
+    if believer is not None and not isinstance(believer.filter, FilterInC):
+        return "the estimator is not a compiled filter"
+    if not isinstance(controller, FormulaInC):
+        return "the controller is Python, not a formula"
+    if not isinstance(actuation, Direct | FormulaInC):
+        return "the actuation is Python, not a formula"
+    return None
+
+
+def run(
+    *,
+    plant: Plant,
+    rail: TabulatedRail,
+    sensors: Sensors,
+    believer: Believer | None,
+    controller: Controller,
+    actuation: Actuation,
+    wheel_radius: tuple[float, ...],
+    clock: Clock,
+    stop_speed: float,
+    recorder: Recorder,
+    progress: Callable[[float], None] | None = None,
+) -> Ended:
+    """Brake until the train stands, the horizon is reached, or a party fails; arguments as for `cycle.run`.
+
+    Raises:
+        PlantFailed: The plant refused a step; `recorder` holds the rows before.
+        TypeError: There is an `obstacle`.
+    """
+    if (reason := obstacle(plant, sensors, believer, controller, actuation)) is not None:
+        raise TypeError(f"the loop in C cannot run this: {reason}")
+    assert isinstance(plant, PlantInC)
+    inputs = np.zeros(INPUTS)
+    inputs[FRICTION], inputs[FORCE] = rail.mu0(0.0, 0.0), rail.force(0.0)
+    truth = plant.start(inputs)
+    parts = _Parts(plant.edge(), rail, sensors, believer, controller, actuation, wheel_radius, recorder)
+    its = parts.struct
+    its.period, its.stop_speed = clock.period, stop_speed
+    its.estimator_every, its.controller_every = clock.estimator, clock.controller
+    its.truth[:], its.inputs[:] = truth.tolist(), inputs.tolist()
+    cycle, address = kernel().cycle, ctypes.addressof(its)
+    at_speed, at_distance = OUTPUT["speed"].start, OUTPUT["distance"].start
+    ended = _GOING
+    try:
+        for first in range(0, clock.samples + 1, ServiceSensors.BLOCK):
+            if isinstance(sensors, ServiceSensors):
+                sensors.draw()
+            before = its.crossed
+            ended = cycle(address, min(first + ServiceSensors.BLOCK, clock.samples + 1))
+            plant.crossed(its.crossed - before, its.failure if ended == _PLANT_FAILED else 0)
+            if ended != _GOING:
+                break
+            if progress is not None:
+                progress(its.truth[at_speed])
+    finally:
+        recorder.written = its.written
+        if believer is not None:
+            complete(recorder.rows[: its.written], recorder, believer.wheel_radius)
+    time, distance, speed = its.sample * clock.period, its.truth[at_distance], its.truth[at_speed]
+    if ended == _STANDING:
+        return stood(distance, time, its.written)
+    if ended == _DIVERGED:
+        return diverged(parts.failure(), time, its.written)
+    if ended == _NO_COMMAND:
+        return without_command(tuple(its.command), time, its.written)
+    return still_moving(speed, distance, clock, its.written)
+
+
+class _Parts:
+    """The argument of the cycle in C, and everything it points to."""
+
+    def __init__(
+        self,
+        plant: Edge,
+        rail: TabulatedRail,
+        sensors: Sensors,
+        believer: Believer | None,
+        controller: Controller,
+        actuation: Actuation,
+        wheel_radius: tuple[float, ...],
+        recorder: Recorder,
+    ) -> None:
+        self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, recorder]
+        mu0 = np.ascontiguousarray(rail.friction.mu0_at)
+        begins, forces = np.array(rail.sections.begins), np.array(rail.sections.forces)
+        service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
+        shown = self._places(sensors.shown) if isinstance(sensors, IdealSensors) else None
+        self.struct = its = _Cycle(
+            cross=plant.cross, crossing=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
+            present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
+            mu0=self._at(mu0), begins=self._at(begins), forces=self._at(forces), grid=rail.friction.step,
+            points=len(mu0), over_time=rail.friction.over_time, sections=begins.size,
+            service=service, shown_by_ideal=shown, radius=self._at(np.array(wheel_radius)),
+            law=self._formula(controller), valves=self._formula(actuation),
+            rows=self._at(recorder.rows), width=recorder.rows.shape[1],
+            true_at=recorder.block(PLANT).start, sent_at=recorder.block(SENT).start, read_at=recorder.block(READ).start,
+        )  # fmt: skip
+        self._filter = filter_ = believer.filter if believer is not None else None
+        if believer is not None and isinstance(filter_, FilterInC):
+            its.advance, its.block, _ = filter_.entry
+            its.held, its.seen = self._at(filter_.held), self._at(filter_.seen)
+            its.mean, its.covariance = self._at(filter_.mean), self._at(filter_.covariance)
+            its.row = filter_.covariance.strides[0] // filter_.covariance.itemsize
+            its.seen_of, its.seen_count = self._places(believer.seen), believer.seen.size
+            places = believer.wheelset_speed, believer.adhesion, believer.pad_friction
+            its.believed_of = self._places(np.concatenate([[believer.speed], *places]))
+            its.radius = self._at(np.array(believer.wheel_radius))
+            its.believed_at, its.spread_at = recorder.block(BELIEVED).start, recorder.block(SPREAD).start
+
+    def _at(self, array: NDArray[Any]) -> int:
+        self._keep.append(array)
+        return array.ctypes.data
+
+    def _places(self, places: NDArray[Any]) -> int:
+        return self._at(np.ascontiguousarray(places, dtype=np.longlong))
+
+    def failure(self) -> str:
+        """Return what the number means by which the estimator failed."""
+        assert isinstance(self._filter, FilterInC)
+        return NEGATIVE if self.struct.failure == _NEGATIVE_VARIANCE else self._filter.failure(self.struct.failure)
+
+    def _formula(self, formula: object) -> _Formula:
+        if not isinstance(formula, FormulaInC):
+            return _Formula()
+        return _Formula(
+            call=compiled(formula.step), state=self._at(formula.state), parameter=self._at(formula.parameters)
+        )

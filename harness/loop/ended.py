@@ -1,0 +1,60 @@
+"""When things happen in a loop, and how it ends; the same for every engine."""
+
+from dataclasses import dataclass
+
+from harness.record.outcome import Outcome
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clock:
+    """Integer time: everything happens at whole multiples of the communication period.
+
+    Attributes:
+        period: Communication period [s].
+        estimator: Communication periods between two steps of the estimator.
+        controller: The same for the controller.
+        samples: Communication periods until the horizon.
+    """
+
+    period: float
+    estimator: int
+    controller: int
+    samples: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ended:
+    """How a run of the loop ended.
+
+    Attributes:
+        outcome: The kind of end.
+        reason: In one sentence.
+        samples: Rows written.
+    """
+
+    outcome: Outcome
+    reason: str
+    samples: int
+
+
+def stood(distance: float, time: float, samples: int) -> Ended:
+    """Return the end of a stop: after so many metres and seconds."""
+    reason = f"Stopped after {distance:.2f} m and {time:.3f} s."
+    return Ended(outcome=Outcome.STANDSTILL, reason=reason, samples=samples)
+
+
+def still_moving(speed: float, distance: float, clock: Clock, samples: int) -> Ended:
+    """Return the end of a run that reached its horizon with a speed [m/s]."""
+    reason = f"Still moving at {speed:.2f} m/s after {clock.samples * clock.period:g} s and {distance:.1f} m."
+    return Ended(outcome=Outcome.HORIZON, reason=reason, samples=samples)
+
+
+def diverged(problem: str, time: float, samples: int) -> Ended:
+    """Return the end of a run whose estimator failed with `problem`, a sentence."""
+    return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=samples)
+
+
+def without_command(command: tuple[float, ...], time: float, samples: int) -> Ended:
+    """Return the end of a run whose controller gave something else than numbers."""
+    reason = f"The controller's command at {time:.3f} s is {command}, not four numbers."
+    return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=reason, samples=samples)

@@ -1,0 +1,197 @@
+/* A stop, sample by sample, in C: what cycle.py and watch.py do, to the same bits, when every party can be called from C.
+
+   The structs are mirrored in compiled_cycle.py, field by field. */
+
+#include <math.h>
+
+#include "sensors.h"
+
+typedef int Cross(void *, int, double);
+typedef int Advance(double *);
+typedef void Call(double *, const double *, const double *, double *);
+
+enum { SET_STEP_GET = 7 };
+enum { GOING, STANDING, PLANT_FAILED, DIVERGED, NO_COMMAND };
+enum { NEGATIVE_VARIANCE = -1 };                 /* beside the failures of the filter */
+enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS };
+
+typedef struct {
+    Call *call;                                  /* null: there is none */
+    double *state;
+    const double *parameter;
+} Formula;
+
+typedef struct {
+    /* the plant */
+    Cross *cross;
+    void *crossing;
+    double *taken;
+    const double *shown;
+    const long long *present;                    /* places of what is shown among all outputs */
+    double start;                                /* time of sample 0 */
+    /* the rail: friction on an even grid, the force in sections */
+    const double *mu0, *begins, *forces;
+    double grid;
+    /* instruments; null: ideal ones */
+    Service *service;
+    const long long *shown_by_ideal;
+    /* the filter; null: there is none */
+    Advance *advance;
+    double *block, *held, *seen;
+    const double *mean, *covariance;
+    const long long *seen_of, *believed_of;      /* places in a reading; among the states */
+    const double *radius;
+    Formula law, valves;
+    double period, stop_speed;
+    double *rows;
+    double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD];
+    double command[GROUPS];
+    long long present_count, points, over_time, sections, width, seen_count;
+    long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at;
+    long long any, news;                         /* whether a reading has come; one since the last step of the belief */
+    long long crossed, sample, written, failure; /* steps of the plant that succeeded */
+} Cycle;
+
+static void copy(double *to, const double *from, long long count)
+{
+    for (long long i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+static void read_all(const Cycle *c, double *reading)
+{
+    if (c->service)
+        read_service(c->service, c->sample, c->truth, reading);
+    else
+        for (int i = 0; i < READINGS; i++)
+            reading[i] = c->truth[c->shown_by_ideal[i]];
+}
+
+/* Keep the newest reading of every sensor, and what came since the last step of the belief. */
+static void see(Cycle *c, const double *reading)
+{
+    if (!c->any) {
+        copy(c->latest, reading, READINGS);
+        c->any = 1;
+        if (c->advance)
+            copy(c->held, reading + READING_CYLINDER_PRESSURE, GROUPS);
+        return;
+    }
+    for (int i = 0; i < READINGS; i++) {
+        const int new = !isnan(reading[i]);
+        if (new)
+            c->latest[i] = reading[i];
+        if (new || !c->news)
+            c->fresh[i] = reading[i];
+    }
+    c->news = 1;
+}
+
+static void look(Cycle *c)
+{
+    for (int i = 0; i < BELIEVED; i++)
+        c->believed[i] = c->mean[c->believed_of[i]];
+    for (int i = 0; i < SPREAD; i++) {
+        const long long state = c->believed_of[1 + GROUPS + i];
+        c->spread[i] = c->covariance[state * c->row + state];
+    }
+}
+
+static long long believe(Cycle *c)
+{
+    for (long long i = 0; i < c->seen_count; i++)
+        c->seen[i] = c->fresh[c->seen_of[i]];
+    const int failure = c->advance(c->block);
+    if (failure)
+        return failure;
+    c->news = 0;
+    copy(c->held, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
+    look(c);
+    for (int i = 0; i < SPREAD; i++)
+        if (!(c->spread[i] >= 0.0))
+            return NEGATIVE_VARIANCE;
+    return 0;
+}
+
+/* What the law sees is in the order of controllers/law.py; below SMALL_SPEED slip would be a ratio of two noises. */
+static int decide(Cycle *c)
+{
+    static const double SMALL_SPEED = 0.05, UNKNOWN = 0.0 / 0.0;
+    double given[2 + 4 * GROUPS], demand[2 * GROUPS], total = 0.0;
+    const double speed = c->advance ? c->believed[0] : c->latest[READING_SPEED];
+    const double *wheel = c->advance ? c->believed + 1 : c->latest + READING_WHEELSET_SPEED;
+
+    given[0] = speed;
+    given[1] = c->latest[READING_ACCELERATION];
+    for (int g = 0; g < GROUPS; g++) {
+        given[2 + g] = speed < SMALL_SPEED ? 0.0 : 1.0 - c->radius[g] * wheel[g] / speed;
+        given[2 + GROUPS + g] = c->advance ? c->believed[1 + GROUPS + g] : UNKNOWN;
+        given[2 + 2 * GROUPS + g] = c->advance ? c->believed[1 + 2 * GROUPS + g] : UNKNOWN;
+        given[2 + 3 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
+    }
+    c->law.call(c->law.state, given, c->law.parameter, demand);
+    if (c->valves.call) {
+        copy(demand + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
+        c->valves.call(c->valves.state, demand, c->valves.parameter, c->command);
+    } else
+        copy(c->command, demand, GROUPS);
+    for (int g = 0; g < GROUPS; g++)
+        total += c->command[g];
+    return isfinite(total);
+}
+
+/* What the rail does at the place and time of this sample. */
+static void roll(Cycle *c, double time)
+{
+    const double distance = c->truth[OUTPUT_DISTANCE], last = (double)(c->points - 1);
+    const double place = fmin(fmax((c->over_time ? time : distance) / c->grid + 0.5, 0.0), last);
+    const long long nearest = (long long)place;
+    long long section = 0;
+
+    copy(c->inputs + GROUPS, c->mu0 + nearest * WHEELSETS, WHEELSETS);
+    while (section + 1 < c->sections && c->begins[section + 1] <= distance)
+        section++;
+    c->inputs[GROUPS + WHEELSETS] = c->forces[section];
+}
+
+/* Go on until the sample `until` is due, or something ends the stop. */
+EXPORT int cycle(Cycle *c, long long until)
+{
+    for (; c->sample < until; c->sample++) {
+        const long long k = c->sample;
+        const double time = (double)k * c->period;
+        double *row = c->rows + k * c->width;
+
+        if (k > 0) {
+            copy(c->taken, c->inputs, INPUTS);
+            c->failure = c->cross(c->crossing, SET_STEP_GET, c->start + (double)(k - 1) * c->period);
+            if (c->failure)
+                return PLANT_FAILED;
+            c->crossed++;
+            for (long long i = 0; i < c->present_count; i++)
+                c->truth[c->present[i]] = c->shown[i];
+        }
+        copy(row + c->true_at, c->truth, OUTPUTS);
+        copy(row + c->sent_at, c->inputs, INPUTS);
+        read_all(c, row + c->read_at);
+        see(c, row + c->read_at);
+        if (c->advance) {
+            if (k == 0)
+                look(c);
+            else if (k % c->estimator_every == 0 && (c->failure = believe(c)))
+                return DIVERGED;
+            copy(row + c->believed_at, c->believed, BELIEVED);
+            copy(row + c->spread_at, c->spread, SPREAD);
+        }
+        c->written = k + 1;
+        if (k % c->controller_every == 0) {
+            if (!decide(c))
+                return NO_COMMAND;
+            copy(c->inputs, c->command, GROUPS);
+        }
+        if (c->truth[OUTPUT_SPEED] <= c->stop_speed)
+            return STANDING;
+        roll(c, time);
+    }
+    return GOING;
+}

@@ -1,0 +1,65 @@
+/* What the instruments of sensors.h read; what they are is said in sensors.py. */
+
+#include <math.h>
+
+#include "sensors.h"
+
+static const double NOTHING_NEW = 0.0 / 0.0;
+
+/* Where a tooth stands: at count times pitch, and its error, which repeats with every revolution. */
+static double tooth(const Encoder *its, long long count)
+{
+    return (double)count * its->pitch + its->teeth[count % its->pulses];
+}
+
+EXPORT double read_encoder(Encoder *its, long long sample, double speed)
+{
+    const double time = (double)sample * its->period;
+
+    if (sample == 0)
+        return its->speed = speed;               /* the encoder has been running before the stop began */
+    const double before = its->angle, turned = 0.5 * (its->speed + speed) * its->period;
+    its->speed = speed;
+    its->angle = before + turned;
+    long long last = (long long)(its->angle / its->pitch);
+    /* The error is a small share of the pitch, so only neighbours can be due. */
+    while (last > its->count && tooth(its, last) > its->angle)
+        last--;
+    if (last <= its->count) {
+        const int silent = its->stamp >= 0.0 && time - its->stamp > its->silence;
+        return silent ? 0.0 : NOTHING_NEW;
+    }
+    const double moment = time - its->period * (1.0 - (tooth(its, last) - before) / turned);
+    const double stamp = rint(moment / its->clock) * its->clock, previous = its->stamp;
+    const long long passed = last - its->count;
+    its->stamp = stamp;
+    its->count = last;
+    if (previous < 0.0 || stamp <= previous)
+        return NOTHING_NEW;
+    return (double)passed * its->pitch / (stamp - previous);
+}
+
+EXPORT void read_service(Service *its, long long sample, const double *truth, double *reading)
+{
+    const double *noise = its->noise + sample % its->block * NOISES;
+    const double acceleration = truth[OUTPUT_ACCELERATION] + its->acceleration_bias + noise[1];
+    const long long ring = its->speed_latency + 1;
+
+    its->past[sample % ring] = truth[OUTPUT_SPEED];
+    reading[READING_SPEED] = NOTHING_NEW;
+    if (sample % its->speed_every == 0 && sample >= its->speed_latency) {
+        const double late = its->past[(sample + 1) % ring] * (1.0 + its->speed_scale) + noise[0];
+        /* The latency is known from the data sheet: the sensor's own electronics carries its reading forward. */
+        reading[READING_SPEED] = late + acceleration * (double)its->speed_latency * its->period;
+    }
+    for (int g = 0; g < GROUPS; g++) {
+        const double pressure = truth[OUTPUT_CYLINDER_PRESSURE + g];
+        reading[READING_WHEELSET_SPEED + g] = read_encoder(its->encoder + g, sample, truth[OUTPUT_WHEELSET_SPEED + g]);
+        its->pressure[g] = sample == 0 ? pressure : its->pressure[g] + (pressure - its->pressure[g]) * its->pressure_share;
+        reading[READING_CYLINDER_PRESSURE + g] =
+            rint(its->pressure[g] / its->pressure_step + its->offset_steps[g]) * its->pressure_step;
+    }
+    for (int w = 0; w < WHEELSETS; w++)
+        reading[READING_DEFLECTION + w] = truth[OUTPUT_DEFLECTION + w] + noise[2 + w];
+    reading[READING_ACCELERATION] = acceleration;
+}

@@ -1,0 +1,73 @@
+"""The loop's own code in C, and formulas as functions in C: compiled once on a machine."""
+
+import ctypes
+import hashlib
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Final
+
+import casadi as ca
+
+from fmus.native.toolchain import shared_library
+from harness.loop.edge import INPUTS, OUTPUT, OUTPUTS
+from harness.loop.reading import READING, READINGS
+from harness.record.signals import GROUPS, WHEELSETS
+
+BUILD: Final = Path("build/native")
+KERNEL: Final = files("harness.loop") / "kernel"
+_PARTS: Final = ("sensors.h", "sensors.c", "cycle.c")
+
+
+@cache
+def kernel() -> ctypes.CDLL:
+    """Return the sensors and the cycle in C.
+
+    Raises:
+        fmus.errors.CompilerMissing: There is no C compiler.
+    """
+    sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in _PARTS}
+    made = shared_library(sources | {"edge.h": _edge()}, BUILD, "cycle")
+    library = ctypes.CDLL(str(made.resolve()))
+    library.read_encoder.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double]
+    library.read_encoder.restype = ctypes.c_double
+    library.read_service.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p, ctypes.c_void_p]
+    library.read_service.restype = None
+    library.cycle.argtypes, library.cycle.restype = [ctypes.c_void_p, ctypes.c_longlong], ctypes.c_int
+    return library
+
+
+def _edge() -> str:
+    """Return what crosses the edge of the plant, and where it stands, as a header."""
+    sizes = {"GROUPS": GROUPS, "WHEELSETS": WHEELSETS, "INPUTS": INPUTS, "OUTPUTS": OUTPUTS, "READINGS": READINGS}
+    places = {f"OUTPUT_{name.upper()}": place.start for name, place in OUTPUT.items()}
+    places |= {f"READING_{name.upper()}": place.start for name, place in READING.items()}
+    return "".join(f"#define {name} {value}\n" for name, value in (sizes | places).items())
+
+
+@cache
+def compiled(step: ca.Function) -> int:
+    """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
+
+    It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.
+
+    Raises:
+        fmus.errors.CompilerMissing: There is no C compiler.
+    """
+    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
+    generator.add(step)
+    sizes = {
+        "NX": step.numel_out(0), "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(),
+        "RESULTS": step.sz_res(),
+    }  # fmt: skip
+    header = "".join(
+        [
+            *(f"#define {name} {value}\n" for name, value in sizes.items()),
+            "#define CASADI_SYMBOL_EXPORT static\n",
+            generator.dump(),
+        ]
+    )
+    sources = {"step.h": header, "formula.c": (KERNEL / "formula.c").read_text(encoding="utf-8")}
+    digest = hashlib.sha256("".join(sources.values()).encode()).hexdigest()[:16]
+    library = ctypes.CDLL(str(shared_library(sources, BUILD, f"formula_{digest}").resolve()))
+    return ctypes.cast(library.call, ctypes.c_void_p).value or 0
