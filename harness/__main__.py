@@ -6,6 +6,7 @@ Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence o
 import sys
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -26,6 +27,7 @@ from rich.table import Table
 
 from harness.bench.command import add_to as add_bench
 from harness.calibrate import add_to as add_calibrate
+from harness.engine import Engine
 from harness.estimate.command import add_to as add_estimate
 from harness.field.command import add_to as add_field
 from harness.interrupted import sentence_when_interrupted
@@ -33,6 +35,7 @@ from harness.lateral.command import add_to as add_lateral
 from harness.learn.command import add_to as add_learn
 from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
+from harness.verdict.panels import Panels
 
 if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
@@ -56,6 +59,7 @@ app = typer.Typer(
 _out = Console(width=None if sys.stdout.isatty() else 140)
 _err = Console(stderr=True)
 
+DrawnPanels = Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")]
 File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
 Overrides = Annotated[
     list[str] | None,
@@ -72,6 +76,7 @@ def run(
     file: File,
     overrides: Overrides = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
+    engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
 ) -> None:
     """Run one scenario and print its figures."""
     from harness.run import run as run_scenario
@@ -84,7 +89,7 @@ def run(
         stop = run_scenario(
             scenario,
             directory,
-            _runner(),
+            _runner(engine),
             lambda speed: bar.update(task, completed=scenario.start.speed - speed),
             lambda sentence: bar.console.print(sentence, markup=False, highlight=False, soft_wrap=True),
         )
@@ -107,7 +112,7 @@ def campaign(
     out: Annotated[Path | None, typer.Option(help="Folder for the results; build/NAME unless given.")] = None,
     workers: Workers = 2,
     fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
-    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop, not only of ABC.")] = True,
+    panels: DrawnPanels = Panels.ALL,
 ) -> None:
     """Run the stops of a campaign, keep what is done, and write table, figures and report."""
     from harness.scenario.campaign import load_campaign
@@ -129,7 +134,7 @@ def campaign(
 @app.command()
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
-    panels: Annotated[bool, typer.Option(help="Draw the panels of every stop, not only of ABC.")] = True,
+    panels: DrawnPanels = Panels.ALL,
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
     from harness.verdict.report import write_report
@@ -217,11 +222,11 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(WRONG_QUESTION if sentence.wrong_question else RUN_FAILED)
 
 
-def _runner() -> "Runner":
+def _runner(engine: Engine = Engine.AUTO) -> "Runner":
     # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
     from harness.assemble import run_stop
 
-    return run_stop
+    return partial(run_stop, engine=engine)
 
 
 def _run_campaign(planned: "Campaign", directory: Path, *, workers: int, fresh: bool) -> int:

@@ -8,7 +8,6 @@ from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +26,7 @@ from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from fmus.build import fmu
 from fmus.native import Model, lower
 from harness.contact import compiled_contact
+from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
 from harness.loop import compiled_cycle, cycle
@@ -64,8 +64,6 @@ CATALOGUE = "TwoPartTrain"
 _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
 
-Engine = Literal["auto", "python", "compiled"]
-
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
@@ -73,7 +71,7 @@ def run_stop(
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
     tell: Callable[[str], None] = lambda sentence: None,
-    engine: Engine = "auto",
+    engine: Engine = Engine.AUTO,
 ) -> Stop:
     """Run a scenario and return its stop.
 
@@ -81,7 +79,7 @@ def run_stop(
         scenario: What to run.
         progress: Called with the train speed [m/s] now and then.
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
-        engine: Loop in Python, in C (`compiled`), or in C where every party allows it; the stop is the same.
+        engine: What steps the parties; the stop is the same.
 
     Raises:
         ScenarioError: The scenario asks for something that its parties cannot do.
@@ -106,9 +104,9 @@ def run_stop(
         sensors, controller = sensors_of(scenario, radius[0]), controller_of(scenario, groups)
         actuation = _actuation(scenario, groups)
         obstacle = compiled_cycle.obstacle(plant, sensors, believer, controller, actuation)
-        if obstacle and engine == "compiled":
-            raise ScenarioError(f"{scenario.name}: engine 'compiled' cannot run it: {obstacle}; take engine 'auto'.")
-        loop = cycle.run if obstacle or engine == "python" else compiled_cycle.run
+        if obstacle and engine is Engine.COMPILED:
+            raise ScenarioError(f"{scenario.name}: the compiled engine cannot run it: {obstacle}; take 'auto'.")
+        loop = cycle.run if obstacle or engine is Engine.PYTHON else compiled_cycle.run
         try:
             ended = loop(
                 plant=plant,

@@ -7,6 +7,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from harness.engine import Engine
+
 _out = Console(width=None if sys.stdout.isatty() else 140)
 _err = Console(stderr=True)
 
@@ -17,7 +19,7 @@ def bench() -> None:
     from harness.bench.estimation import estimation_cost
     from harness.bench.fmi import step_cost
     from harness.bench.rig_filter import rig_filter_cost
-    from harness.bench.stop import build_cost, filter_cost, machine, stop_cost
+    from harness.bench.stop import build_cost, filter_cost, machine, stop_costs
 
     table = Table(box=None, header_style="bold", title=machine(), title_justify="left")
     for column in ("what", "measured", "target"):
@@ -67,9 +69,12 @@ def bench() -> None:
             "slip-based control": ("controller.kind=slip_two_state", "estimator.kind=none"),
         }.items():
             status.update(f"whole stops, {what}")
-            stop = stop_cost(*overrides)
-            table.add_row(f"{what}: a cycle of the Python engine, figures included", f"{stop.cycle:.0f} µs", "60 µs")
-            table.add_row(f"  whole stop of {stop.simulated:.1f} s", f"{stop.wall:.2f} s", "2.5 s for 35 s")
+            costs = stop_costs(*overrides)
+            python, compiled = costs[Engine.PYTHON], costs[Engine.COMPILED]
+            table.add_row(f"{what}: a cycle of the Python engine, figures included", f"{python.cycle:.0f} µs", "60 µs")
+            table.add_row(f"  whole stop of {python.simulated:.1f} s", f"{python.wall:.2f} s", "2.5 s for 35 s")
+            table.add_row("  a cycle of the compiled engine, figures included", f"{compiled.cycle:.0f} µs", "")
+            table.add_row("  Python over compiled", f"{python.cycle / compiled.cycle:.1f}", "")
     _out.print(table)
 
 

@@ -15,6 +15,7 @@ from estimators.ekf import ExtendedKalmanFilter
 from estimators.prediction import CasadiPrediction
 from estimators.tuning import NOISE_SETS
 from harness.assemble import BUILD, contact_of, lowered, run_stop
+from harness.engine import Engine
 from harness.scenario.load import load
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
@@ -78,7 +79,7 @@ def _seconds(call: object, count: int) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StopCost:
-    """What a stop costs.
+    """What a stop costs with one engine.
 
     Attributes:
         simulated: Length of the stop [s].
@@ -91,19 +92,26 @@ class StopCost:
     cycle: float
 
 
-def stop_cost(*overrides: str, rounds: int = 3) -> StopCost:
-    """Run a stop of the library several times, after one that compiles what has to be compiled."""
+def stop_costs(*overrides: str, rounds: int = 3) -> dict[Engine, StopCost]:
+    """Run a stop of the library several times, the engines in turn, after one that compiles what has to be."""
     scenario = load(LIBRARY / "trapezoid.toml", overrides)
     contact_of(scenario)
     simulated = run_stop(scenario).metrics.duration
-    wall: list[float] = []
-    cpu: list[float] = []
+    engines = Engine.PYTHON, Engine.COMPILED
+    wall: dict[Engine, list[float]] = {engine: [] for engine in engines}
+    cpu: dict[Engine, list[float]] = {engine: [] for engine in engines}
     for _ in range(rounds):
-        begun, used = perf_counter(), process_time()
-        run_stop(scenario)
-        wall.append(perf_counter() - begun)
-        cpu.append(process_time() - used)
-    return StopCost(simulated=simulated, wall=median(wall), cycle=median(cpu) / (simulated / 1e-3) * 1e6)
+        for engine in engines:
+            begun, used = perf_counter(), process_time()
+            run_stop(scenario, engine=engine)
+            wall[engine].append(perf_counter() - begun)
+            cpu[engine].append(process_time() - used)
+    return {
+        engine: StopCost(
+            simulated=simulated, wall=median(wall[engine]), cycle=median(cpu[engine]) / (simulated / 1e-3) * 1e6
+        )
+        for engine in engines
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from harness.record.signals import GROUPS
 from harness.verdict import style
@@ -20,6 +21,8 @@ _CONTROLLER_COLOURS = {
     "ideal_bound": style.BLACK,
 }
 
+
+_STOP_MARGINS = {"left": 0.055, "right": 0.875, "bottom": 0.045, "top": 0.93, "wspace": 0.06, "hspace": 0.1}
 
 _DARK = {"full_brake", "slip_two_state", "ideal_bound"}
 
@@ -138,7 +141,7 @@ def stop_figure(stop: Result) -> Figure:
     """
     trace = stop.record.trace()
     time = trace["time"].values
-    made = style.figure(14, 11)
+    made = style.figure(14, 11, _STOP_MARGINS)
     panels = made.subplots(5, GROUPS, sharex=True, sharey="row")
     rows = (
         "speed [km/h]",
@@ -180,6 +183,7 @@ def stop_figure(stop: Result) -> Figure:
     panels[1, 0].set_yscale("log")
     panels[1, 0].set_ylim(0.1, 120)
     panels[1, 0].set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+    panels[1, 0].yaxis.set_minor_locator(NullLocator())
     panels[2, 0].set_ylim(0, None)
     panels[4, 0].set_ylim(0, None)
     # The belief before the first brake application may be wide open; it must not squeeze what follows.

@@ -15,6 +15,7 @@ from harness.record.outcome import Outcome
 from harness.record.stop import STOP_FILE, read_stop
 from harness.verdict import style
 from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from harness.verdict.panels import Panels
 from harness.verdict.results import CAMPAIGN_FILE, Result, Results, read_results
 from harness.verdict.table import CONTROLLERS, REFERENCE_CONTROLLER, Row, rows_of, write_table
 
@@ -29,13 +30,13 @@ details { margin: .4rem 0 } summary { cursor: pointer } .bad { color: #a03000 }
 Tell = Callable[[str], None]
 
 
-def write_report(directory: Path, *, panels: bool = True, tell: Tell = lambda _: None) -> Path:
+def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = lambda _: None) -> Path:
     """Write index.html, and for a campaign table and figures beside it; return the page.
 
     Args:
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
-        panels: Whether to draw the panels of every stop of a campaign, about a second each, not only of those with
-            adhesion-based control.
+        panels: Of which stops of a campaign to draw the panels: all, those with adhesion-based control, none. Without
+            them, the adhesion of ABC beside SBC is not drawn either.
         tell: Called with what is being drawn.
 
     Raises:
@@ -53,7 +54,7 @@ def write_report(directory: Path, *, panels: bool = True, tell: Tell = lambda _:
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
 
 
-def _campaign_report(results: Results, directory: Path, *, panels: bool, tell: Tell) -> Path:
+def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell: Tell) -> Path:
     tell("table")
     write_table(results, directory)
     rows = rows_of(results)
@@ -70,8 +71,8 @@ def _campaign_report(results: Results, directory: Path, *, panels: bool, tell: T
     scenarios = _longest_of_each_scenario(results.stops)
     if scenarios:
         add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
-    pairs = _pairs(results.stops)
-    pictured = {stop.name for stop in results.stops} if panels else {abc.name for _, abc in pairs}
+    pairs = _pairs(results.stops) if panels is not Panels.NONE else []
+    pictured = {stop.name for stop in results.stops} if panels is Panels.ALL else {abc.name for _, abc in pairs}
     for sbc, abc in pairs:
         name = f"adhesion-{abc.name}"
         add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))

@@ -1,6 +1,6 @@
 """How figures look: one set of colours, sizes and helpers; drawn without pyplot, whose state is everybody's."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +35,15 @@ def lead_to_trail(count: int) -> list[Any]:
     return [_LEAD_TO_TRAIL(number / max(count - 1, 1)) for number in range(count)]
 
 
-def figure(width: float, height: float) -> Figure:
-    """Return an empty figure of a size in inches, whose parts are laid out to fit."""
-    made = Figure(figsize=(width, height), layout="constrained")
+def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:
+    """Return an empty figure of a size in inches.
+
+    Its parts are laid out to fit, or within `margins`, shares of the figure as `Figure.subplots_adjust` takes them: to
+    fit twenty panels takes longer than to draw them.
+    """
+    made = Figure(figsize=(width, height), layout=None if margins else "constrained")
+    if margins:
+        made.subplots_adjust(**margins)
     FigureCanvasAgg(made)
     return made
 

@@ -90,7 +90,7 @@ def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
 
 
 def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_left(railgrip, project):
-    done = railgrip("campaign", "pair.toml", "--out", "out", "--no-panels")
+    done = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert done.code == 0, done.err
     assert stops_in(project / "out") == ["wet-abc", "wet-sbc"]
     # 0.8 against 0.95 m/s²
@@ -102,7 +102,7 @@ def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_l
     before, content = kept.stat().st_mtime_ns, lost.read_bytes()
     traces = (project / "out" / "wet-abc" / "trace.nc").read_bytes()
     lost.unlink()
-    assert railgrip("campaign", "pair.toml", "--out", "out", "--no-panels").code == 0
+    assert railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc").code == 0
     assert kept.stat().st_mtime_ns == before
     # run again in another process: the same bytes
     assert lost.read_bytes() == content
@@ -129,7 +129,7 @@ def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
         ),
         encoding="utf-8",
     )
-    done = railgrip("campaign", "pair.toml", "--out", "out", "--no-panels")
+    done = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert done.code == 2
     assert "wet-sbc: wet: the plant has no brakes" in done.err
     assert stops_in(project / "out") == ["wet-abc"]
@@ -153,7 +153,7 @@ def test_ctrl_c_leaves_what_had_finished_and_nothing_half_written(program, proje
         ),
         encoding="utf-8",
     )
-    process = program("campaign", "pair.toml", "--out", "out", "--no-panels")
+    process = program("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     patience = time.monotonic() + 600  # against hanging for ever; the stop itself waits for the signal
     while not (marker.exists() and stops_in(project / "out") == ["wet-sbc"]):
         assert process.poll() is None, process.communicate()

@@ -8,6 +8,7 @@ import pytest
 from harness.record.error import RecordError
 from harness.verdict import style
 from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from harness.verdict.panels import Panels
 from harness.verdict.report import write_report
 from harness.verdict.results import read_results
 from harness.verdict.table import rows_of
@@ -80,7 +81,7 @@ def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
 
 
 def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
-    page = write_report(folder, panels=False)
+    page = write_report(folder, panels=Panels.ABC)
     text = page.read_text(encoding="utf-8")
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert "http" not in text.replace("http-equiv", "")

@@ -1,0 +1,79 @@
+"""The loop in C against the loop in Python: the same stop, to the last bit."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.assemble import run_stop
+from harness.engine import Engine
+from harness.record.outcome import Outcome
+from harness.scenario.campaign import load_campaign
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import load
+
+LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
+WITHOUT = ("estimator.kind=none",)
+SHORT = ("limits.horizon=4 s",)
+CAMPAIGNS = LIBRARY.parent / "campaigns"
+
+
+def both(scenario: str, *overrides: str):
+    question = load(LIBRARY / f"{scenario}.toml", list(overrides))
+    return [run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)]
+
+
+def assert_same(one, other):
+    assert (one.outcome, one.reason) == (other.outcome, other.reason)
+    assert list(one.trace.data_vars) == list(other.trace.data_vars)
+    for name, values in one.trace.data_vars.items():
+        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
+
+
+@pytest.mark.parametrize(
+    ("controller", "others"),
+    [
+        ("full_brake", WITHOUT),
+        ("slip_two_state", WITHOUT),
+        ("slip_three_state", WITHOUT),
+        ("adhesion_literal", ()),
+        ("adhesion_based", ()),
+        ("adhesion_based", ("periods.estimator=2 ms", "periods.controller=5 ms")),
+        ("adhesion_based", ("estimator.model=TrainPredictionReduced",)),
+    ],
+)
+def test_laws_with_ideal_parties(controller, others):
+    assert_same(*both("trapezoid", f"controller.kind={controller}", *SHORT, *others))
+
+
+@pytest.mark.parametrize("controller", ["slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based"])
+def test_laws_with_valves_and_service_sensors(controller):
+    stops = load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
+    (question,) = (stop.scenario for stop in stops if stop.name == f"random-service-{controller}")
+    assert_same(*(run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)))
+
+
+def test_a_whole_stop_ends_in_the_same_sample():
+    one, other = both("trapezoid", "start.speed=15 km/h")
+    assert one.outcome is Outcome.STANDSTILL
+    assert_same(one, other)
+
+
+def test_friction_and_forces_that_lie_on_the_track():
+    """A gradient that changes, and friction over distance that each wheelset meets when it gets there."""
+    track = (
+        "track.train_mass=84 t",
+        "track.gradient=[{begin='0 m', slope=-0.01}, {begin='30 m', slope=0.02}]",
+        "adhesion={kind='random', polach='dry', over='distance', mean=0.08, deviation=0.02, correlation='10 m', "
+        "minimum=0.03, maximum=0.2}",
+    )
+    assert_same(*both("trapezoid", *track, *SHORT))
+
+
+def test_what_cannot_be_called_from_c_is_said():
+    question = load(
+        LIBRARY / "trapezoid.toml", ["estimator={kind='fmu', model='TrainPrediction', noise='ideal'}", *SHORT]
+    )
+    with pytest.raises(
+        ScenarioError, match=r"trapezoid: the compiled engine .*: the estimator is not a compiled filter"
+    ):
+        run_stop(question, engine=Engine.COMPILED)
