@@ -16,6 +16,9 @@ RECIPE = Recipe.model_validate(
 )
 
 
+PREDICTION = RECIPE.model_copy(update={"interfaces": ("me",)})
+
+
 @pytest.fixture
 def omc(tmp_path, monkeypatch):
     """Return a function that puts an `omc` on the PATH which runs the given shell lines."""
@@ -37,7 +40,7 @@ def omc(tmp_path, monkeypatch):
 def test_the_script_loads_the_package_as_a_user_would(tmp_path):
     library = tmp_path / "Lib"
     library.mkdir()
-    lines = openmodelica.script(RECIPE, library).splitlines()
+    lines = openmodelica.script(RECIPE, library, derivatives=False).splitlines()
     assert lines[0] == 'setCommandLineOptions("--fmiFlags=s:cvode");'
     assert f'loadFile("{library / "package.mo"}");' in lines
     (build,) = [line for line in lines if line.startswith("buildModelFMU")]
@@ -49,13 +52,12 @@ def test_the_script_loads_the_package_as_a_user_would(tmp_path):
 @pytest.mark.parametrize("interfaces", [("cs",), ("me", "cs")])
 def test_co_simulation_never_comes_alone(tmp_path, interfaces):
     """OpenModelica issues 9782 and 9785: with fmuType="cs" inputs count as constant in the derivatives of outputs."""
-    text = openmodelica.script(RECIPE.model_copy(update={"interfaces": interfaces}), tmp_path)
-    assert 'fmuType="me_cs"' in text
-    assert "DirectionalDerivatives" not in text
+    recipe = RECIPE.model_copy(update={"interfaces": interfaces})
+    assert 'fmuType="me_cs"' in openmodelica.script(recipe, tmp_path, derivatives=False)
 
 
 def test_model_exchange_asks_for_derivatives_and_for_no_solver(tmp_path):
-    text = openmodelica.script(RECIPE.model_copy(update={"interfaces": ("me",)}), tmp_path)
+    text = openmodelica.script(PREDICTION, tmp_path, derivatives=True)
     assert 'fmuType="me"' in text
     assert text.startswith('setCommandLineOptions("-d=-disableDirectionalDerivatives");')
     assert "cvode" not in text
@@ -90,6 +92,26 @@ def test_the_fmu_it_made_is_put_in_place(omc, tmp_path):
 def test_an_error_beside_an_fmu_is_told(omc, tmp_path):
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", "echo '\"Error: Internal error createFMIModelDerivatives failed'")
     with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant, but says:\nError: .*createFMIModelDerivatives"):
+        openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+
+
+SULKS = (
+    "if grep -q DirectionalDerivatives export.mos; then echo '\"Error: No derivatives.\"'; exit 0; fi",
+    "printf 'an fmu' > Lib_FMUs_Plant.fmu",
+)
+
+
+def test_a_prediction_gets_a_second_chance_without_derivatives(omc, tmp_path):
+    omc(*SULKS)
+    with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant without directional derivatives, .*\nError: No der"):
+        made = openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
+    assert made.read_text() == "an fmu"
+
+
+def test_a_plant_is_not_asked_for_derivatives(omc, tmp_path):
+    omc(*SULKS)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
