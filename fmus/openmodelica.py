@@ -4,30 +4,50 @@ import re
 import shutil
 import subprocess
 import tempfile
+import warnings
 from functools import lru_cache
 from pathlib import Path
 
 from fmus.errors import BuildFailed, CompilerMissing
 from fmus.recipe import Recipe
 
-TYPE = {frozenset({"me"}): "me", frozenset({"cs"}): "cs", frozenset({"me", "cs"}): "me_cs"}
+TOLERANCE = 1e-8
+"""Of CVODE in a co-simulation FMU. omc takes it from the class, not from whoever runs the FMU, and an absolute error
+is this times a nominal value that is mostly one, while a deflection is a millimetre and the twist of an axle 1e-5."""
 
 
-def script(recipe: Recipe, library: Path) -> str:
+def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
+
+    Co-simulation comes together with model exchange. Asked for `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
+    derivative of every output as an equation (`introduceOutputRealDerivatives` in SimCodeMain.mo); index reduction
+    then makes states of outputs and takes inputs for constant, and trajectories are wrong (OpenModelica issues 9782
+    and 9785).
+
+    In co-simulation, state events are acted upon where a communication step ends, not where they happen.
 
     Every command prints its value. Errors come out of `getErrorString()`, because a failing command itself
     only answers false or "".
+
+    Args:
+        recipe: What to export.
+        library: Folder of the Modelica library, or its only file.
+        derivatives: Ask for directional derivatives.
     """
     package = library / "package.mo" if library.is_dir() else library
-    # Without the flag co-simulation is explicit Euler; the minus switches off the switching off, which is default.
-    options = ["--fmiFlags=s:cvode"] if "cs" in recipe.interfaces else []
-    kind = TYPE[frozenset(recipe.interfaces)]
     prefix = recipe.class_name.replace(".", "_")
-    lines = [f'setCommandLineOptions("{option}");' for option in [*options, "-d=-disableDirectionalDerivatives"]]
-    lines += [
+    kind, options, also = "me", [], []
+    if "cs" in recipe.interfaces:
+        kind = "me_cs"
+        options = ["--fmiFlags=s:cvode"]  # without it, explicit Euler
+        also = [f"addClassAnnotation({recipe.class_name}, annotate=experiment(Tolerance={TOLERANCE}));"]
+    if derivatives:
+        options = [*options, "-d=-disableDirectionalDerivatives"]  # the switching off is on unless switched off
+    lines = [
+        *(f'setCommandLineOptions("{option}");' for option in options),
         "getErrorString();",
         f'loadFile("{_escaped(str(package.resolve()))}");',
+        *also,
         "getErrorString();",
         f'buildModelFMU({recipe.class_name}, version="2.0", fmuType="{kind}", fileNamePrefix="{prefix}", '
         'platforms={"static"});',
@@ -40,36 +60,56 @@ def script(recipe: Recipe, library: Path) -> str:
 def export(recipe: Recipe, library: Path, path: Path) -> Path:
     """Let omc build the FMU of a recipe.
 
+    omc packs the FMU last of all, so where there is one, it is whole; what omc reports beside it becomes a warning.
+    Directional derivatives are asked for where a filter uses them: with model exchange alone. Before 1.27 omc could
+    trip over them (OpenModelica issue 15537), so it gets a second chance without.
+
     Raises:
         CompilerMissing: There is no omc on the PATH.
-        BuildFailed: omc reports an error; the message carries its words.
+        BuildFailed: omc hands over no FMU; the message carries its words.
     """
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
-        (folder / "export.mos").write_text(script(recipe, library))
-        done = subprocess.run([_omc(), "export.mos"], cwd=folder, capture_output=True, text=True, check=False)
-        made = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
-        problems = errors(done.stdout)
-        if done.returncode or problems or not made.exists():
-            said = "\n".join(problems) or (done.stdout + done.stderr).strip() or f"omc ended with {done.returncode}"
-            raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{said}")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        half = path.with_suffix(".part")
-        shutil.copyfile(made, half)
-        half.replace(path)
-    return path
+    told: list[str] = []
+    for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
+        with tempfile.TemporaryDirectory() as scratch:
+            made, said = _run(script(recipe, library, derivatives=derivatives), recipe, Path(scratch))
+            told += [said] if said else []
+            if made is None:
+                continue
+            path.parent.mkdir(parents=True, exist_ok=True)
+            half = path.with_suffix(".part")
+            shutil.copyfile(made, half)
+            half.replace(path)
+        if told:
+            how = "" if derivatives or "cs" in recipe.interfaces else " without directional derivatives"
+            warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but says:\n{told[0]}", stacklevel=2)
+        return path
+    raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{told[-1]}")
+
+
+def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
+    """Return the FMU that omc made of a script, if any, and what it complained of."""
+    (folder / "export.mos").write_text(text)
+    done = subprocess.run(
+        [_omc(), "export.mos"], cwd=folder, capture_output=True, text=True, errors="replace", check=False
+    )
+    made = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
+    problems = "\n".join(errors(done.stdout))
+    if done.returncode == 0 and made.exists():
+        return made, problems
+    return None, problems or (done.stdout + done.stderr).strip() or f"omc ended with {done.returncode}"
 
 
 def errors(output: str) -> list[str]:
     """Return the error messages in what omc printed; notifications and warnings are none.
 
     A message reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place,
-    and ends where the next one begins.
+    and ends where the next one begins. An error of omc itself is an `Internal error`.
     """
-    starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Error|Warning|Notification): ', re.MULTILINE)
+    starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Internal error|Error|Warning|Notification): ', re.MULTILINE)
     found = list(starts.finditer(output))
     ends = [m.start() for m in found[1:]] + [len(output)]
-    return [output[m.start() : end].strip(' "\n') for m, end in zip(found, ends, strict=False) if m[1] == "Error"]
+    told = zip(found, ends, strict=False)
+    return [output[m.start() : end].strip(' "\n') for m, end in told if m[1] in ("Error", "Internal error")]
 
 
 @lru_cache(maxsize=1)

@@ -133,12 +133,13 @@ class ModelExchange:
         self._state_pointers = [where(states.ctypes.data + 4 * j) for j in range(n)]
         self._column_pointers = [where(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)]
         nominal = np.zeros(n)
-        instance.call(
-            "fmi2GetNominalsOfContinuousStates",
-            nominal.ctypes.data_as(ctypes.POINTER(ctypes.c_double)),
-            n,
-            time=0.0,
-        )
+        if n:  # without states OpenModelica's FMUs write into the first element all the same
+            instance.call(
+                "fmi2GetNominalsOfContinuousStates",
+                nominal.ctypes.data_as(ctypes.POINTER(ctypes.c_double)),
+                n,
+                time=0.0,
+            )
         self._nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
 
     @property

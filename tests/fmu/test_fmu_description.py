@@ -37,6 +37,26 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
     assert found.model_exchange.directional_derivatives
 
 
+@pytest.mark.parametrize(
+    ("name", "dimension"), [("rad/s", "s-1.rad"), ("Hz", "s-1"), ("1/s", "s-1"), ("a word of their own", "s-1")]
+)
+def test_a_radian_left_out_of_a_definition_is_read_from_the_name(foundry: Path, name: str, dimension: str):
+    """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""
+    defined = f'<UnitDefinitions>\n<Unit name="{name}"><BaseUnit s="-1"/></Unit>'
+    text = xml(state_unit=name).replace("<UnitDefinitions>", defined)
+    unit = describe(tiny(foundry, description=text)).variables["x"].unit
+    assert unit is not None
+    assert (unit.dimension, unit.factor) == (dimension, 1.0)
+
+
+def test_a_definition_that_contradicts_its_name_otherwise_stands(foundry: Path):
+    defined = '<UnitDefinitions>\n<Unit name="rad/s"><BaseUnit s="-1" factor="6.283185307179586"/></Unit>'
+    text = xml(state_unit="rad/s").replace("<UnitDefinitions>", defined)
+    unit = describe(tiny(foundry, description=text)).variables["x"].unit
+    assert unit is not None
+    assert unit.dimension == "s-1"
+
+
 def test_the_digest_is_that_of_the_file(foundry: Path):
     file = tiny(foundry)
     assert describe(file).digest == hashlib.sha256(file.read_bytes()).hexdigest()

@@ -1,21 +1,22 @@
-"""The OpenModelica side: script and answers with a stand-in, and the real one where it is installed."""
+"""The OpenModelica side: script and answers, with a stand-in for omc. test_both_compilers.py wants the real one."""
 
-import shutil
 import stat
+import warnings
 from pathlib import Path
 
-import fmpy
-import numpy as np
 import pytest
 
 from fmus import openmodelica
 from fmus.build import build_one
 from fmus.errors import BuildFailed, CompilerMissing
-from fmus.recipe import Recipe, read_recipes
+from fmus.recipe import Cookbook, Recipe
 
 RECIPE = Recipe.model_validate(
     {"class": "Lib.FMUs.Plant", "interfaces": ["cs"], "solver": "rodas3", "tolerance": 1e-5, "step": 1e-3}
 )
+
+
+PREDICTION = RECIPE.model_copy(update={"interfaces": ("me",)})
 
 
 @pytest.fixture
@@ -39,20 +40,27 @@ def omc(tmp_path, monkeypatch):
 def test_the_script_loads_the_package_as_a_user_would(tmp_path):
     library = tmp_path / "Lib"
     library.mkdir()
-    lines = openmodelica.script(RECIPE, library).splitlines()
+    lines = openmodelica.script(RECIPE, library, derivatives=False).splitlines()
     assert lines[0] == 'setCommandLineOptions("--fmiFlags=s:cvode");'
     assert f'loadFile("{library / "package.mo"}");' in lines
     (build,) = [line for line in lines if line.startswith("buildModelFMU")]
-    assert build.startswith('buildModelFMU(Lib.FMUs.Plant, version="2.0", fmuType="cs"')
+    assert build.startswith('buildModelFMU(Lib.FMUs.Plant, version="2.0", fmuType="me_cs"')
     assert lines.count("getErrorString();") == 3
+    assert lines.index("addClassAnnotation(Lib.FMUs.Plant, annotate=experiment(Tolerance=1e-08));") < lines.index(build)
 
 
-def test_model_exchange_asks_for_no_solver(tmp_path):
-    both = openmodelica.script(RECIPE.model_copy(update={"interfaces": ("me", "cs")}), tmp_path)
-    me = openmodelica.script(RECIPE.model_copy(update={"interfaces": ("me",)}), tmp_path)
-    assert 'fmuType="me_cs"' in both
-    assert 'fmuType="me"' in me
-    assert "cvode" not in me
+@pytest.mark.parametrize("interfaces", [("cs",), ("me", "cs")])
+def test_co_simulation_never_comes_alone(tmp_path, interfaces):
+    """OpenModelica issues 9782 and 9785: with fmuType="cs" inputs count as constant in the derivatives of outputs."""
+    recipe = RECIPE.model_copy(update={"interfaces": interfaces})
+    assert 'fmuType="me_cs"' in openmodelica.script(recipe, tmp_path, derivatives=False)
+
+
+def test_model_exchange_asks_for_derivatives_and_for_no_solver(tmp_path):
+    text = openmodelica.script(PREDICTION, tmp_path, derivatives=True)
+    assert 'fmuType="me"' in text
+    assert text.startswith('setCommandLineOptions("-d=-disableDirectionalDerivatives");')
+    assert "cvode" not in text
 
 
 def test_errors_are_told_from_warnings():
@@ -62,19 +70,74 @@ def test_errors_are_told_from_warnings():
 "[/lib/A.mo:3:5-3:20:writable] Error: Variable k not found in scope Lib.A.
 [/lib/A.mo:9:1-9:2:writable] Warning: Something is odd
  on two lines.
+[/omc/A.mo:1:1-1:2:writable] Internal error: Lost the way.
 Error: Error occurred while flattening model Lib.A
 "
 ""'''
     assert openmodelica.errors(printed) == [
         "[/lib/A.mo:3:5-3:20:writable] Error: Variable k not found in scope Lib.A.",
+        "[/omc/A.mo:1:1-1:2:writable] Internal error: Lost the way.",
         "Error: Error occurred while flattening model Lib.A",
     ]
 
 
 def test_the_fmu_it_made_is_put_in_place(omc, tmp_path):
     omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", 'echo true; echo "\\"Lib_FMUs_Plant.fmu\\""')
-    made = openmodelica.export(RECIPE, tmp_path, tmp_path / "out" / "Plant.fmu")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made = openmodelica.export(RECIPE, tmp_path, tmp_path / "out" / "Plant.fmu")
     assert made.read_text() == "an fmu"
+
+
+def test_an_error_beside_an_fmu_is_told(omc, tmp_path):
+    omc("printf 'an fmu' > Lib_FMUs_Plant.fmu", "echo '\"Error: Internal error createFMIModelDerivatives failed'")
+    with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant, but says:\nError: .*createFMIModelDerivatives"):
+        openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+
+
+SULKS = (
+    "if grep -q DirectionalDerivatives export.mos; then echo '\"Error: No derivatives.\"'; exit 0; fi",
+    "printf 'an fmu' > Lib_FMUs_Plant.fmu",
+)
+
+
+def test_a_prediction_gets_a_second_chance_without_derivatives(omc, tmp_path):
+    omc(*SULKS)
+    with pytest.warns(UserWarning, match=r"built Lib\.FMUs\.Plant without directional derivatives, .*\nError: No der"):
+        made = openmodelica.export(PREDICTION, tmp_path, tmp_path / "Plant.fmu")
+    assert made.read_text() == "an fmu"
+
+
+def test_a_plant_is_not_asked_for_derivatives(omc, tmp_path):
+    omc(*SULKS)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+
+
+def test_it_is_asked_again_only_when_something_moved(omc, tmp_path):
+    """An own version line, a changed Modelica file and the other compiler's FMU are each something."""
+    library = tmp_path / "Lib"
+    library.mkdir()
+    (library / "package.mo").write_text("package Lib end Lib;")
+    book = Cookbook(file=tmp_path / "recipes.toml", recipes={"Plant": RECIPE})
+
+    def made() -> str:
+        return build_one("Plant", "openmodelica", tmp_path / "out", book=book, library=library).action
+
+    def answering(version: str) -> None:
+        omc(f'if [ "$1" = --version ]; then echo {version}; else printf {version} > Lib_FMUs_Plant.fmu; fi')
+
+    answering("1.26")
+    assert [made(), made()] == ["built", "current"]
+    answering("1.27")
+    assert [made(), made()] == ["built", "current"]
+    assert (tmp_path / "out" / "Plant.fmu").read_text() == "1.27"
+    (library / "package.mo").write_text('package Lib "other" end Lib;')
+    assert made() == "built"
+    stamp = tmp_path / "out" / "Plant.json"
+    stamp.write_text(stamp.read_text().replace("openmodelica", "native").replace('"inputs": "', '"inputs": "0'))
+    assert made() == "built"
 
 
 def test_its_error_is_passed_on(omc, tmp_path):
@@ -93,39 +156,3 @@ def test_no_omc_is_said(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CompilerMissing, match="omc is not on the PATH"):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
-
-
-needs_omc = pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica's omc is not on the PATH")
-
-
-@pytest.mark.omc
-@needs_omc
-@pytest.mark.parametrize("name", [n for n in read_recipes().recipes if n != "ContactPoint"])
-def test_both_compilers_give_the_same_trajectory(name, tmp_path):
-    """Three seconds of braking, every output within 1e-4 of its largest value: two solvers, 1e-6 or less."""
-    from test_train_fmus import held
-
-    recipe = read_recipes()[name]
-    kind = "CoSimulation" if "cs" in recipe.interfaces else "ModelExchange"
-    found = []
-    for compiler in ("native", "openmodelica"):
-        path = build_one(name, compiler, tmp_path / compiler).path
-        description = fmpy.read_model_description(str(path), validate=False)
-        inputs = [v.name for v in description.modelVariables if v.causality == "input"]
-        outputs = sorted(v.name for v in description.modelVariables if v.causality == "output")
-        signals = np.array(
-            [(t, *map(held, inputs)) for t in (0.0, 3.0)],
-            dtype=[("time", float), *((n, float) for n in inputs)],
-        )
-        settings = {"start_values": {"_tolerance": 1e-7}} if (compiler, kind) == ("native", "CoSimulation") else {}
-        result = fmpy.simulate_fmu(
-            str(path), stop_time=3.0, input=signals, output=outputs, output_interval=0.015, fmi_type=kind,
-            relative_tolerance=1e-7, **settings,
-        )  # fmt: skip
-        found.append((inputs, outputs, result))
-    (inputs, outputs, native), (other_inputs, other_outputs, other) = found
-    assert sorted(inputs) == sorted(other_inputs)
-    assert outputs == other_outputs
-    for n in outputs:
-        a, b = native[n].astype(float), np.interp(native["time"], other["time"], other[n].astype(float))
-        assert np.max(np.abs(a - b)) <= 1e-4 * np.max(np.abs(a)) + 1e-9, n

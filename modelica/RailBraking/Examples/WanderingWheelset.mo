@@ -36,7 +36,7 @@ equation
   point.lateral_velocity = known.dy;
   point.yaw_angle = known.psi;
   point.yaw_rate = known.dpsi;
-  point.mu0 = known.mu0;
+  point.mu0 = exp(known.log_mu0);
   point.speed = v;
   annotation (
     experiment(StopTime=3, Tolerance=1e-8, Interval=0.001),
