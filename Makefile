@@ -5,7 +5,7 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen report regress accept calibrate bench test test-omc check estimate tune lateral learn \
+.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc check estimate tune lateral learn \
         monitor clean
 .DEFAULT_GOAL := help
 
@@ -49,6 +49,9 @@ accept: $(READY)  ## move the baselines to the last regress: make accept REASON=
 
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
 	$(RUN) -m harness calibrate
+
+tune-control: fmus  ## search the parameters of adhesion-based control on rails kept for that (half an hour)
+	$(RUN) -m harness tune-control
 
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m harness bench

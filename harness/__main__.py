@@ -35,6 +35,7 @@ from harness.lateral.command import add_to as add_lateral
 from harness.learn.command import add_to as add_learn
 from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
+from harness.tune_control import add_to as add_tune_control
 from harness.verdict.panels import Panels
 
 if TYPE_CHECKING:
@@ -66,7 +67,6 @@ Overrides = Annotated[
     typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
-add_learn(app)
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
 
@@ -206,6 +206,8 @@ add_bench(app)
 add_lateral(app)
 add_monitor(app)
 add_field(app)
+add_learn(app)
+add_tune_control(app)
 
 
 def main(arguments: list[str] | None = None) -> None:

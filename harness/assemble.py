@@ -3,7 +3,7 @@
 import platform
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import version
@@ -67,6 +67,16 @@ _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cyl
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Rolled:
+    """A run of the loop, not yet judged."""
+
+    recorder: Recorder
+    ended: Ended
+    plant_file: Description
+    fmus: Mapping[str, str]
+
+
 def run_stop(
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
@@ -89,6 +99,24 @@ def run_stop(
         from harness.ideal import ideal_stop  # it needs this module to run its reference stop
 
         return ideal_stop(scenario, progress)
+    rolled = _rolled(scenario, progress, tell, engine)
+    return judged(scenario, rolled.recorder, rolled.ended, rolled.plant_file, rolled.fmus)
+
+
+def braking_distance(scenario: Scenario) -> float | None:
+    """Return only the distance [m], None where the train does not come to stand: for searches over many stops."""
+    rolled = _rolled(scenario, None, lambda sentence: None, Engine.AUTO)
+    if rolled.ended.outcome is not Outcome.STANDSTILL:
+        return None
+    return float(rolled.recorder.rows[rolled.ended.samples - 1, rolled.recorder.at["distance"]])
+
+
+def _rolled(
+    scenario: Scenario,
+    progress: Callable[[float], None] | None,
+    tell: Callable[[str], None],
+    engine: Engine,
+) -> _Rolled:
     believing = scenario.estimator.kind != "none"
     recorder = Recorder(
         (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believing else ())),
@@ -128,7 +156,7 @@ def run_stop(
             )
         except PlantFailed as failed:
             ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
-    return judged(scenario, recorder, ended, plant_file, fmus)
+    return _Rolled(recorder=recorder, ended=ended, plant_file=plant_file, fmus=fmus)
 
 
 def judged(

@@ -10,7 +10,13 @@ import fmus
 import harness
 
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".jinja"}
-_UNCONCERNED = ("harness/verdict/", "harness/scenario/library/", "harness/scenario/campaigns/", "fmus/lock.toml")
+_UNCONCERNED = (
+    "harness/verdict/",
+    "harness/scenario/library/",
+    "harness/scenario/campaigns/",
+    "harness/scenario/edges/",
+    "fmus/lock.toml",
+)
 """They read results, or are the question itself (the scenario's digest is their own), or follow from the rest."""
 
 

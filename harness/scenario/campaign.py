@@ -32,14 +32,16 @@ class CampaignFile(Table):
     """A campaign as written.
 
     Every combination of scenario and one variant of each axis is a stop, but for those that `exclude` matches. A
-    variant holds tables of a scenario, laid over it. `sweep` is a short form of an axis of one key:
-    `"start.speed" = ["80 km/h", "120 km/h"]`.
+    variant holds tables of a scenario, laid over it, or names a file of such tables. `sweep` is a short form of an axis
+    of one key: `"start.speed" = ["80 km/h", "120 km/h"]`.
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
     description: str = ""
     scenarios: Annotated[tuple[str, ...], Field(min_length=1, description="files, from this one's folder")]
-    axes: dict[str, dict[str, dict[str, Any]]] = Field(default={}, description="axis → variant → tables")
+    axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
+        default={}, description="axis → variant → tables, or a file of tables, from this one's folder"
+    )
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
     exclude: tuple[dict[str, str | tuple[str, ...]], ...] = Field(
         default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
@@ -87,7 +89,13 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
     """
     written = validated(CampaignFile, read_toml(path), directory=path.parent, origin=path.name)
-    axes = dict(written.axes)
+    axes = {
+        axis: {
+            variant: read_toml(path.parent / tables) if isinstance(tables, str) else tables
+            for variant, tables in variants.items()
+        }
+        for axis, variants in written.axes.items()
+    }
     if _AXIS_OF_SCENARIOS in axes:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{_AXIS_OF_SCENARIOS}', the files are that axis")
     for key, values in written.sweep.items():
