@@ -20,8 +20,9 @@ ALLOWED = {
     "harness.scenario": ("harness.scenario",),
     "harness.record": ("harness.record", "harness.scenario"),
     "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario"),
-    # What the compiled loop calls is described where it is called.
-    "harness.fmu": ("harness.fmu", "estimators.prediction", "fmus.native.toolchain", "harness.loop.compiled.Calls"),
+    # What a loop in C calls is described where it is called.
+    "harness.fmu": ("harness.fmu", "estimators.prediction", "fmus.native.toolchain", "harness.loop.compiled.Calls",
+                    "harness.loop.ports.Edge"),
 }  # fmt: skip
 
 

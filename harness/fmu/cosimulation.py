@@ -23,7 +23,7 @@ from harness.fmu.instance import Instance, unpacked
 from harness.fmu.mapping import Binding, Side
 from harness.fmu.parameters import Values, assignments
 from harness.loop.compiled import Calls
-from harness.loop.compiled_cycle import Edge
+from harness.loop.ports import Edge
 
 Vector = NDArray[np.float64]
 

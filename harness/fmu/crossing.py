@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fmus.native.toolchain import shared_library
 from harness.fmu.instance import Instance
 from harness.fmu.mapping import Binding, Channel
-from harness.loop.compiled_cycle import Edge
+from harness.loop.ports import Edge
 
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]

@@ -2,7 +2,6 @@
 
 import ctypes
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import casadi as ca
@@ -13,7 +12,7 @@ from harness.loop.actuation import Direct
 from harness.loop.edge import FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
 from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command
 from harness.loop.library import compiled, kernel
-from harness.loop.ports import Actuation, Controller, Plant, Sensors
+from harness.loop.ports import Actuation, Controller, Edge, Plant, Sensors
 from harness.loop.rail import TabulatedRail
 from harness.loop.reading import READINGS
 from harness.loop.sensors import IdealSensors, ServiceSensors
@@ -26,27 +25,6 @@ Vector = NDArray[np.float64]
 
 _GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND = range(5)
 _NEGATIVE_VARIANCE = -1
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Edge:
-    """A communication step of a plant as C sees it.
-
-    Attributes:
-        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/crossing.c` has it.
-        plan: Address of its first argument.
-        inputs: Read by it, shape (INPUTS,).
-        outputs: Written by it: those that the plant has.
-        present: Their places among all outputs.
-        start: Time at which the plant starts [s].
-    """
-
-    cross: int
-    plan: int
-    inputs: Vector
-    outputs: Vector
-    present: NDArray[np.intp]
-    start: float
 
 
 @runtime_checkable

@@ -1,5 +1,6 @@
 """What the loop asks of each party."""
 
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -9,6 +10,27 @@ from controllers.sight import Sight
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Edge:
+    """A communication step of a plant as C sees it.
+
+    Attributes:
+        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/crossing.c` has it.
+        plan: Address of its first argument.
+        inputs: Read by it, shape (INPUTS,).
+        outputs: Written by it: those that the plant has.
+        present: Their places among all outputs.
+        start: Time at which the plant starts [s].
+    """
+
+    cross: int
+    plan: int
+    inputs: Vector
+    outputs: Vector
+    present: NDArray[np.intp]
+    start: float
 
 
 @runtime_checkable
