@@ -106,6 +106,22 @@ def run(
 
 
 @app.command()
+def export(
+    file: File,
+    overrides: Overrides = None,
+    out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
+) -> None:
+    """Make an FMU of a scenario's controller, valve logic included, for another tool."""
+    from fmus.native.package import pack
+    from harness.export import controller_fmu
+    from harness.scenario.load import load
+
+    scenario = load(file, overrides or [])
+    made = pack(controller_fmu(scenario), out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu")
+    _out.print(str(made), highlight=False, soft_wrap=True)
+
+
+@app.command()
 def campaign(
     file: File,
     overrides: Overrides = None,

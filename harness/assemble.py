@@ -130,7 +130,7 @@ def _rolled(
         plant = stack.enter_context(_plant(scenario, plant_file, radius, tell))
         believer = stack.enter_context(_believer(scenario, fmus)) if believing else None
         sensors, controller = sensors_of(scenario, radius[0]), controller_of(scenario, groups)
-        actuation = _actuation(scenario, groups)
+        actuation = actuation_of(scenario, groups)
         obstacle = compiled_cycle.obstacle(plant, sensors, believer, controller, actuation)
         if obstacle and engine is Engine.COMPILED:
             raise ScenarioError(f"{scenario.name}: the compiled engine cannot run it: {obstacle}; take 'auto'.")
@@ -441,7 +441,8 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
     return (AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
 
 
-def _actuation(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
+def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
+    """Return what turns demanded pressures into what the plant takes."""
     if scenario.actuation.kind == "ideal":
         return Direct()
     nominal = parameters_of(description_of(recipe_file("TwoPartTrainPneumatic")))

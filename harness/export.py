@@ -1,0 +1,89 @@
+"""The controller of a scenario as an FMU, to be dropped into another tool."""
+
+from collections.abc import Iterable, Sequence
+
+import casadi as ca
+
+from controllers.sampled import Quantity, Sampled
+from fmus.native import Variable
+from fmus.native.discrete import Discrete, sources
+from fmus.native.package import Source
+from harness.assemble import actuation_of, controlled_groups, controller_of
+from harness.loop.actuation import Direct
+from harness.scenario.error import ScenarioError
+from harness.scenario.schema import Scenario
+
+_VALVES = "valves."
+_MEMORY = "memory."
+
+
+def controller_fmu(scenario: Scenario) -> Source:
+    """Return C code and modelDescription.xml of a controller with its valve logic, for `fmus.native.package.pack`.
+
+    A step of the FMU is one period of the controller: outputs at its end are decided on the inputs at its beginning.
+    Inputs are those of `controllers.sight.Sight`; outputs are what the scenario's plant takes. Parameters may be set
+    before the first step.
+
+    Raises:
+        ScenarioError: The controller is no law, such as the ideal bound.
+    """
+    if scenario.controller.kind == "ideal_bound":
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound is a calculation, no law that could be exported"
+        )
+    groups = controlled_groups(scenario)
+    law, actuation = controller_of(scenario, groups), actuation_of(scenario, groups)
+    assert isinstance(law, Sampled)
+    valves = actuation if isinstance(actuation, Sampled) else None
+    assert valves is not None or isinstance(actuation, Direct)
+    states = _variables(law.formula.states, law.state, _MEMORY)
+    parameters = _variables(law.formula.parameters, law.parameters)
+    outputs, step = law.formula.outputs, law.step
+    if valves is not None:
+        states += _variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
+        parameters += _variables(valves.formula.parameters, valves.parameters, _VALVES)
+        outputs, step = valves.formula.outputs, _in_series(law, valves, len(groups))
+    return sources(
+        Discrete(
+            name=law.formula.name,
+            description=law.formula.description,
+            period=scenario.periods.controller,
+            states=states,
+            inputs=_variables(law.formula.inputs, [0.0] * len(law.formula.inputs)),
+            parameters=parameters,
+            outputs=_variables(outputs, [0.0] * len(outputs)),
+            step=step,
+        )
+    )
+
+
+def _in_series(law: Sampled, valves: Sampled, groups: int) -> ca.Function:
+    """Return one step of both: valves take the demands of the law, and of its inputs the pressures, which are last."""
+    state, given, parameter = (
+        ca.SX.sym(name, count)
+        for name, count in (
+            ("state", law.state.size + valves.state.size),
+            ("given", len(law.formula.inputs)),
+            ("parameter", law.parameters.size + valves.parameters.size),
+        )
+    )
+    mine, theirs = ca.vertsplit(state, [0, law.state.size, state.numel()])
+    tuning, model = ca.vertsplit(parameter, [0, law.parameters.size, parameter.numel()])
+    following, demand = law.step(mine, given, tuning)
+    onwards, command = valves.step(theirs, ca.vertcat(demand, given[-groups:]), model)
+    return ca.Function("step", [state, given, parameter], [ca.vertcat(following, onwards), command])
+
+
+def _variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
+    return tuple(
+        Variable(
+            name=prefix + quantity.name,
+            unit=quantity.unit,
+            start=float(start),
+            description=quantity.description,
+            minimum=None,
+            maximum=None,
+            nominal=1.0,
+        )
+        for quantity, start in zip(quantities, starts, strict=True)
+    )

@@ -1,0 +1,92 @@
+"""Controllers as FMUs, stepped beside the very law over what a train showed it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from fmus.native.package import pack
+from harness.assemble import controlled_groups, run_stop
+from harness.export import controller_fmu
+from harness.fmu import CoSimulation, Signal, bind, describe
+from harness.scenario.campaign import load_campaign
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import load
+
+SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
+SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")
+
+
+def question(edge: str, controller: str):
+    stops = load_campaign(SCENARIOS / "campaigns" / "table1.toml", SHORT).stops
+    (found,) = (stop.scenario for stop in stops if stop.name == f"sine_sweep-{edge}-{controller}")
+    return found
+
+
+def shown(scenario, trace):
+    """Return what the law saw at each of its instants, in the order of its inputs, and the commands that followed."""
+    every = scenario.periods.every("controller")
+    # Pressure and acceleration are read anew at every sample, and a belief is always there.
+    believed = "estimate_adhesion" in trace
+    prefix = "estimate" if believed else "reading"
+    speed, wheel = trace[f"{prefix}_speed"].values, trace[f"{prefix}_wheelset_speed"].values
+    radius = np.array([group.wheel_radius for group in controlled_groups(scenario)])
+    with np.errstate(invalid="ignore"):
+        slip = 1.0 - radius * wheel / speed[:, None]
+    unknown = np.zeros_like(slip)
+    sights = np.column_stack(
+        [
+            speed,
+            trace["reading_acceleration"].values,
+            slip,
+            trace["estimate_adhesion"].values if believed else unknown,
+            trace["estimate_pad_friction"].values if believed else unknown,
+            trace["reading_cylinder_pressure"].values,
+        ]
+    )
+    return sights[::every][:-1], trace["command"].values[1::every][: len(sights[::every]) - 1]
+
+
+@pytest.mark.parametrize(
+    ("edge", "controller"),
+    [
+        ("ideal", "slip_two_state"),
+        ("ideal", "adhesion_based"),
+        ("service", "adhesion_literal"),
+        ("service", "adhesion_based"),
+    ],
+)
+def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp_path):
+    """4 s of a stop, each command of the loop against the FMU's on the same sights. Slip is formed here from the
+    trace, so its last digit may differ: 1e-6 of the full pressure; valve commands are whole numbers."""
+    scenario = question(edge, controller)
+    path = pack(controller_fmu(scenario), tmp_path / "controller.fmu")
+    assert validate_fmu(str(path)) == []
+    described = describe(path)
+    inputs = tuple(
+        Signal(name=name, unit=unit, size=size, needed=True)
+        for name, unit, size in (
+            ("speed", "m/s", 0),
+            ("acceleration", "m/s2", 0),
+            ("slip", "1", 4),
+            ("adhesion", "1", 4),
+            ("pad_friction", "1", 4),
+            ("pressure", "Pa", 4),
+        )
+    )
+    output = Signal(name="demand", unit="Pa", size=4, needed=True)
+    if edge == "service":
+        output = Signal(name="command", unit="1", size=4, needed=True)
+    binding = bind(described, inputs=inputs, outputs=(output,), parameters=(), table={}, where="test")
+    sights, commands = shown(scenario, run_stop(scenario).trace)
+    with CoSimulation(described, binding, period=scenario.periods.controller, parameters={}) as fmu:
+        fmu.start(sights[0])
+        for sight, command in zip(sights, commands, strict=True):
+            assert fmu.step(sight) == pytest.approx(command, abs=0.34 if edge == "ideal" else 0.0)
+
+
+def test_the_ideal_bound_is_no_law():
+    scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=ideal_bound", "estimator.kind=none"])
+    with pytest.raises(ScenarioError, match="is a calculation, no law that could be exported"):
+        controller_fmu(scenario)
