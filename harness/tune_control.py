@@ -118,7 +118,7 @@ def search(
         tell: Called after each generation with its number and the best reduction against slip-based control.
         processes: To run stops in.
         rails: Campaign with the axes rail, edge and controller.
-        population: Sets of parameters in a generation, about: a power of two not below the number of parameters.
+        population: Sets of parameters in a generation, a power of two above the number of parameters.
         generations: After the first, which is drawn.
     """
     from scipy.optimize import Bounds, differential_evolution
@@ -143,7 +143,7 @@ def search(
             objective,
             Bounds(*np.log(np.array(list(ranges.values())).T)),
             init="sobol",
-            popsize=math.ceil(population / len(ranges)),
+            popsize=population // len(ranges),
             maxiter=generations,
             tol=0.0,
             polish=False,

@@ -63,7 +63,7 @@ def test_a_search_ends_no_worse_than_it_began(tmp_path):
     )
     rails.write_text(rails.read_text(encoding="utf-8") + '\n[sweep]\n"start.speed" = ["9 km/h"]\n', encoding="utf-8")
     best: list[float] = []
-    found = search("ideal", lambda number, value: best.append(value), rails=rails, population=7, generations=1)
+    found = search("ideal", lambda number, value: best.append(value), rails=rails, population=8, generations=1)
     assert len(best) == 1
     assert found.rails == ("even",)
     assert found.reduction == pytest.approx(best[-1], abs=1e-9)
