@@ -8,6 +8,8 @@ is therefore the filter: discretisation, Jacobians, gain, covariance, gate; not 
 Operation: braking at 22 m/s with an adhesion of 0.1 in every group, suspension settled and wheelsets rolling, at the
 pressures that balance it. Either these are held, or group 2 is released for 0.15 s, so that its gate closes and opens;
 a frozen pad friction rests in truth, too, because that is what the gate assumes.
+That shows a gate to leave the filter consistent, not that it closes: pad friction walks by a twentieth of its start's
+deviation meanwhile. What a frozen state is, test_ekf.py shows.
 
 All states are judged together. At constant pressures no reading tells one combination of the 25, how braking is shared
 between the two wheelsets of the Jacobs bogie, and three of the 13: there the error of the start stays and P says so.
