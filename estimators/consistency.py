@@ -8,11 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
 from estimators.belief import Estimate, Vector
+from estimators.design import positive_definite
 from estimators.errors import EstimatorError
 
 
 def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None) -> float:
     """Return the normalised estimation error squared eᵀP⁻¹e, chi-square of as many degrees as states.
+
+    Solved in units of the states' own deviations: variances of 1e-10 m² beside 1e-1 (rad/s)² cost more digits than
+    correlations do. A direction that no reading tells is judged as any other: its variance is large, not zero.
 
     Args:
         estimate: A belief.
@@ -20,7 +24,7 @@ def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None)
         states: Indices of the states to judge, with their joint covariance; all when None.
 
     Raises:
-        EstimatorError: The truth has another shape than the mean.
+        EstimatorError: The truth has another shape than the mean, or the covariance is not positive definite.
 
     Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), §5.4.
     """
@@ -29,8 +33,16 @@ def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None)
             f"nees: the truth wants the {estimate.mean.size} states of the estimate, got shape {truth.shape}."
         )
     chosen = np.arange(truth.size) if states is None else np.asarray(states)
-    error = (truth - estimate.mean)[chosen]
-    return float(error @ np.linalg.solve(estimate.covariance[np.ix_(chosen, chosen)], error))
+    covariance = estimate.covariance[np.ix_(chosen, chosen)]
+    deviation = np.sqrt(np.maximum(np.diagonal(covariance), np.finfo(np.float64).tiny))
+    correlation = covariance / np.outer(deviation, deviation)
+    if not positive_definite(correlation):
+        raise EstimatorError(
+            "nees: the covariance is not positive definite; a state that is known exactly, or that others determine, "
+            "has no error to measure: name the states to judge."
+        )
+    error = (truth - estimate.mean)[chosen] / deviation
+    return float(error @ np.linalg.solve(correlation, error))
 
 
 def chi_square_bounds(degrees: int, runs: int = 1, confidence: float = 0.95) -> tuple[float, float]:

@@ -102,8 +102,8 @@ def pressure_spread(
 ) -> Vector:
     """Return the 1σ error that a pressure transducer's offset adds to an estimated pad friction, in its shape.
 
-    The filter cannot know it (see `TRAIN_SERVICE`); whoever compares pad friction with a law or with another stop
-    adds it to the filter's own deviation, root of the sum of squares.
+    The filter cannot know it (see `TRAIN_SERVICE`); whoever compares pad friction with a law, as the brake monitor
+    does, adds it to the filter's own deviation, root of the sum of squares. It is the same error in every stop.
 
     Args:
         pad_friction: Estimated.

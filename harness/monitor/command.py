@@ -53,13 +53,16 @@ def monitor_study(
     seeds: Annotated[int, typer.Option(min=1, help="Lives.")] = 20,
     stops: Annotated[int, typer.Option(min=40, help="Stops of each.")] = 200,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
+    pressure_offset: Annotated[
+        float, typer.Option(min=0.0, help="1σ of what pressure transducers are off for a whole life [Pa].")
+    ] = 0.0,
 ) -> None:
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
     from harness.monitor.page import draw
     from harness.monitor.study import evidence_of_life, lives, study
     from harness.monitor.watch import Design, watch
 
-    console, design, asked = Console(), Design(), lives(seeds, stops)
+    console, design, asked = Console(), Design(), lives(seeds, stops, pressure_offset)
     with Console(stderr=True).status("living") as status:
         verdict = study(asked, design, workers=workers, tell=lambda done: status.update(f"life {done} of {seeds}"))
     _print(console, verdict.rows())

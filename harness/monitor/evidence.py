@@ -11,6 +11,7 @@ from scipy.ndimage import maximum_filter1d
 from estimators.compiled import CompiledFilter
 from estimators.errors import FilterDiverged
 from estimators.prediction import CasadiPrediction
+from estimators.tuning import pressure_spread
 from harness.estimate.error import EstimationError
 from harness.estimate.recording import columns, period_of
 from harness.estimate.run import BUILD, model_of, prediction_of, units_of
@@ -40,6 +41,11 @@ _FREE = 1e4  # (rad/s)²/s: process noise of a locked wheelset, whose equation s
 _SLOWEST = 3.0  # m/s; below, encoders lose pulses
 _COASTING = 2.0  # s without brake before the stop, that drag can be told from
 _RELEASED = 2e4  # Pa; below, a cylinder counts as empty
+_PRESSED = 1500.0  # N on both pads of a unit; below, their torque is within the errors of the other torques
+
+PRESSURE_OFFSET = 5e3
+"""1σ of the offset of a cylinder's pressure transducer [Pa]: 0.5 % of 10 bar full scale, the class of the sensors in
+`table1.toml`. It belongs to the transducer, so it is taken to be the same in every stop."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,12 +54,17 @@ class Evidence:
 
     Attributes:
         health: Shape (4,); 1 is nominal.
-        covariance: Of `health` without any prior, shape (4, 4); large where the stop does not tell groups apart.
+        covariance: Of `health` without any prior, shape (4, 4); large where the stop does not tell groups apart. Noise
+            of the readings only, new in every stop.
+        offset: 1σ that the transducers' `PRESSURE_OFFSET` puts on `health`, shape (4,). Readings tell torque; pressure
+            that reads too high makes the pads look worse. Stops do not average it out, and it is no reason to chart a
+            stop less: charts hold a group against its own reference, which was read by the same transducer.
         drag: Deceleration with released brakes that resistance does not explain [m/s²]; NaN without coasting.
     """
 
     health: Vector
     covariance: Matrix
+    offset: Vector
     drag: float
 
     @property
@@ -114,7 +125,25 @@ def evidence_of(recording: xarray.Dataset, temperature: Vector) -> Evidence:
     spread = np.linalg.inv(0.5 * (gained + gained.T))
     health = spread @ (np.linalg.solve(covariance, mean) - np.full(GROUPS, NOMINAL) / PRIOR**2
                        + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
-    return Evidence(health=health / NOMINAL, covariance=np.asarray(spread / NOMINAL**2, dtype=np.float64), drag=drag)
+    offset = pressure_spread(
+        pad_friction=health / NOMINAL,
+        pressure=np.array([_applied(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
+        offset=PRESSURE_OFFSET,
+        A_piston=values["A_piston"],
+        F_spring=values["F_spring"],
+    )
+    return Evidence(
+        health=health / NOMINAL,
+        covariance=np.asarray(spread / NOMINAL**2, dtype=np.float64),
+        offset=offset,
+        drag=drag,
+    )
+
+
+def _applied(pressure: Vector, force: Vector) -> float:
+    """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
+    pressed = pressure[force > _PRESSED]
+    return float(np.median(pressed)) if pressed.size else float("inf")
 
 
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:

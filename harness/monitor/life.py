@@ -48,6 +48,8 @@ class Life:
         stuck_group: Which.
         residual: Pressure that the stuck group keeps [Pa].
         testing: Groups are released in turn, so that they can be told apart.
+        pressure_offset: 1σ of what each pressure transducer is off for the whole life [Pa], beside 500 Pa that are new
+            in every stop.
     """
 
     stops: int
@@ -59,6 +61,7 @@ class Life:
     stuck_group: int = 2
     residual: float = 0.8e5
     testing: bool = True
+    pressure_offset: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +81,7 @@ def live(life: Life, numbers: range | None = None) -> Iterator[SimulatedStop]:
     """Yield the stops of a life in order; `numbers` takes some of them, each the same as in the whole."""
     lot = generator(life.seed, "life.lot")
     base = 1.0 + 0.05 * lot.standard_normal(4)
+    transducers = life.pressure_offset * generator(life.seed, "life.transducers").standard_normal(4)
     wear = lot.uniform(0.0, 0.04, 4)  # share of friction lost over the life by glazing; still healthy
     for k in numbers or range(life.stops):
         random = generator(life.seed, f"life.stop.{k}")
@@ -89,7 +93,7 @@ def live(life: Life, numbers: range | None = None) -> Iterator[SimulatedStop]:
             factor[life.worn_group] *= 1.0 - life.loss
             begins[life.worn_group] *= 1.0 - life.loss
         stuck = life.stuck_group if life.stuck is not None and k >= life.stuck else None
-        yield _stop(life, k, random, 0.35 * factor, 0.35 * begins, stuck)
+        yield _stop(life, k, random, 0.35 * factor, 0.35 * begins, stuck, transducers)
 
 
 def testing_pressure(time: float, full: Vector, testing: bool) -> Vector:
@@ -104,7 +108,13 @@ def testing_pressure(time: float, full: Vector, testing: bool) -> Vector:
 
 
 def _stop(
-    life: Life, number: int, random: np.random.Generator, friction: Vector, begins: Vector, stuck: int | None
+    life: Life,
+    number: int,
+    random: np.random.Generator,
+    friction: Vector,
+    begins: Vector,
+    stuck: int | None,
+    transducers: Vector,
 ) -> SimulatedStop:
     nominal = defaults(PLANT)
     full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(4)])
@@ -149,7 +159,7 @@ def _stop(
     velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
     acceleration = truth[:, 1] + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
     wheels = truth[:, 2:6] + 0.2 * noise((count, 4))
-    pressure = np.array(told) + 0.005e5 * noise(4)
+    pressure = np.array(told) + transducers + 500.0 * noise(4)
     signals: dict[str, tuple[Vector, str]] = {"speed": (velocity, "m/s"), "acceleration": (acceleration, "m/s2")}
     for g in range(4):
         signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")

@@ -28,7 +28,7 @@ WORN, STUCK = 100, 160
 """Stops at which groups break: enough of a healthy life before, enough stops after."""
 
 
-def lives(seeds: int = SEEDS, stops: int = STOPS) -> list[Life]:
+def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = 0.0) -> list[Life]:
     """Return lives in which one group loses 20 % and another sticks later; every pair of groups takes its turn."""
     worn, stuck = round(WORN * stops / STOPS), round(STUCK * stops / STOPS)
     return [
@@ -39,6 +39,7 @@ def lives(seeds: int = SEEDS, stops: int = STOPS) -> list[Life]:
             worn_group=seed % 4,
             stuck=stuck,
             stuck_group=(seed + 1 + seed // 4 % 3) % 4,
+            pressure_offset=pressure_offset,
         )
         for seed in range(1, seeds + 1)
     ]
@@ -51,10 +52,26 @@ def evidence_of_life(asked: Life, cache: Path = CACHE) -> list[Evidence]:
         rows = json.loads(path.read_text(encoding="utf-8"))
     else:
         found = [evidence_of(stop.recording, stop.temperature) for stop in live(asked)]
-        rows = [{"health": e.health.tolist(), "covariance": e.covariance.tolist(), "drag": e.drag} for e in found]
+        rows = [
+            {
+                "health": e.health.tolist(),
+                "covariance": e.covariance.tolist(),
+                "offset": e.offset.tolist(),
+                "drag": e.drag,
+            }
+            for e in found
+        ]
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, json.dumps(rows))
-    return [Evidence(health=np.array(r["health"]), covariance=np.array(r["covariance"]), drag=r["drag"]) for r in rows]
+    return [
+        Evidence(
+            health=np.array(r["health"]),
+            covariance=np.array(r["covariance"]),
+            offset=np.array(r["offset"]),
+            drag=r["drag"],
+        )
+        for r in rows
+    ]
 
 
 # Read when this is imported, so that an edit during a study cannot pass for what ran.

@@ -81,7 +81,7 @@ class History:
         evidence: Health of each stop, shape (k, 4).
         deviation: Of it, shape (k, 4).
         index: Health followed over stops, 1 nominal, shape (k, 4).
-        index_sd: Its standard deviation, shape (k, 4).
+        index_sd: Its standard deviation, the offsets of the pressure transducers included, shape (k, 4).
         deficit: Loss against the reference and the other groups, share, shape (k, 4); NaN where a stop does not tell.
         chart: Cumulated sum of each group, in deviations, shape (k, 4).
         threshold: At which the chart alarms, shape (4,).
@@ -219,6 +219,10 @@ def _followed(
 ) -> tuple[Matrix, Matrix]:
     """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
 
+    The offset of a transducer is the same in every stop: it does not weigh stops, and no number of them averages it
+    out. `shifted` is what offsets of one standard deviation, one a column, have moved the index by, through the same
+    gains that made it. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
+
     An alarm says that health has jumped, so that the index of its group begins anew there.
 
     Args:
@@ -229,6 +233,7 @@ def _followed(
         design: For drift and scatter.
     """
     mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
+    shifted = np.zeros((GROUPS, GROUPS))
     scatter = np.diag(own**2) + together
     index, spread = np.empty((len(stops), GROUPS)), np.empty((len(stops), GROUPS))
     for k, stop in enumerate(stops):
@@ -238,7 +243,8 @@ def _followed(
         mean = mean + gain @ (stop.health - mean)
         kept = np.eye(GROUPS) - gain
         covariance = kept @ covariance @ kept.T + gain @ (stop.covariance + scatter) @ gain.T
-        index[k], spread[k] = mean, np.sqrt(np.diag(covariance))
+        shifted = kept @ shifted + gain * stop.offset
+        index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shifted**2, axis=1))
     return index, spread
 
 

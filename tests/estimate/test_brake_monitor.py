@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.monitor.evidence import Evidence, evidence_of
+from harness.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from harness.monitor.folder import stops_in, write_recording
 from harness.monitor.life import Life, live
 from harness.monitor.study import Verdict, judged
@@ -12,8 +12,8 @@ from harness.monitor.watch import Design, threshold_for, watch
 DESIGN = Design()
 
 
-def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0) -> Evidence:
-    return Evidence(health=health, covariance=np.eye(4) * deviation**2, drag=drag)
+def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
+    return Evidence(health=health, covariance=np.eye(4) * deviation**2, offset=np.full(4, offset), drag=drag)
 
 
 def row(
@@ -146,6 +146,43 @@ def test_the_index_claims_the_uncertainty_it_has():
         squares.append((((history.index[-1] - true) / history.index_sd[-1]) ** 2).mean())
     # It allows for a drift that these rows have not, so it claims too much rather than too little.
     assert 0.2 < np.mean(squares) < 1.1
+
+
+def test_a_pressure_read_too_high_makes_the_pads_look_as_much_worse_as_the_evidence_allows_for(stops):
+    """The same stop read with the offset of one deviation, one transducer after the other."""
+    stop = stops[0]
+    plain = evidence_of(stop.recording, stop.temperature)
+    for g in range(4):
+        name = f"cylinder_pressure[{g + 1}]"
+        pressed = stop.recording[name] > 2e4  # a released cylinder reads zero either way
+        off = stop.recording.assign({name: stop.recording[name] + PRESSURE_OFFSET * pressed})
+        moved = evidence_of(off.assign_attrs(stop.recording.attrs), stop.temperature).health - plain.health
+        # A disc that seems hotter excuses pads by 5 to 15 % of it; 3 to 5 % are the square of the offset. The others
+        # give way to what one group is thought to brake less.
+        assert moved[g] == pytest.approx(-plain.offset[g], rel=0.2)
+        assert np.abs(np.delete(moved, g)).max() < 0.3 * plain.offset[g]
+
+
+def test_the_index_counts_offsets_that_no_number_of_stops_averages_out():
+    """Transducers off for good, each life by its own draw: the index errs as it claims, and not as it does without."""
+    offset, squares, without = 0.04, [], []
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        true = np.array([1.0, 0.9, 1.1, 1.0]) + offset * random.standard_normal(4)
+        health = [true + 0.02 * random.standard_normal(4) for _ in range(60)]
+        for found, claimed in ((squares, offset), (without, 0.0)):
+            history = watch([told(h, deviation=0.02, offset=claimed) for h in health], DESIGN)
+            error = history.index[-1] - np.array([1.0, 0.9, 1.1, 1.0])
+            found.append((error**2 / history.index_sd[-1] ** 2).mean())
+    # 160 errors: a mean square of 1 within 3·sqrt(2/160), less because the filter allows for a drift there is not.
+    assert 0.6 < np.mean(squares) < 1.0 + 3.0 * np.sqrt(2.0 / 160.0)
+    assert np.mean(without) > 2.0
+
+
+def test_offsets_do_not_change_what_is_charted():
+    rows = row(80, 0, loss=0.2, begin=50)
+    off = [told(r.health, offset=0.05) for r in rows]
+    assert watch(off, DESIGN).alarms == watch(rows, DESIGN).alarms
 
 
 def test_the_trend_is_the_slope_of_health_with_its_deviation():

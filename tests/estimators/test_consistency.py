@@ -23,6 +23,27 @@ def test_nees_does_not_depend_on_units():
     assert there == pytest.approx(here, rel=1e-10)
 
 
+def test_nees_holds_for_variances_that_hide_each_other():
+    """Correlated 0.999 999 pairwise in units 1e15 apart; eigenvalues of the correlation are 1 + 2c and 1 − c twice.
+
+    An error of one deviation in each lies along the first eigenvector, 3/(1 + 2c); along the second, (1, −1, 0), it is
+    2/(1 − c).
+    """
+    c, unit = 0.999_999, np.array([1e-12, 1.0, 1e3])
+    estimate = Estimate(mean=np.zeros(3), covariance=((1.0 - c) * np.eye(3) + c) * np.outer(unit, unit))
+    # 1 − c has ten digits left of sixteen.
+    assert nees(estimate, unit) == pytest.approx(3.0 / (1.0 + 2.0 * c), rel=1e-9)
+    assert nees(estimate, unit * np.array([1.0, -1.0, 0.0])) == pytest.approx(2.0 / (1.0 - c), rel=1e-9)
+
+
+@pytest.mark.parametrize("covariance", [np.ones((2, 2)), np.diag([1.0, 0.0]), np.diag([1.0, -1.0])])
+def test_an_error_that_cannot_be_there_has_no_nees(covariance):
+    with pytest.raises(EstimatorError, match=r"not positive definite; .* name the states to judge"):
+        nees(Estimate(mean=np.zeros(2), covariance=covariance), np.zeros(2))
+    # The first state alone has an error to measure.
+    assert nees(Estimate(mean=np.zeros(2), covariance=covariance), np.array([1.0, 0.0]), states=[0]) == 1.0
+
+
 def test_bounds_are_the_table_of_the_chi_square_distribution():
     """Abramowitz and Stegun, table 26.8: the 2.5 % and 97.5 % points for 10 degrees."""
     assert chi_square_bounds(10) == pytest.approx((3.24697, 20.4831), abs=1e-4)

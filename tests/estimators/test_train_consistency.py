@@ -1,0 +1,269 @@
+"""Do the filters of the train know what they do not know? Mean NEES, NIS and whiteness on the model they believe in.
+
+Truth is the stochastic model that the filter assumes: the equations of the prediction over a period with the pressures
+held, then a draw of the process noise that the tuning adds to a period; readings with the tuning's noise; a first error
+drawn from the tuning's start. It is integrated apart from the filter, in CasADi with half the period. What is judged
+is therefore the filter: discretisation, Jacobians, gain, covariance, gate; not how well a model fits a train.
+
+Operation: braking at 22 m/s with an adhesion of 0.1 in every group, suspension settled and wheelsets rolling, at the
+pressures that balance it. Either these are held, or group 2 is released for 0.15 s, so that its gate closes and opens;
+a frozen pad friction rests in truth, too, because that is what the gate assumes.
+That shows a gate to leave the filter consistent, not that it closes: pad friction walks by a twentieth of its start's
+deviation meanwhile. What a frozen state is, test_ekf.py shows.
+
+All states are judged together. At constant pressures no reading tells one combination of the 25, how braking is shared
+between the two wheelsets of the Jacobs bogie, and three of the 13: there the error of the start stays and P says so.
+
+Run length: 0.4 s. Errors decay with time constants of 0.7 ms (ideal sensors) to 0.3 s (service sensors), eigenvalues of
+(I − KH)Φ, so the instants reach from what the start left to what noise keeps up. The only nonlinear terms of the
+equations are adhesion times load and v² of the drag. Load is known to 0.25 % at the start and to 0.07 % at the end, v
+to 0.5 %, so the linearisation holds whatever adhesion does. But nothing bounds adhesion's random walk: after 0.4 s at
+0.1/√s it lies between −0.11 and 0.34 in all runs, wheelsets between 35 and 82 rad/s; after some seconds they would turn
+backwards, for which the equations are not meant.
+
+Errors at successive instants of a run are correlated, so NEES is averaged over runs at fixed instants, never over time.
+Innovations of a consistent filter are independent in time, so NIS is averaged over runs and steps. All checks together
+have a level of 95 % by Bonferroni's inequality, which holds though instants share their runs.
+
+Sources: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), §5.4; Hosking, The
+Multivariate Portmanteau Statistic, J. American Statistical Association 75 (1980), for whiteness of several readings.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.optimize import root
+
+from estimators.belief import Estimate, Matrix, Vector
+from estimators.compiled import CompiledFilter
+from estimators.consistency import chi_square_bounds, nees
+from estimators.ekf import ExtendedKalmanFilter
+from estimators.prediction import CasadiPrediction
+from estimators.running import Running
+from estimators.tuning import NOISE_SETS, pad_gate
+from fmus.native import lower
+
+PERIOD = 1e-3
+SPEED, ADHESION, RADIUS = 22.0, 0.10, 0.38
+GATE = pad_gate(pad_force=1500.0, A_piston=0.0324, i_rigging=6.0, eta_rigging=0.95, F_spring=1200.0, groups=4)
+RUNS, STEPS = 100, 400
+INSTANTS = (20, 100, 250, 400)
+"""Steps after which NEES is judged: in the transient, before the release, at its end, and at the end of the run."""
+RELEASED = slice(100, 250)
+LAGS = 10
+"""Of the whiteness test [steps]: the ideal tuning follows adhesion within 5 of them."""
+
+MODELS = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"}
+TUNINGS = tuple(product(MODELS, ("ideal", "service")))
+BRAKING = ("held", "one group released")
+CONFIDENCE = 1.0 - 0.05 / (len(TUNINGS) * len(BRAKING) * (len(INSTANTS) + 2))
+"""Of each two-sided check, for 95 % of all of them together."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """RUNS runs of the model: `held` (STEPS, nu), `state` (STEPS, RUNS, n), `seen` (STEPS, RUNS, m)."""
+
+    held: Matrix
+    state: np.ndarray
+    seen: np.ndarray
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """A prediction, what its tuning says about noise as variances, and where it starts."""
+
+    prediction: CasadiPrediction
+    process: Vector
+    reading: Vector
+    start: Vector
+    mean: Vector
+    pressures: Vector
+
+
+@cache
+def tuned(model: str, sensors: str) -> Tuned:
+    lowered = lower(f"RailBraking.FMUs.{model}")
+    prediction = CasadiPrediction(lowered, {parameter.name: parameter.start for parameter in lowered.parameters})
+    noises = NOISE_SETS[f"{MODELS[model]}_{sensors}"]
+    mean, pressures = settled(prediction)
+    return Tuned(
+        prediction,
+        noises.process_noise(prediction.states),
+        noises.reading_noise(prediction.outputs),
+        noises.start_covariance(prediction.states),
+        mean,
+        pressures,
+    )
+
+
+def places(prediction: CasadiPrediction, name: str) -> list[int]:
+    return [i for i, state in enumerate(prediction.states) if state.partition("[")[0] == name]
+
+
+def settled(prediction: CasadiPrediction) -> tuple[Vector, Vector]:
+    """State and inputs in which wheelsets roll with the train and the suspension rests."""
+    sizes = {"v": SPEED, "w": SPEED / RADIUS, "mu_b": 0.36, "alpha": ADHESION, "dz": 0.0, "ddz": 0.0}
+    state = np.array([sizes[name.partition("[")[0]] for name in prediction.states])
+    w, dz, ddz = (places(prediction, name) for name in ("w", "dz", "ddz"))
+
+    def parts(unknown):
+        state[dz] = 1e-3 * unknown[4:]
+        return state, np.append(1e5 * unknown[:4], 0.0)
+
+    def unrest(unknown):
+        slope = prediction.derivative(*parts(unknown))
+        return np.concatenate([slope[w] - slope[0] / RADIUS, slope[ddz]])
+
+    found = root(unrest, np.concatenate([np.full(4, 2.0), np.zeros(len(dz))]))
+    assert found.success
+    return parts(found.x)
+
+
+@cache
+def truth(model: str, sensors: str, braking: str) -> Truth:
+    tuning = tuned(model, sensors)
+    prediction, of = tuning.prediction, tuning.prediction.equations
+    slope, output = (
+        ca.Function("f", [of.x, of.u], [ca.substitute(expression, of.p, ca.DM(prediction.parameters))])
+        for expression in (of.derivative, of.output)
+    )
+    ahead, half = of.x, 0.5 * PERIOD
+    for _ in range(2):
+        k1 = slope(ahead, of.u)
+        k2 = slope(ahead + 0.5 * half * k1, of.u)
+        k3 = slope(ahead + 0.5 * half * k2, of.u)
+        k4 = slope(ahead + half * k3, of.u)
+        ahead = ahead + half / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    ahead = ca.Function("ahead", [of.x, of.u], [ahead]).map(RUNS)
+    output = output.map(RUNS)
+
+    held = np.tile(tuning.pressures, (STEPS, 1))
+    if braking == "one group released":
+        held[RELEASED, 1] = 0.0
+    (frozen,) = (i for i, name in enumerate(prediction.states) if name == "mu_b[2]")
+    n, m = len(prediction.states), len(prediction.outputs)
+    random = np.random.default_rng([TUNINGS.index((model, sensors)), BRAKING.index(braking)])
+    now = tuning.mean[:, np.newaxis] + np.sqrt(tuning.start)[:, np.newaxis] * random.standard_normal((n, RUNS))
+    state, seen = np.empty((STEPS, RUNS, n)), np.empty((STEPS, RUNS, m))
+    for k in range(STEPS):
+        noise = np.sqrt(PERIOD * tuning.process)[:, np.newaxis] * random.standard_normal((n, RUNS))
+        if held[k, 1] == 0.0:
+            noise[frozen] = 0.0  # its derivative is zero in any case
+        inputs = np.tile(held[k][:, np.newaxis], (1, RUNS))
+        now = np.asarray(ahead(now, inputs)) + noise
+        state[k] = now.T
+        error = np.sqrt(tuning.reading)[:, np.newaxis] * random.standard_normal((m, RUNS))
+        seen[k] = (np.asarray(output(now, inputs)) + error).T
+    return Truth(held, state, seen)
+
+
+@dataclass(frozen=True)
+class Check:
+    """A figure and the interval that holds it with the probability CONFIDENCE if the filter is consistent."""
+
+    figure: float
+    low: float
+    high: float
+
+    @property
+    def inside(self) -> bool:
+        return self.low < self.figure < self.high
+
+
+def checks(
+    tuning: Tuned, true: Truth, kept, *, process: float = 1.0, reading: float = 1.0
+) -> tuple[list[Check], Check, Check]:
+    """NEES at each instant, NIS and whiteness of a filter that takes noises for `process`, `reading` times theirs."""
+    prediction = tuning.prediction
+    ours = CompiledFilter(prediction, process * tuning.process, reading * tuning.reading, PERIOD, GATE, directory=kept)
+    n, m = len(prediction.states), len(prediction.outputs)
+    errors, squares = np.empty((len(INSTANTS), RUNS)), np.empty((STEPS, RUNS))
+    innovations = np.empty((STEPS, RUNS, m))
+    for run in range(RUNS):
+        belief = ours.start(tuning.mean, tuning.start)
+        for j, (begin, end) in enumerate(zip((0, *INSTANTS), INSTANTS, strict=False)):
+            part = slice(begin, end)
+            followed = ours.follow(belief, true.held[part], true.seen[part, run])
+            belief = Estimate(mean=ours.mean.copy(), covariance=ours.covariance.copy())
+            errors[j, run] = nees(belief, true.state[end - 1, run])
+            squares[part, run] = followed.squared
+            innovations[part, run] = true.seen[part, run] - followed.expected
+    return (
+        [Check(mean, *chi_square_bounds(n, RUNS, CONFIDENCE)) for mean in errors.mean(axis=1)],
+        Check(float(squares.mean()), *chi_square_bounds(m, RUNS * STEPS, CONFIDENCE)),
+        Check(portmanteau(innovations), *chi_square_bounds(LAGS * m * m, confidence=CONFIDENCE)),
+    )
+
+
+def portmanteau(innovations: np.ndarray) -> float:
+    """Sum of squares of the correlations of all readings over all LAGS, each of variance one: chi-square of LAGS·m².
+
+    Innovations are whitened among readings by what they scatter over the runs at each step, not by what the filter
+    claims: whether S is right is for the NIS to say.
+    """
+    steps, runs, _ = innovations.shape
+    factor = np.linalg.cholesky(np.einsum("kri,krj->kij", innovations, innovations) / runs)
+    white = np.linalg.solve(factor, innovations.transpose(0, 2, 1))
+    lagged = ((np.einsum("kir,kjr->ij", white[lag:], white[:-lag]), steps - lag) for lag in range(1, LAGS + 1))
+    return float(sum(np.sum(products**2) / (runs * count) for products, count in lagged))
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    return tmp_path_factory.mktemp("filters")
+
+
+@pytest.mark.parametrize("braking", BRAKING)
+@pytest.mark.parametrize(("model", "sensors"), TUNINGS)
+def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(kept, model, sensors, braking):
+    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, braking), kept)
+    assert all(error.inside for error in errors), errors
+    assert innovation.inside, innovation
+    assert white.inside, white
+
+
+@pytest.mark.parametrize("wrong", ["process", "reading"])
+@pytest.mark.parametrize(("model", "sensors"), TUNINGS)
+def test_a_filter_that_takes_noise_for_a_tenth_fails_every_check(kept, model, sensors, wrong):
+    """Each check can fail: with either noise ten times too small it errs more than it says, and surprises repeat.
+
+    But for the first instant, when what the start left still hides the noise.
+    """
+    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), kept, **{wrong: 0.1})
+    assert all(error.figure > error.high for error in errors[1:]), errors
+    assert innovation.figure > innovation.high
+    assert white.figure > white.high
+
+
+@pytest.mark.parametrize("wrong", ["process", "reading"])
+@pytest.mark.parametrize(("model", "sensors"), TUNINGS)
+def test_a_filter_that_takes_noise_for_ten_times_as_much_fails_every_check(kept, model, sensors, wrong):
+    """The other side: it errs less than it says; its surprises repeat, too, because it weighs readings wrongly."""
+    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), kept, **{wrong: 10.0})
+    assert all(error.figure < error.low for error in errors[1:]), errors
+    assert innovation.figure < innovation.low
+    assert white.figure > white.high
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_filter_in_numpy_errs_as_the_compiled_one(kept, model):
+    """What was shown of the one holds for the other, held in place as loops do: 1e-6 of NEES on the same readings."""
+    tuning, true = tuned(model, "service"), truth(model, "service", "one group released")
+    arguments = (tuning.prediction, tuning.process, tuning.reading, PERIOD, GATE)
+    plain, fast = ExtendedKalmanFilter(*arguments), CompiledFilter(*arguments, directory=kept)
+    first = plain.start(tuning.mean, tuning.start)
+    running = Running(plain, first, inputs=true.held.shape[1], outputs=true.seen.shape[2])
+    fast.hold(first)
+    for held, seen in zip(true.held, true.seen[:, 0], strict=True):
+        for one in (running, fast):
+            one.held[:], one.seen[:] = held, seen
+            one.advance()
+    ours, theirs = (
+        nees(Estimate(mean=one.mean, covariance=one.covariance), true.state[-1, 0]) for one in (running, fast)
+    )
+    assert ours == pytest.approx(theirs, rel=1e-6)
