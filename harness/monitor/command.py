@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from harness.monitor.transducers import PRESSURE_OFFSET
+
 
 def add_to(app: typer.Typer) -> None:
     """Register the commands."""
@@ -55,7 +57,7 @@ def monitor_study(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
     pressure_offset: Annotated[
         float, typer.Option(min=0.0, help="1σ of what pressure transducers are off for a whole life [Pa].")
-    ] = 0.0,
+    ] = PRESSURE_OFFSET,
 ) -> None:
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
     from harness.monitor.page import draw

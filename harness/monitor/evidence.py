@@ -16,6 +16,7 @@ from harness.estimate.error import EstimationError
 from harness.estimate.recording import columns, period_of
 from harness.estimate.run import BUILD, model_of, prediction_of, units_of
 from harness.monitor.nominal import NOMINAL, nominal_friction
+from harness.monitor.transducers import PRESSURE_OFFSET
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -42,10 +43,6 @@ _SLOWEST = 3.0  # m/s; below, encoders lose pulses
 _COASTING = 2.0  # s without brake before the stop, that drag can be told from
 _RELEASED = 2e4  # Pa; below, a cylinder counts as empty
 _PRESSED = 1500.0  # N on both pads of a unit; below, their torque is within the errors of the other torques
-
-PRESSURE_OFFSET = 5e3
-"""1σ of the offset of a cylinder's pressure transducer [Pa]: 0.5 % of 10 bar full scale, the class of the sensors in
-`table1.toml`. It belongs to the transducer, so it is taken to be the same in every stop."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

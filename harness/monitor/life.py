@@ -11,6 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from harness.estimate.recording import recording_of
+from harness.monitor.transducers import PRESSURE_OFFSET
 from harness.scenario.seed import generator
 from harness.twins.plant import defaults, plant
 
@@ -61,7 +62,7 @@ class Life:
     stuck_group: int = 2
     residual: float = 0.8e5
     testing: bool = True
-    pressure_offset: float = 0.0
+    pressure_offset: float = PRESSURE_OFFSET
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,6 +17,7 @@ from fmus.build import fmu
 from harness.monitor import evidence, life, nominal
 from harness.monitor.evidence import Evidence, evidence_of
 from harness.monitor.life import PLANT, Life, live
+from harness.monitor.transducers import PRESSURE_OFFSET
 from harness.monitor.watch import Design, watch
 from harness.record.atomic import write_text
 
@@ -28,7 +29,7 @@ WORN, STUCK = 100, 160
 """Stops at which groups break: enough of a healthy life before, enough stops after."""
 
 
-def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = 0.0) -> list[Life]:
+def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESSURE_OFFSET) -> list[Life]:
     """Return lives in which one group loses 20 % and another sticks later; every pair of groups takes its turn."""
     worn, stuck = round(WORN * stops / STOPS), round(STUCK * stops / STOPS)
     return [
