@@ -107,8 +107,8 @@ def build(
 ) -> Iterator[Built]:
     """Bring FMUs up to date, all of them when none is named, and yield each when it is.
 
-    Modelica is translated here, one class after the other and the large ones, which lead recipes.toml, first; meanwhile
-    `jobs` C compilers work on what is translated. So the library is read once and CasADi loaded once.
+    Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `jobs` C compilers
+    work on what is translated. So the library is read once and CasADi loaded once.
 
     Raises:
         FmuError: The first one that could not be built; those begun before it still finish.

@@ -1,6 +1,5 @@
 """The C file of an FMU: sizes, tables and model functions, followed by the static FMI side in `runtime/`."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,14 +9,15 @@ import casadi as ca
 from fmus.native.arrays import SX
 from fmus.native.ctext import names, quoted, table
 from fmus.native.elimination import eliminate
+from fmus.native.straight import straight
 from fmus.native.structure import Loops
 from fmus.native.system import Assertion, System, column
-from fmus.native.tape import fits, tape
+from fmus.native.tape import fits, interpreter, tape
 from fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"
 SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")
-PARTS = {"me": ("modelexchange.c",), "cs": ("rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
+PARTS = {"me": ("modelexchange.c",), "cs": ("elimination.c", "rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
 """What each interface needs besides `SHARED`."""
 
 RARE = {
@@ -226,18 +226,8 @@ def _model_functions(system: System, interfaces: Sequence[str]) -> str:
     rare = frozenset.intersection(*(RARE[i] for i in interfaces))
     if not system.clocks:
         rare |= {"f_event"}  # with clocks it is called at each tick
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    tapes: list[str] = []
-    for function in functions(system, interfaces):
-        if function.name() in rare and fits(function):
-            tapes.append(tape(function))
-        else:
-            generator.add(function)
-    text = generator.dump()
-    # CasADi allows any argument or result to be NULL; ours never are, and testing costs more than using.
-    text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
-    text = re.sub(r"if \(res\[(\d+)\]!=0\) res", "res", text)
-    return "\n".join(["#include <math.h>", "#define CASADI_SYMBOL_EXPORT static", text, '#include "tape.c"', *tapes])
+    texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
+    return "\n".join(["#include <math.h>", *interpreter(), *texts])
 
 
 def _assertion_texts(assertions: Sequence[Assertion]) -> str:

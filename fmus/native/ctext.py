@@ -1,19 +1,41 @@
 """Pieces of C source."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 
 def table(type_: str, name: str, values: Sequence[float]) -> str:
     """Return a C table of numbers."""
     # One entry more, because C has no empty arrays.
-    listed = ", ".join([*(repr(float(v)) if type_ == "double" else str(int(v)) for v in values), "0"])
-    return f"static const {type_} {name}[] = {{ {listed.replace('inf', 'INFINITY').replace('nan', 'NAN')} }};"
+    listed = ", ".join([*(number(v) if type_ == "double" else str(int(v)) for v in values), "0"])
+    return f"static const {type_} {name}[] = {{ {listed} }};"
+
+
+def number(value: float) -> str:
+    """Return a number that stands for itself in any C expression."""
+    text = repr(float(value)).replace("inf", "INFINITY").replace("nan", "NAN")
+    return f"({text})" if text.startswith("-") else text
 
 
 def names(name: str, values: Sequence[str]) -> str:
     """Return a C table of strings."""
     return f"static const char *const {name}[] = {{ {', '.join([*map(quoted, values), '0'])} }};"
+
+
+def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list[str]:
+    """Return lines of C functions, one of each part, and of the table NAME_parts of them all.
+
+    Called through a table, because a compiler that sees a function called only once puts it into the caller, and then
+    has before it the length that was to be avoided.
+    """
+    lines: list[str] = []
+    own: list[str] = []
+    unused = " ".join(f"(void){parameter.split()[-1].lstrip('*')};" for parameter in parameters.split(","))
+    for part in parts:
+        own.append(f"{name}{len(own)}")
+        lines += [f"static void {own[-1]}({parameters}) {{", unused, *part, "}"]
+    # One entry more, because C has no empty arrays.
+    return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {', '.join([*own, '0'])} }};"]
 
 
 def quoted(text: str) -> str:

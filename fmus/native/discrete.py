@@ -18,6 +18,7 @@ from fmus.native.ctext import quoted, table
 from fmus.native.description import Writer, attributes_text, unit_definitions
 from fmus.native.model import Variable
 from fmus.native.package import Source
+from fmus.native.straight import straight
 
 PARTS = ("discrete.c", "instance.c", "status.c")
 
@@ -84,11 +85,8 @@ def _code(system: Discrete, guid: str) -> str:
     given = [state, entry, parameter][: system.step.n_in()]
     following, output = system.step.expand().call(given) if given else ([], [])
     step = ca.Function("f_step", [state, entry, parameter], [ca.densify(following), ca.densify(output)], {"cse": True})
-    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
-    generator.add(step)
     sizes = {
         "NX": len(system.states), "NU": len(system.inputs), "NP": len(system.parameters), "NY": len(system.outputs),
-        "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(), "RESULTS": step.sz_res(),
         "PERIOD": repr(float(system.period)), "MODEL_GUID": quoted(guid),
     }  # fmt: skip
     groups = {"x": system.states, "u": system.inputs, "p": system.parameters, "y": system.outputs}
@@ -98,8 +96,7 @@ def _code(system: Discrete, guid: str) -> str:
             *(f"#define {name} {value}" for name, value in sizes.items()),
             *(table("double", f"start_{name}", [v.start for v in group]) for name, group in groups.items()),
             "#include <math.h>",
-            "#define CASADI_SYMBOL_EXPORT static",
-            generator.dump(),
+            straight(step),
             '#include "discrete.c"',
             "",
         ]

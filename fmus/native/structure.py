@@ -52,7 +52,7 @@ class Loops:
 def solve(
     equations: Sequence[Equation], unknowns: Sequence[SX], targets: Sequence[SX], loops: Loops, owner: str
 ) -> list[SX]:
-    """Return `targets` with the unknowns eliminated.
+    """Return `targets` with the unknowns eliminated; equations they do not rest on are left alone.
 
     Args:
         equations: As many as `unknowns`.
@@ -80,10 +80,14 @@ def solve(
             + ", ".join(unknowns[j].name() for j in left)
             + "."
         )
+    sought = ca.jacobian_sparsity(ca.vertcat(*targets), columns).get_triplet()[1] if targets else []
+    needed = _needed(row, column, match, sought)
     names: list[SX] = []
     values: list[SX] = []
     newton: list[tuple[SX, SX]] = []
     for rows in _blocks(row, column, match):
+        if rows[0] not in needed:
+            continue
         block = [(equations[i], unknowns[int(match[i])]) for i in rows]
         solved, core = _eliminate(block)
         if core:
@@ -108,6 +112,22 @@ def solve(
         loops.updates.setdefault(unknown.name(), solution[unknown.name()])
         loops.residuals.setdefault(unknown.name(), residual)
     return list(out[: len(targets)])
+
+
+def _needed(row: np.ndarray, column: np.ndarray, match: np.ndarray, sought: Sequence[int]) -> set[int]:
+    """Return the rows that the values of the columns `sought` rest on: blocks as wholes."""
+    owner = {j: i for i, j in enumerate(match.tolist())}
+    uses: dict[int, list[int]] = {}
+    for i, j in zip(row.tolist(), column.tolist(), strict=True):
+        uses.setdefault(i, []).append(owner[j])
+    found: set[int] = set()
+    left = [owner[j] for j in sought]
+    while left:
+        i = left.pop()
+        if i not in found:
+            found.add(i)
+            left += uses[i]
+    return found
 
 
 def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list[int]]:

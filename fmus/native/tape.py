@@ -1,10 +1,9 @@
 """CasADi functions as tables for the interpreter in `runtime/tape.c`."""
 
-from functools import cache
-
 import casadi as ca
 
 from fmus.native.ctext import table
+from fmus.native.operations import IN_C, operation_names
 
 LARGEST = 65535
 """Of a place in work, arguments, results and constants; `Operation` holds unsigned shorts."""
@@ -17,12 +16,20 @@ def fits(function: ca.Function) -> bool:
     return max([function.sz_w(), function.n_instructions(), *sizes]) <= LARGEST
 
 
+def interpreter() -> list[str]:
+    """Return lines of C that `tape`'s functions need before them."""
+    return [
+        "#define OPERATIONS(_) " + " ".join(f"_({name}, {value})" for name, value in IN_C.items()),
+        '#include "tape.c"',
+    ]
+
+
 def tape(function: ca.Function) -> str:
-    """Return C that plays an expanded (SX) function, with the signature of CasADi's generated code."""
+    """Return C that plays an expanded (SX) function, with the signature of `straight`."""
     name, constants = function.name(), dict[str, int]()
     rows: list[str] = []
     for k in range(function.n_instructions()):
-        operation = _names()[function.instruction_id(k)]
+        operation = operation_names()[function.instruction_id(k)]
         to, a = function.instruction_output(k), function.instruction_input(k)
         if operation == "OP_CONST":
             place = constants.setdefault(repr(function.instruction_constant(k)), len(constants))  # 0.0 is not -0.0
@@ -42,16 +49,9 @@ def tape(function: ca.Function) -> str:
             f"static const Operation {name}_tape[] = {{",
             *lines,
             "{OP_CONST,0,0,0}};",
-            f"static int {name}(const double **arg, double **res, int *iw, double *w, int mem) {{",
-            f"    double work[{function.sz_w() + 1}];",
-            "    (void)iw; (void)w; (void)mem;",
-            f"    play({name}_tape, {len(rows)}, {name}_constants, arg, res, work);",
-            "    return 0;",
+            f"static void {name}(const double **arg, double **res) {{",
+            f"    double w[{function.sz_w() + 1}];",
+            f"    play({name}_tape, {len(rows)}, {name}_constants, arg, res, w);",
             "}",
         ]
     )
-
-
-@cache
-def _names() -> dict[int, str]:
-    return {getattr(ca, name): name for name in dir(ca) if name.startswith("OP_")}

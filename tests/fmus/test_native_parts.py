@@ -12,8 +12,9 @@ from conftest import FEATURES
 from fmus.errors import BuildFailed, CompilerMissing
 from fmus.native import lower, model, toolchain
 from fmus.native.code import RUNTIME
-from fmus.native.elimination import LONGEST, eliminate
-from fmus.native.tape import tape
+from fmus.native.elimination import MOST_ENTRIES, eliminate
+from fmus.native.straight import LONGEST, straight
+from fmus.native.tape import interpreter, tape
 from fmus.native.units import BASE, parse
 
 
@@ -47,48 +48,83 @@ def test_an_unknown_unit_is_none_rather_than_wrong():
     assert parse("furlong/s") is None
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed):
-    """Random sparse J, shifted so far that no pivot is needed; condition below 100, so 1e-11 is ample."""
+POINTER = ctypes.POINTER(ctypes.c_double)
+EXPORTED = '__attribute__((visibility("default")))'
+
+
+def at(values):
+    return values.ctypes.data_as(POINTER)
+
+
+def elimination_library(n, pattern, directory):
+    """Return the compiled elimination of a pattern, and room for its factors."""
+    elimination = eliminate(n, pattern)
+    sizes = {"NX": n, "NJ": len(pattern), "NLU": elimination.entries}
+    code = "\n".join(
+        [
+            "#include <math.h>",
+            "#include <string.h>",
+            *(f"#define {name} {value}" for name, value in sizes.items()),
+            elimination.code,
+            (RUNTIME / "elimination.c").read_text(),
+            f"{EXPORTED} int factor(const double *j, double c, double *a) {{ return sparse_factor(j, c, a); }}",
+            f"{EXPORTED} void solve(const double *a, double *b) {{ sparse_solve(a, b); }}",
+        ]
+    )
+    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": code}, directory, "lu")))
+    library.factor.argtypes = [POINTER, ctypes.c_double, POINTER]
+    library.solve.argtypes = [POINTER, POINTER]
+    return library, np.zeros(elimination.entries)
+
+
+@pytest.mark.parametrize(("seed", "n"), [(0, 17), (1, 17), (2, 17), (3, 60)])
+def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed, n):
+    """Random sparse J, shifted so far that no pivot is needed; condition below 100, so 1e-11 is ample.
+
+    With 60 unknowns the solution has more lines than one part of it holds.
+    """
     rng = np.random.default_rng(seed)
-    n = 17
     dense = np.where(rng.random((n, n)) < 0.15, rng.normal(size=(n, n)), 0.0)
     columns, rows = np.nonzero(dense.T)
     pattern = list(zip(rows.tolist(), columns.tolist(), strict=True))
-    elimination = eliminate(n, pattern)
-    code = "#include <math.h>\n" + elimination.code.replace("static int", "int").replace("static void", "void")
-    exported = '__attribute__((visibility("default"))) '
-    code = code.replace("int sparse_factor", exported + "int sparse_factor").replace(
-        "void sparse_solve", exported + "void sparse_solve"
-    )
-    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": code}, tmp_path, "lu")))
+    library, factors = elimination_library(n, pattern, tmp_path)
     values = np.array([dense[i, j] for i, j in pattern])
-    shift, work, right = 8.0, np.zeros(elimination.entries), rng.normal(size=n)
+    shift, right = float(n), rng.normal(size=n)
     solution = right.copy()
-    pointer = ctypes.POINTER(ctypes.c_double)
-    library.sparse_factor.argtypes = [pointer, ctypes.c_double, pointer]
-    library.sparse_solve.argtypes = [pointer, pointer]
-
-    def at(a):
-        return a.ctypes.data_as(pointer)
-
-    assert library.sparse_factor(at(values), shift, at(work)) == 0
-    library.sparse_solve(at(work), at(solution))
+    assert library.factor(at(values), shift, at(factors)) == 0
+    library.solve(at(factors), at(solution))
     assert solution == pytest.approx(np.linalg.solve(shift * np.eye(n) - dense, right), abs=1e-11)
 
 
-def test_a_long_elimination_is_many_functions():
-    """Tridiagonal: some three lines per pivot, so 3·LONGEST pivots cannot fit into fewer than 3 functions."""
-    n = 3 * LONGEST
-    pattern = [(i, j) for j in range(n) for i in (j - 1, j, j + 1) if 0 <= i < n]
-    code = eliminate(n, pattern).code
-    bodies = code.split("static int factor")[2:]
-    assert len(bodies) > 3
-    assert all(body.count("\n") <= LONGEST + 40 for body in bodies[:-1])
+def test_a_cancelled_pivot_is_reported(tmp_path):
+    library, factors = elimination_library(1, [(0, 0)], tmp_path)
+    jacobian = np.array([5.0])
+    assert library.factor(at(jacobian), 5.0, at(factors)) == 1
+    assert library.factor(at(jacobian), 6.0, at(factors)) == 0
 
 
-def test_a_tape_plays_what_casadi_computes(tmp_path):
-    """Every operation of the tape on both sides of its branches, against CasADi's own evaluation, to the last bit."""
+def test_elimination_with_too_many_entries_is_left_to_pivoting(tmp_path):
+    n = math.isqrt(MOST_ENTRIES) + 1
+    library, factors = elimination_library(n, [(i, j) for j in range(n) for i in range(n)], tmp_path)
+    assert factors.size == 0
+    assert library.factor(at(np.zeros(n * n)), 1.0, at(factors)) == 1
+
+
+def played(function, prelude, code, given, directory):
+    """Return the results of a function as our C computes them."""
+    run = f"{EXPORTED} void run(const double **a, double **r) {{ {function.name()}(a, r); }}"
+    text = "\n".join(["#include <math.h>", *prelude, code, run])
+    sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()}
+    library = ctypes.CDLL(str(toolchain.shared_library(sources, directory, "model", units=["model.c"])))
+    found = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
+    library.run((POINTER * len(given))(*map(at, given)), (POINTER * len(found))(*map(at, found)))
+    return found
+
+
+@pytest.mark.parametrize("values", [(2.5, 1.75), (1.75, 2.5), (0.5, -1.25)])
+@pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], straight)], ids=["tape", "straight"])
+def test_our_c_computes_what_casadi_computes(tmp_path, prelude, write, values):
+    """Every operation on both sides of its branches, against CasADi's own evaluation, to the last bit."""
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
     a, b = x[0], x[1]
     every = [
@@ -100,32 +136,24 @@ def test_a_tape_plays_what_casadi_computes(tmp_path):
         ca.logic_not(a), ca.logic_and(a, b), ca.logic_or(a, 0 * b), ca.if_else(a < b, a, y), y, 3.25 * y,
     ]  # fmt: skip
     function = ca.Function("f_every", [x, y], [ca.vertcat(*every), a + y])
-    code = (RUNTIME / "tape.c").read_text() + tape(function)
-    code += '__attribute__((visibility("default"))) int run(const double **a, double **r) {'
-    code += " return f_every(a, r, 0, 0, 0); }"
-    library = ctypes.CDLL(str(toolchain.shared_library({"tape.c": code}, tmp_path, "tape")))
-    pointer = ctypes.POINTER(ctypes.c_double)
-    for values in ([2.5, 1.75], [1.75, 2.5], [0.5, -1.25]):
-        given = [np.array(values), np.array([-7.5])]
-        found = [np.zeros(len(every)), np.zeros(1)]
-        arguments, results = ((pointer * 2)(*(v.ctypes.data_as(pointer) for v in group)) for group in (given, found))
-        assert library.run(arguments, results) == 0
-        wanted = [np.asarray(w).ravel() for w in function(*given)]
-        np.testing.assert_array_equal(found[0], wanted[0])
-        np.testing.assert_array_equal(found[1], wanted[1])
+    given = [np.array(values), np.array([-7.5])]
+    found = played(function, prelude, write(function), given, tmp_path)
+    for result, wanted in zip(found, function(*given), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
 
 
-def test_a_cancelled_pivot_is_reported(tmp_path):
-    code = eliminate(1, [(0, 0)]).code.replace("static int", '__attribute__((visibility("default"))) int')
-    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": "#include <math.h>\n" + code}, tmp_path, "lu")))
-    library.sparse_factor.argtypes = [
-        ctypes.POINTER(ctypes.c_double),
-        ctypes.c_double,
-        ctypes.POINTER(ctypes.c_double),
-    ]
-    one, work = (ctypes.c_double * 1)(5.0), (ctypes.c_double * 1)()
-    assert library.sparse_factor(one, 5.0, work) == 1
-    assert library.sparse_factor(one, 6.0, work) == 0
+def test_a_long_function_is_many_parts_that_hand_on_their_values(tmp_path):
+    """A chaotic map, whose every step would show a value that went astray between two parts."""
+    x = ca.SX.sym("x")
+    orbit = [x]
+    for k in range(LONGEST):
+        orbit.append(3.75 * orbit[-1] * (1 - orbit[-1]) + 1e-3 * orbit[k // 2])
+    function = ca.Function("f_orbit", [x], [ca.vertcat(*orbit), orbit[LONGEST // 3] + orbit[-1]])
+    code = straight(function)
+    assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
+    found = played(function, [], code, [np.array([0.3])], tmp_path)
+    for result, wanted in zip(found, function(0.3), strict=True):
+        np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
 
 
 def test_a_lowered_class_is_its_equations(tmp_path):

@@ -26,10 +26,6 @@ typedef struct {
     fmi2Boolean logging;
     char failure[512];
     double next_x[NX + 1], next_y[NY + 1];
-    double work[WORK + 1]; /* of f_step */
-    int index[INDEX + 1];
-    const double *argument[ARGUMENTS + 1];
-    double *result[RESULTS + 1];
     char name[1]; /* rest follows */
 } Instance;
 
@@ -76,12 +72,9 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 /* Call the function once on the inputs that are set. */
 static int call(Instance *m) {
     State *s = &m->s;
-    m->argument[0] = s->v + X;
-    m->argument[1] = s->v + U;
-    m->argument[2] = s->v + P;
-    m->result[0] = m->next_x;
-    m->result[1] = m->next_y;
-    if (f_step(m->argument, m->result, m->index, m->work, 0)) return 1;
+    const double *a[] = { s->v + X, s->v + U, s->v + P };
+    double *r[] = { m->next_x, m->next_y };
+    f_step(a, r);
     for (int i = 0; i < NX; i++)
         if (!isfinite(m->next_x[i])) return 1;
     memcpy(s->v + X, m->next_x, NX * sizeof(double));

@@ -14,7 +14,7 @@ static int loops(Instance *m, double t, const double *x) {
     if (!NG) return 0;
     for (int k = 0; k < LOOP_ITERATIONS; k++) {
         int converged = 1;
-        f_loop(a, r, 0, 0, 0);
+        f_loop(a, r);
         norm = 0;
         for (int i = 0; i < NG; i++) {
             double e = fabs(residual[i]);
@@ -46,7 +46,7 @@ static int derivatives(Instance *m, double t, const double *x, double *dx) {
     if (NG && loops(m, t, x)) return 1;
     const double *a[] = ARGUMENTS(s, &t, x);
     double *r[] = { dx };
-    if (NX) f_ode(a, r, 0, 0, 0);
+    if (NX) f_ode(a, r);
     s->v[EVALUATIONS]++;
     return 0;
 }
@@ -55,14 +55,14 @@ static void indicators(State *s, double t, const double *x, double *z) {
     t = inside(s, t);
     const double *a[] = ARGUMENTS(s, &t, x);
     double *r[] = { z };
-    if (NZ) f_indicators(a, r, 0, 0, 0);
+    if (NZ) f_indicators(a, r);
 }
 
 static void dependent_parameters(State *s) {
     const double *a[] = { s->v + P };
     double *r[] = { s->v + P + NF, s->instant };
     if (!s->stale_parameters) return;
-    if (NP > NF || NI) f_parameters(a, r, 0, 0, 0);
+    if (NP > NF || NI) f_parameters(a, r);
     s->stale_parameters = 0;
 }
 
@@ -78,7 +78,7 @@ static int start_states(Instance *m) {
         int converged = 1;
         if (k == 4 * LOOP_ITERATIONS)
             return failure(m, "the initial equations of %s do not converge (residual %.3g)", start_loop_names, norm);
-        f_start_loop(a, l, 0, 0, 0);
+        f_start_loop(a, l);
         norm = 0;
         for (int i = 0; i < NQ; i++) {
             if (!(fabs(residual[i]) <= norm)) norm = fabs(residual[i]);
@@ -93,7 +93,7 @@ static int start_states(Instance *m) {
         memcpy(before, s->q, NQ * sizeof *before);
         memcpy(s->q, next, NQ * sizeof *next);
     }
-    if (NX) f_start(a, r, 0, 0, 0);
+    if (NX) f_start(a, r);
     for (int i = 0; i < NX; i++)
         if (x_calculated[i] && !s->x_set[i]) s->x0[i] = x[i];
     return 0;
@@ -141,10 +141,10 @@ static int fresh_algebraics(Instance *m, int locals) {
     const double *a[] = ARGUMENTS(s, &t, s->v + X);
     double *r[] = { s->v + (locals ? L : O) };
     if (locals) {
-        if (NL) f_locals(a, r, 0, 0, 0);
+        if (NL) f_locals(a, r);
         s->stale_locals = 0;
     } else {
-        if (NO) f_outputs(a, r, 0, 0, 0);
+        if (NO) f_outputs(a, r);
         s->stale_outputs = 0;
     }
     return 0;
@@ -157,7 +157,7 @@ static int assertions(Instance *m) {
     const double *a[] = ARGUMENTS(s, &t, s->v + X);
     double *r[] = { holds, values };
     if (!NA) return 0;
-    f_assertions(a, r, 0, 0, 0);
+    f_assertions(a, r);
     for (int i = 0; i < NA; i++) {
         char text[512];
         if (holds[i] != 0) {

@@ -12,7 +12,7 @@ static double next_time_event(const State *s) {
 static void event_pass(State *s, const double *tick, double *d, double *x, double *r, double *c) {
     const double *a[] = { s->v, s->v + X, s->v + U, s->v + P, s->previous, s->r, s->last, tick, s->g };
     double *out[] = { d, x, r, c };
-    f_event(a, out, 0, 0, 0);
+    f_event(a, out);
 }
 
 /* Repeat event passes until the remembered relations and the nonlinear loops agree with each other. */

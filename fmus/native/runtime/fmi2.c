@@ -145,7 +145,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     {
         const double *a[] = { &t, s->v + X, s->v + U, s->v + P, s->v + D, s->r, s->g, vx, vu, vp };
         double *r[] = { dx, dy };
-        f_directional(a, r, 0, 0, 0);
+        f_directional(a, r);
     }
     for (size_t i = 0; i < n_unknown; i++) {
         fmi2ValueReference k = unknown[i];

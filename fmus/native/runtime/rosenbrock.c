@@ -11,7 +11,7 @@ static int linearise(Instance *m, double t, const double *x, double *dx, double 
     if (NG && loops(m, t, x)) return 1;
     const double *a[] = ARGUMENTS(s, &t, x);
     double *r[] = { dx, jacobian, ft };
-    f_jacobian(a, r, 0, 0, 0);
+    f_jacobian(a, r);
     s->v[EVALUATIONS]++;
     s->v[JACOBIANS]++;
     return 0;

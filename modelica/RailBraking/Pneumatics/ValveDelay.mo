@@ -7,14 +7,24 @@ block ValveDelay "Dead time of a fill and a vent valve that share a three-state 
   Interfaces.RealOutput filling(final unit="1") "1 while the fill valve is open, else 0";
   Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0";
 protected
-  discrete Real line[64](each start=0, each fixed=true) "Commands as sampled every period, newest first";
+  final parameter Types.Ratio age_fill = floor(dead_fill/period) "Whole periods of the dead time of filling";
+  final parameter Types.Ratio age_vent = floor(dead_vent/period) "Whole periods of the dead time of venting";
+  final parameter Types.Ratio rest_fill = dead_fill/period - age_fill "What is left, in periods";
+  final parameter Types.Ratio rest_vent = dead_vent/period - age_vent "What is left, in periods";
+  final parameter Types.Ratio place_fill = placeValue(age_fill) "Place value of a sample of that age";
+  final parameter Types.Ratio place_vent = placeValue(age_vent) "Place value of a sample of that age";
+  discrete Real line[2](each start=(3.0^32 - 1)/2, each fixed=true) "Commands as sampled every period, see shift";
+  discrete Real for_fill(start=0, fixed=true) "Command as old as the whole periods of filling";
+  discrete Real for_vent(start=0, fixed=true) "Command as old as the whole periods of venting";
   discrete Real fill(start=0, fixed=true) "1 while the fill valve is open";
   discrete Real vent(start=0, fixed=true) "1 while the vent valve is open";
 equation
   when sample(0, 0.002) then
     line = shift(if command >= 0.5 then 1 elseif command <= -0.5 then -1 else 0, pre(line));
-    fill = if tap(line, dead_fill/period) >= 0.5 then 1 else 0;
-    vent = if tap(line, dead_vent/period) <= -0.5 then 1 else 0;
+    for_fill = tap(line, age_fill, place_fill);
+    for_vent = tap(line, age_vent, place_vent);
+    fill = if (1 - rest_fill)*for_fill + rest_fill*pre(for_fill) >= 0.5 then 1 else 0;
+    vent = if (1 - rest_vent)*for_vent + rest_vent*pre(for_vent) <= -0.5 then 1 else 0;
   end when;
   filling = fill;
   venting = vent;
@@ -25,8 +35,8 @@ initial equation
     "ValveDelay: dead_vent must lie between 0 and 0.126 s, got " + String(dead_vent) + " s.");
   annotation (Documentation(info="<html>
 <p>
-A shift register, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever
-the dead time.
+A delay line, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever
+the dead time. Between two samples the line is interpolated.
 A valve opens and closes with the same dead time. Dead times are rounded to the resolution; a command that changes
 between two samples acts up to 2 ms later.
 </p>

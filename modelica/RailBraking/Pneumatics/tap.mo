@@ -1,19 +1,21 @@
 within RailBraking.Pneumatics;
-function tap "Value at a position of a delay line, interpolated"
-  input Real line[:] "Samples, newest first";
-  input Types.Ratio position "Position in periods, 0 for the newest sample";
-  output Real y "Interpolated sample";
+function tap "Sample of a delay line"
+  input Real line[2](each final unit="1") "Samples as shift keeps them";
+  input Types.Ratio age "Whole number of periods since it entered, 0 to 63";
+  input Types.Ratio place "Its place value";
+  output Types.Ratio y "Sample";
 algorithm
-  y := 0;
-  for i in 1:size(line, 1) loop
-    y := y + line[i]*max(0, 1 - abs(position + 1 - i));
-  end for;
+  y := mod(floor((if age < 32 then line[1] else line[2])/place), 3) - 1;
   annotation (Documentation(info="<html>
 <h4>Syntax</h4>
 <blockquote><pre>
-y = Pneumatics.<strong>tap</strong>(line, position);
+y = Pneumatics.<strong>tap</strong>(line, age, place);
 </pre></blockquote>
+<p>
+The place value is that of <a href=\"modelica://RailBraking.Pneumatics.placeValue\">placeValue</a>, taken once when
+the age never changes.
+</p>
 <h4>Limitations</h4>
-<p>Zero beyond the end of the line.</p>
+<p>Ages are whole numbers; beyond 63 there is no sample, and the result means nothing.</p>
 </html>"));
 end tap;

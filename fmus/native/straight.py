@@ -1,0 +1,110 @@
+"""CasADi functions as straight-line C.
+
+CasADi writes C too, but each function in one piece, for which compilers need more than twice the time for twice the
+length; and it allows any argument or result to be NULL. Ours never are, and testing costs more than using.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+
+import casadi as ca
+
+from fmus.native.ctext import in_parts, number
+from fmus.native.operations import IN_C, operation_names
+
+LONGEST = 150
+"""Operations of one part."""
+
+PARAMETERS = "const double **restrict arg, double **restrict res, double *restrict w"
+
+
+@dataclass(slots=True, eq=False)
+class _Value:
+    """A number on its way through a function.
+
+    Attributes:
+        text: What it is called in C.
+        kept: Where a part finds it that has not named it yet; the same as `text` for a constant, which needs no name.
+        parts: Parts that use it.
+    """
+
+    text: str
+    kept: str
+    parts: set[int] = field(default_factory=set)
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """One operation: its result, a value or a place in `res`, and its operands."""
+
+    operation: str
+    result: _Value | str
+    operands: tuple[_Value, ...]
+
+
+def straight(function: ca.Function) -> str:
+    """Return C of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`.
+
+    The operations are CasADi's, in its order. A value that several parts need lies in `w` meanwhile, where CasADi's own
+    virtual machine would have it, so that places are used again as soon as they are free.
+    """
+    steps = list(_steps(function))
+    parts = [_part(k, steps[k * LONGEST : (k + 1) * LONGEST]) for k in range(-(-len(steps) // LONGEST))]
+    name = function.name()
+    return "\n".join(
+        [
+            *in_parts(name, PARAMETERS, parts),
+            f"static void {name}(const double **arg, double **res) {{",
+            f"    double w[{function.sz_w() + 1}];",
+            f"    for (int k = 0; k < {len(parts)}; k++) {name}_parts[k](arg, res, w);",
+            "}",
+        ]
+    )
+
+
+def _steps(function: ca.Function) -> Iterator[_Step]:
+    held: dict[int, _Value] = {}
+    count = 0
+    for k in range(function.n_instructions()):
+        operation = operation_names()[function.instruction_id(k)]
+        to, given = function.instruction_output(k), function.instruction_input(k)
+        if operation == "OP_CONST":
+            constant = number(function.instruction_constant(k))
+            held[to[0]] = _Value(constant, constant)
+        elif operation == "OP_INPUT":
+            held[to[0]] = _Value(f"v{k}", f"arg[{given[0]}][{given[1]}]")
+        else:
+            operands = tuple(held[place] for place in given)
+            for operand in operands:
+                operand.parts.add(count // LONGEST)
+            if operation == "OP_OUTPUT":
+                yield _Step("OP_ASSIGN", f"res[{to[0]}][{to[1]}]", operands)
+            else:
+                held[to[0]] = _Value(f"v{k}", f"w[{to[0]}]", {count // LONGEST})
+                yield _Step(operation, held[to[0]], operands)
+            count += 1
+
+
+def _part(part: int, steps: list[_Step]) -> list[str]:
+    lines: list[str] = []
+    named: set[str] = set()
+    for step in steps:
+        for operand in step.operands:
+            if operand.text != operand.kept and operand.text not in named:
+                lines.append(f"double {operand.text} = {operand.kept};")
+                named.add(operand.text)
+        value = _template(step.operation).format(x=step.operands[0].text, y=step.operands[-1].text)
+        if isinstance(step.result, str):
+            lines.append(f"{step.result} = {value};")
+            continue
+        named.add(step.result.text)
+        keep = f"{step.result.kept} = " if len(step.result.parts) > 1 else ""
+        lines.append(f"double {step.result.text} = {keep}{value};")
+    return lines
+
+
+@cache
+def _template(operation: str) -> str:
+    return re.sub(r"\b([xy])\b", r"{\1}", IN_C[operation])

@@ -1,0 +1,65 @@
+"""The delay line of the valves, against one that is written as what it means: an array, shifted and interpolated."""
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+from fmus.native import package
+from fmus.native.dae import read
+from fmus.native.system import explicit
+
+PERIOD = 0.002
+
+
+@pytest.fixture(scope="module")
+def delay(tmp_path_factory: pytest.TempPathFactory) -> FMU2Slave:
+    folder = tmp_path_factory.mktemp("delay")
+    source = package.sources(explicit(read("RailBraking.Pneumatics.ValveDelay")), interfaces=("cs",))
+    file = package.pack(source, folder / "ValveDelay.fmu")
+    description = fmpy.read_model_description(str(file))
+    unpacked = fmpy.extract(str(file), unzipdir=str(folder / "unpacked"))
+    slave = FMU2Slave(
+        guid=description.guid, unzipDirectory=unpacked, modelIdentifier=description.coSimulation.modelIdentifier
+    )
+    slave.references = {v.name: v.valueReference for v in description.modelVariables}
+    slave.instantiate()
+    return slave
+
+
+def run(delay: FMU2Slave, commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
+    """Return filling and venting after each sample, shape (n, 2)."""
+    place = delay.references
+    delay.reset()
+    delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [dead_fill, dead_vent, commands[0]])
+    delay.setupExperiment(startTime=0.0)
+    delay.enterInitializationMode()
+    delay.exitInitializationMode()
+    seen: list[list[float]] = []
+    for k, command in enumerate(commands):
+        if k:
+            delay.setReal([place["command"]], [command])
+            delay.doStep((k - 1) * PERIOD, PERIOD)
+        seen.append(delay.getReal([place["filling"], place["venting"]]))
+    return np.array(seen)
+
+
+def wanted(commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
+    line, out = np.zeros(64), []
+    for command in commands:
+        line = np.roll(line, 1)
+        line[0] = np.sign(command) * (abs(command) >= 0.5)
+        fill, vent = (np.interp(dead / PERIOD, np.arange(64), line) for dead in (dead_fill, dead_vent))
+        out.append((fill >= 0.5, vent <= -0.5))
+    return np.array(out, dtype=float)
+
+
+@pytest.mark.parametrize(
+    ("dead_fill", "dead_vent"),
+    [(0.0, 0.126), (0.126, 0.0), (0.05, 0.04), (0.062, 0.064), (0.0637, 0.0633), (0.0755, 0.0612), (0.1253, 0.0007)],
+)
+def test_valves_follow_the_command_after_their_dead_times(delay: FMU2Slave, dead_fill: float, dead_vent: float) -> None:
+    """Ends of the range, whole and broken periods, and the seam between the two numbers that hold the line."""
+    rng = np.random.default_rng(7)
+    commands = np.repeat(rng.choice([-1.0, -0.3, 0.0, 0.49, 0.5, 1.0], 120), rng.integers(1, 12, 120))
+    np.testing.assert_array_equal(run(delay, commands, dead_fill, dead_vent), wanted(commands, dead_fill, dead_vent))
