@@ -16,18 +16,18 @@ protected
   discrete Real line[2](each start=(3.0^32 - 1)/2, each fixed=true) "Commands as sampled every period, see shift";
   discrete Real for_fill(start=0, fixed=true) "Command as old as the whole periods of filling";
   discrete Real for_vent(start=0, fixed=true) "Command as old as the whole periods of venting";
-  discrete Real fill(start=0, fixed=true) "1 while the fill valve is open";
-  discrete Real vent(start=0, fixed=true) "1 while the vent valve is open";
+  discrete Real fill_open(start=0, fixed=true) "1 while the fill valve is open";
+  discrete Real vent_open(start=0, fixed=true) "1 while the vent valve is open";
 equation
   when sample(0, 0.002) then
     line = shift(if command >= 0.5 then 1 elseif command <= -0.5 then -1 else 0, pre(line));
     for_fill = tap(line, age_fill, place_fill);
     for_vent = tap(line, age_vent, place_vent);
-    fill = if (1 - rest_fill)*for_fill + rest_fill*pre(for_fill) >= 0.5 then 1 else 0;
-    vent = if (1 - rest_vent)*for_vent + rest_vent*pre(for_vent) <= -0.5 then 1 else 0;
+    fill_open = if (1 - rest_fill)*for_fill + rest_fill*pre(for_fill) >= 0.5 then 1 else 0;
+    vent_open = if (1 - rest_vent)*for_vent + rest_vent*pre(for_vent) <= -0.5 then 1 else 0;
   end when;
-  filling = fill;
-  venting = vent;
+  filling = fill_open;
+  venting = vent_open;
 initial equation
   assert(dead_fill >= 0 and dead_fill <= 63*period,
     "ValveDelay: dead_fill must lie between 0 and 0.126 s, got " + String(dead_fill) + " s.");
