@@ -26,6 +26,7 @@ from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from fmus.build import fmu
 from fmus.native import Model, lower
 from harness.contact import compiled_contact
+from harness.controller_fmu import foreign_controller
 from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.instruments import sensors_of
@@ -47,7 +48,7 @@ from harness.record.stop import Stop
 from harness.scenario.adhesion import profile_of
 from harness.scenario.error import ScenarioError
 from harness.scenario.file import NamedFile
-from harness.scenario.parties import KalmanFilter
+from harness.scenario.parties import ControllerFmu, KalmanFilter
 from harness.scenario.quantity import Magnitude
 from harness.scenario.schema import Scenario
 from harness.scenario.track import track_force_of
@@ -129,8 +130,8 @@ def _rolled(
     with ExitStack() as stack:
         plant = stack.enter_context(_plant(scenario, plant_file, radius, tell))
         believer = stack.enter_context(_believer(scenario, fmus)) if believing else None
-        sensors, controller = sensors_of(scenario, radius[0]), controller_of(scenario, groups)
-        actuation = actuation_of(scenario, groups)
+        sensors = sensors_of(scenario, radius[0])
+        controller, actuation = stack.enter_context(_controlling(scenario, groups, fmus, tell))
         obstacle = compiled_cycle.obstacle(plant, sensors, believer, controller, actuation)
         if obstacle and engine is Engine.COMPILED:
             raise ScenarioError(f"{scenario.name}: the compiled engine cannot run it: {obstacle}; take 'auto'.")
@@ -228,6 +229,8 @@ def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
     """Return the brakes as the controller believes them: the catalogue train and [controller.parameters]."""
     train = description_of(recipe_file(CATALOGUE))
     nominal = parameters_of(train)
+    if isinstance(scenario.controller, ControllerFmu):
+        return brake_groups_of(nominal)
     written = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
     return brake_groups_of(nominal | _si("[controller.parameters]", written, _units_of(train)))
 
@@ -421,9 +424,31 @@ def _noise(table: KalmanFilter) -> NoiseSet:
 # ---- controller and actuation -----------------------------------------------------------------------------------
 
 
+@contextmanager
+def _controlling(
+    scenario: Scenario, groups: tuple[BrakeGroup, ...], fmus: dict[str, str], tell: Callable[[str], None]
+) -> Generator[tuple[Controller, Actuation]]:
+    """Open controller and actuation of a scenario; an FMU that takes part adds its digest to `fmus`."""
+    table = scenario.controller
+    if not isinstance(table, ControllerFmu):
+        yield controller_of(scenario, groups), actuation_of(scenario, groups)
+        return
+    description = description_of(table.file.path)
+    fmus[description.file.name] = description.digest
+    values = _si("[controller.parameters]", table.parameters, _units_of(description))
+    with foreign_controller(scenario, table, description, values, tell) as (controller, commands_valves):
+        yield controller, Direct() if commands_valves else actuation_of(scenario, groups)
+
+
 def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Controller:
-    """Return the control law of a scenario, its named set changed by [controller.parameters]."""
+    """Return the control law of a scenario, its named set changed by [controller.parameters].
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+    """
     kind = scenario.controller.kind
+    if kind in ("fmu", "ideal_bound"):
+        raise ScenarioError(f"{scenario.name}: [controller] kind '{kind}' is no law of this project")
     train = parameters_of(description_of(recipe_file(CATALOGUE)))
     own = {name: value for name, value in scenario.controller.parameters.items() if name not in train}
     where = "[controller.parameters]"

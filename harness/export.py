@@ -10,7 +10,6 @@ from fmus.native.discrete import Discrete, sources
 from fmus.native.package import Source
 from harness.assemble import actuation_of, controlled_groups, controller_of
 from harness.loop.actuation import Direct
-from harness.scenario.error import ScenarioError
 from harness.scenario.schema import Scenario
 
 _VALVES = "valves."
@@ -25,12 +24,8 @@ def controller_fmu(scenario: Scenario) -> Source:
     before the first step.
 
     Raises:
-        ScenarioError: The controller is no law, such as the ideal bound.
+        ScenarioError: The controller is no law of ours, such as the ideal bound.
     """
-    if scenario.controller.kind == "ideal_bound":
-        raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound is a calculation, no law that could be exported"
-        )
     groups = controlled_groups(scenario)
     law, actuation = controller_of(scenario, groups), actuation_of(scenario, groups)
     assert isinstance(law, Sampled)

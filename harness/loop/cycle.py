@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 
 from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT
-from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command
-from harness.loop.ports import Actuation, Controller, Plant, Rail, Sensors
+from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command, without_controller
+from harness.loop.ports import Actuation, Controller, ControllerFailed, Plant, Rail, Sensors
 from harness.loop.watch import Beliefs, Believer, Readings
 from harness.record.recorder import Recorder
 from harness.record.signals import PLANT, READINGS, SENT
@@ -81,7 +81,10 @@ def run(
             written = k + 1
             if k % clock.controller == 0:
                 sight = watch.sight(time)
-                command = actuation.command(controller.decide(sight), sight.pressure)
+                try:
+                    command = actuation.command(controller.decide(sight), sight.pressure)
+                except ControllerFailed as failed:
+                    return without_controller(str(failed), written)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
                 inputs[COMMAND] = command

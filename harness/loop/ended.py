@@ -54,6 +54,11 @@ def diverged(problem: str, time: float, samples: int) -> Ended:
     return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=samples)
 
 
+def without_controller(problem: str, samples: int) -> Ended:
+    """Return the end of a run whose controller failed with `problem`, a sentence."""
+    return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=problem, samples=samples)
+
+
 def without_command(command: tuple[float, ...], time: float, samples: int) -> Ended:
     """Return the end of a run whose controller gave something else than numbers."""
     reason = f"The controller's command at {time:.3f} s is {command}, not four numbers."

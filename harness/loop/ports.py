@@ -78,12 +78,16 @@ class Estimator(Protocol):
         ...
 
 
+class ControllerFailed(Exception):
+    """A controller could not decide, in a sentence; the stop ends with that."""
+
+
 @runtime_checkable
 class Controller(Protocol):
     """A control law."""
 
     def decide(self, sight: Sight) -> tuple[float, ...]:
-        """Return the demanded brake cylinder pressure of each group [Pa]."""
+        """Return the demanded brake cylinder pressure of each group [Pa]; ControllerFailed ends the stop."""
         ...
 
 

@@ -3,8 +3,10 @@
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, StrictBool, field_validator, model_validator
 
+from harness.scenario.file import NamedFile
+from harness.scenario.mapped import MapEntry
 from harness.scenario.quantity import Unit
 from harness.scenario.table import Duration, Friction, Parameters, Table, broken, scalars
 
@@ -43,14 +45,36 @@ Controllers = Literal[
 ]
 
 
-class Controller(Table):
-    """The control law and what differs from its own parameter set."""
+class Law(Table):
+    """A control law of this project and what differs from its own parameter set."""
 
     kind: Controllers
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
 
     _flat = field_validator("parameters", mode="before")(scalars)
 
+
+class ControllerFmu(Table):
+    """A controller of one's own, as a co-simulation FMU 2.0.
+
+    It may take speed, acceleration, slip, adhesion, pad_friction and pressure, and gives demand, the pressures of the
+    groups, or command, the valves' positions.
+    """
+
+    kind: Literal["fmu"]
+    file: NamedFile
+    parameters: Parameters = Field(default={}, description="the FMU's parameters that differ from its own values")
+    map: dict[str, MapEntry] = Field(
+        default={}, description="our name → variable of the FMU: text with {i} for arrays, list, or table"
+    )
+    trust: StrictBool = Field(
+        default=False, description="load it into this process: faster, but a crash in it ends the run"
+    )
+
+    _flat = field_validator("parameters", mode="before")(scalars)
+
+
+Controller = Annotated[Law | ControllerFmu, Field(discriminator="kind")]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, StrictInt, model_validator
 
 from harness.scenario.file import NamedFile
-from harness.scenario.parties import Actuation, Controller, Estimator, Limits, Periods
+from harness.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, Limits, Periods
 from harness.scenario.profile import Adhesion, Constant, FromTable
 from harness.scenario.sensors import Sensors
 from harness.scenario.table import Table, broken
@@ -59,7 +59,8 @@ class Scenario(Table):
         """Return the files beside the scenario that decide the stop, too."""
         table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
         plant = (self.vehicle.plant,) if isinstance(self.vehicle.plant, NamedFile) else ()
-        return (*plant, *table)
+        controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
+        return (*plant, *table, *controller)
 
     def resolved(self) -> dict[str, Any]:
         """Return the scenario as plain values in SI units with all defaults; it loads to the same one."""

@@ -1,26 +1,12 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import Field, PlainValidator, StrictBool, ValidationInfo, field_serializer, field_validator
+from pydantic import Field, StrictBool, ValidationInfo, field_serializer, field_validator
 
 from harness.scenario.file import NamedFile
+from harness.scenario.mapped import MapEntry
 from harness.scenario.table import WHEELSETS, Length, Parameters, Speed, Table, broken, scalars
-
-
-def _map_entry(written: Any) -> Any:
-    """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
-    if isinstance(written, str | dict) or (
-        isinstance(written, list | tuple) and all(isinstance(element, str | dict) for element in written)
-    ):
-        return written
-    raise broken(
-        f"is {written!r}, but the name of an FMU variable is wanted, a list of them, "
-        'or { variable = "…", unit = "…", scale = … }'
-    )
-
-
-MapEntry = Annotated[Any, PlainValidator(_map_entry)]
 
 
 class Vehicle(Table):

@@ -20,6 +20,7 @@ CONTROLLERS = {
     "adhesion_based": "ABC",
     "adhesion_literal": "ABC, the law as printed",
     "ideal_bound": "ideal bound",
+    "fmu": "FMU",
 }
 
 

@@ -1,0 +1,22 @@
+"""A mapping table: our name → variable of a foreign FMU."""
+
+from typing import Annotated, Any
+
+from pydantic import PlainValidator
+
+from harness.scenario.table import broken
+
+
+def _map_entry(written: Any) -> Any:
+    """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
+    if isinstance(written, str | dict) or (
+        isinstance(written, list | tuple) and all(isinstance(element, str | dict) for element in written)
+    ):
+        return written
+    raise broken(
+        f"is {written!r}, but the name of an FMU variable is wanted, a list of them, "
+        'or { variable = "…", unit = "…", scale = … }'
+    )
+
+
+MapEntry = Annotated[Any, PlainValidator(_map_entry)]
