@@ -8,9 +8,7 @@ their Table 1. Everything else in the table is then predicted, adhesion-based co
 
 import re
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import typer
@@ -18,6 +16,7 @@ from rich.console import Console
 
 from harness.record.atomic import write_text
 from harness.scenario.load import load
+from harness.workers import workers
 
 TARGETS = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}
 """Braking distance of slip-based control [m]: Schwarz, Posielek and Goetjes (2021), Table 1."""
@@ -48,14 +47,14 @@ class Fitted:
     distance: float
 
 
-def calibrate(tell: Callable[[Fitted], None], *, library: Path = LIBRARY, workers: int = 2) -> list[Fitted]:
+def calibrate(tell: Callable[[Fitted], None], *, library: Path = LIBRARY, processes: int = 2) -> list[Fitted]:
     """Fit every level and write them into the scenario files of the library.
 
     Raises:
         ArithmeticError: No level within 0.3 … 3 gives the distance.
     """
     found: list[Fitted] = []
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with workers(processes) as pool:
         asked = [pool.submit(fit, scenario, shape, library) for scenario in TARGETS for shape in SHAPES]
         for answer in asked:
             found.append(answer.result())

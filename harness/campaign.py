@@ -22,6 +22,7 @@ from harness.scenario.campaign import Campaign, PlannedStop
 from harness.scenario.schema import Scenario
 from harness.sources import sources_digest
 from harness.verdict.results import CAMPAIGN_FILE
+from harness.workers import leave_with_parent
 
 State = Literal["found", "done", "ended_badly", "refused", "failed"]
 
@@ -126,8 +127,9 @@ def _pool(workers: int, directories: Sequence[Path]) -> Generator[pebble.Process
 
 
 def _start_worker() -> None:
-    """Leave Ctrl-C to the parent, which ends the workers."""
+    """Leave Ctrl-C to the parent, which ends the workers; but end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_with_parent()
 
 
 def _perform(scenario: Scenario, directory: Path, runner: Runner) -> tuple[State, str]:

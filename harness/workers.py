@@ -1,6 +1,8 @@
 """Processes that simulate, judge and train, each on one core."""
 
+import multiprocessing
 import os
+import threading
 from collections.abc import Generator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -21,7 +23,7 @@ def workers(count: int) -> Generator[ProcessPoolExecutor]:
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
         # Spawned, because CasADi holds threads, and because a library reads the variables when it is loaded.
-        with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        with ProcessPoolExecutor(count, get_context("spawn"), initializer=leave_with_parent) as pool:
             yield pool
     finally:
         for name, value in before.items():
@@ -29,3 +31,18 @@ def workers(count: int) -> Generator[ProcessPoolExecutor]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+def leave_with_parent() -> None:
+    """End this process when the one that started it is gone, however that ended.
+
+    Workers hold both ends of their own queue: they would not notice, finish what lies in it, and then wait for ever.
+    """
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "for a process that multiprocessing started"
+
+    def wait() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=wait, name="leave with parent", daemon=True).start()

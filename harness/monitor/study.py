@@ -6,9 +6,7 @@ Evidence is kept by content: life, FMU and the source of what made it. A study t
 import hashlib
 import json
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +18,7 @@ from harness.monitor.life import PLANT, Life, live
 from harness.monitor.transducers import PRESSURE_OFFSET
 from harness.monitor.watch import Design, watch
 from harness.record.atomic import write_text
+from harness.workers import workers as processes
 
 CACHE = Path("build/monitor")
 
@@ -149,7 +148,7 @@ def study(
     if workers == 1:
         found = [evidence_of_life(one) for one in asked]
     else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        with processes(workers) as pool:
             found = []
             for done, evidences in enumerate(pool.map(evidence_of_life, asked), start=1):
                 found.append(evidences)

@@ -1,0 +1,53 @@
+"""Processes of a pool do not outlive the one that wanted them."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+PROGRAM = """
+import os
+import time
+
+from harness.workers import workers
+
+
+def number(_):
+    time.sleep(0.1)
+    return os.getpid()
+
+
+if __name__ == "__main__":
+    with workers(2) as pool:
+        print(*set(pool.map(number, range(8))), flush=True)
+        list(pool.map(time.sleep, [600] * 8))
+"""
+
+
+def is_running(process: int) -> bool:
+    status = Path(f"/proc/{process}/stat")
+    # A process that has ended stays in the table until somebody asks how.
+    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
+def test_workers_end_with_a_parent_that_was_killed(tmp_path):
+    (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
+    here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
+    with subprocess.Popen(
+        [sys.executable, "program.py"], cwd=tmp_path, env=here, stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdout is not None
+        children = [int(process) for process in parent.stdout.readline().split()]
+        assert children
+        assert all(map(is_running, children))
+        parent.send_signal(signal.SIGKILL)
+    for _ in range(200):  # ten seconds: far more than a thread needs to wake up
+        if not any(map(is_running, children)):
+            break
+        time.sleep(0.05)
+    assert not any(map(is_running, children))
