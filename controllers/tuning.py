@@ -16,21 +16,13 @@ SOUGHT = "seeker.toml"
 def _seeker(actuation: str, period: float) -> SeekerTuning:
     """Return what was found, and what is not searched for.
 
-    A slip of 0.3 % is about what an encoder and a radar in service tell from none; 35 % lies beyond the peaks of all
+    Ideal sensors tell any slip from none, and 0.3 % lies below all published peaks; 35 % lies beyond those of all
     published curves but the flattest; below 0.5 m/s slip is the ratio of two small numbers. 0.15 is the limit of the
     TSI, which the guard keeps an estimate with an error of 0.003 from passing.
     """
     found = tomllib.loads((files("controllers") / SOUGHT).read_text(encoding="utf-8"))[actuation]
-    return SeekerTuning(
-        period=period,
-        slip_small=0.003,
-        slip_vent=0.35,
-        adhesion_small=0.015,
-        adhesion_max=0.15,
-        adhesion_guard=0.003,
-        speed_min=0.5,
-        **found,
-    )
+    fixed = {"slip_small": 0.003, "slip_vent": 0.35, "adhesion_small": 0.015, "speed_min": 0.5}
+    return SeekerTuning(period=period, adhesion_max=0.15, adhesion_guard=0.003, **(fixed | found))
 
 
 SEEKER = {"ideal": _seeker("ideal", 1e-3), "pneumatic": _seeker("pneumatic", 10e-3)}

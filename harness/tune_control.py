@@ -44,13 +44,15 @@ RANGES: Mapping[str, Mapping[str, tuple[float, float]]] = {
         "slip_rate_max": (0.3, 10.0),
         "slip_rate_min": (0.02, 1.0),
         "dwell": (0.03, 1.0),
+        "slip_small": (1e-3, 3e-2),
     },
 }
-"""Where each parameter is searched, on a logarithmic scale: from quicker than the actuation to slower than the rail."""
+"""Where each parameter is searched, on a logarithmic scale: from quicker than the actuation to slower than the rail.
+From what slip on there is a peak to seek depends on what sensors can tell from none; ideal ones tell any."""
 
 _ENDLESS = 2000.0  # m, where the train does not stop
 _SEED = 2021
-_POPULATION, _GENERATIONS = 32, 7
+_POPULATION, _GENERATIONS = 32, 5
 
 Vector = NDArray[np.float64]
 
@@ -206,5 +208,5 @@ def add_to(app: typer.Typer) -> None:
                     ),
                     processes=processes,
                 )
+            console.print(text_of({actuation: found[actuation]}))
         write_text(out, text_of(found))
-        console.print(text_of(found))

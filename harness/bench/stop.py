@@ -27,8 +27,8 @@ class FilterCost:
 
     Attributes:
         states: Of the model.
-        advance: Compiled, in place.
-        step: Compiled, on values, as the loop uses it.
+        advance: Compiled, in place, as the loop uses it.
+        step: Compiled, on values.
         reference: The filter in numpy.
     """
 
