@@ -208,5 +208,5 @@ def add_to(app: typer.Typer) -> None:
                     ),
                     processes=processes,
                 )
-            console.print(text_of({actuation: found[actuation]}))
+            console.print(text_of({actuation: found[actuation]}), markup=False, soft_wrap=True)
         write_text(out, text_of(found))
