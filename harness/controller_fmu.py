@@ -109,6 +109,7 @@ def foreign_controller(
         parameters=parameters,
         trusted=table.trust,
         tell=tell,
+        table="[controller]",
     )
     with opened as fmu:
         believing = scenario.estimator.kind != "none"
