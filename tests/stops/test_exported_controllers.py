@@ -86,6 +86,18 @@ def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp
             assert fmu.step(sight) == pytest.approx(command, abs=0.34 if edge == "ideal" else 0.0)
 
 
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ("controller.parameters.filter_time=-1 ms", "filter_time must be finite and not negative, got -0.001 s"),
+        ("controller.parameters.A_piston=-1 m^2", "piston_area must be positive, got -1"),
+    ],
+)
+def test_a_law_with_parameters_that_mean_nothing_is_refused(changed, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        controller_fmu(load(SCENARIOS / "library" / "plain.toml", [changed]))
+
+
 def test_the_ideal_bound_is_no_law():
     scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=ideal_bound", "estimator.kind=none"])
     with pytest.raises(ScenarioError, match=r"plain: .controller. kind 'ideal_bound' is no law"):
