@@ -144,6 +144,8 @@ def run(
 ) -> Ended:
     """Brake until the train stands, the horizon is reached, or a party fails; arguments as for `cycle.run`.
 
+    `progress` is called after every `ServiceSensors.BLOCK` samples, which is also how long Ctrl-C waits.
+
     Raises:
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
         TypeError: There is an `obstacle`.
