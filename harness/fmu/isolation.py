@@ -210,7 +210,7 @@ class IsolatedCoSimulation:
             send(line, request, payload)
             kind, answer = receive(line)
         except TimeoutError:
-            raise self._gone("timeout", f"within {self._patience:g} s of real time, it was stopped") from None
+            raise self._gone("timeout", f"within {allowed:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line: nobody is there any more
             raise self._gone("crash", self._last_words()) from None
         if kind == ANSWER:
