@@ -15,6 +15,7 @@ Two forms:
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
+from math import isfinite
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -59,6 +60,18 @@ class SeekerTuning:
     adhesion_max: float
     adhesion_guard: float
     speed_min: float
+
+    def __post_init__(self) -> None:
+        """Refuse what would run and mean nothing.
+
+        Raises:
+            ValueError: A value is negative or not a finite number, or the period is zero.
+        """
+        for name, (unit, _) in self.MEANINGS.items():
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0.0) or (name == "period" and value == 0.0):
+                kind = "positive" if name == "period" else "not negative"
+                raise ValueError(f"AdhesionBased: {name} must be finite and {kind}, got {value} {unit}.")
 
     MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {

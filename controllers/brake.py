@@ -40,11 +40,14 @@ class BrakeGroup:
         """Refuse data that no brake has.
 
         Raises:
-            ValueError: A value is not positive, or the spring holds the piston back at full pressure.
+            ValueError: A value is not positive, where that of the spring may be zero, or the spring holds the piston
+                back at full pressure.
         """
         for name in self.__slots__:
             if not getattr(self, name) > 0 and name != "spring_force":
                 raise ValueError(f"BrakeGroup: {name} must be positive, got {getattr(self, name)}.")
+        if not self.spring_force >= 0:
+            raise ValueError(f"BrakeGroup: spring_force must not be negative, got {self.spring_force}.")
         if self.spring_force >= self.pressure_max * self.piston_area:
             raise ValueError(
                 f"BrakeGroup: the return spring ({self.spring_force} N) holds the piston back at pressure_max "

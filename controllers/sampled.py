@@ -25,12 +25,15 @@ class Quantity:
         unit: SI, "1" for ratios.
         description: One line.
         start: Of a state: before the first call.
+        minimum, maximum: Of a parameter or output: beyond them it means nothing; None where there is no such limit.
     """
 
     name: str
     unit: str
     description: str
     start: float = 0.0
+    minimum: float | None = None
+    maximum: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -75,9 +78,10 @@ class Draft:
         """Return the symbol of a new input."""
         return self._symbol("input", Quantity(name=name, unit=unit, description=description))
 
-    def parameter(self, name: str, unit: str, description: str) -> Expression:
-        """Return the symbol of a new parameter."""
-        return self._symbol("parameter", Quantity(name=name, unit=unit, description=description))
+    def parameter(self, name: str, unit: str, description: str, maximum: float | None = None) -> Expression:
+        """Return the symbol of a new parameter; none is negative."""
+        quantity = Quantity(name=name, unit=unit, description=description, minimum=0.0, maximum=maximum)
+        return self._symbol("parameter", quantity)
 
     def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
         """Return the symbol of a new state, its value before the call."""
@@ -87,9 +91,12 @@ class Draft:
         """Say what a state is after the call."""
         self._following[state.name()] = value
 
-    def output(self, name: str, unit: str, description: str, value: Expression) -> None:
+    def output(
+        self, name: str, unit: str, description: str, value: Expression, within: tuple[float, float] | None = None
+    ) -> None:
         """Add an output."""
-        self._outputs[0].append(Quantity(name=name, unit=unit, description=description))
+        low, high = within or (None, None)
+        self._outputs[0].append(Quantity(name=name, unit=unit, description=description, minimum=low, maximum=high))
         self._outputs[1].append(value)
 
     def formula(self, name: str, description: str) -> Formula:

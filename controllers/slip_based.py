@@ -58,10 +58,12 @@ def slip_based(groups: int) -> Formula:
     """Return the formula for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        low = draft.parameter("low", "1", "slip below which the brake is applied")
-        high = draft.parameter("high", "1", "slip above which it is released")
+        low = draft.parameter("low", "1", "slip below which the brake is applied", maximum=1.0)
+        high = draft.parameter("high", "1", "slip above which it is released", maximum=1.0)
         speed_min = draft.parameter("speed_min", "m/s", "train speed below which protection is off")
-        hold = draft.parameter("hold", "1", "1: between the levels the pressure stays; 0: the last action goes on")
+        hold = draft.parameter(
+            "hold", "1", "1: between the levels the pressure stays; 0: the last action goes on", maximum=1.0
+        )
 
         def demand(draft: Draft, seen: Seen) -> Expression:
             applied = draft.state(

@@ -82,5 +82,5 @@ def valve_logic(groups: int, delay: int) -> Formula:
             draft.keep(place, following)
         commands.append(changed)
     for g, command in zip(numbers, commands, strict=True):
-        draft.output(f"command[{g}]", "1", "-1 dump, 0 hold, 1 fill", command)
+        draft.output(f"command[{g}]", "1", "-1 dump, 0 hold, 1 fill", command, within=(DUMP, FILL))
     return draft.formula("ValveLogic", "Tracks demanded pressures with fill, hold and dump valves")

@@ -111,7 +111,7 @@ def export(
     overrides: Overrides = None,
     out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
 ) -> None:
-    """Make an FMU of a scenario's controller, valve logic included, for another tool."""
+    """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
     from fmus.native.package import pack
     from harness.export import controller_fmu
     from harness.scenario.load import load

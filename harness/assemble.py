@@ -157,6 +157,8 @@ def _rolled(
             )
         except PlantFailed as failed:
             ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
+            # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+            recorder.rows[recorder.written : 1] = np.nan
     return _Rolled(recorder=recorder, ended=ended, plant_file=plant_file, fmus=fmus)
 
 
@@ -462,7 +464,11 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
         except ValueError as problem:
             raise ScenarioError(f"{where}: {problem}") from problem
     given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max}
-    seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **_si(where, own, SeekerTuning.UNITS))
+    values = _si(where, own, SeekerTuning.UNITS)
+    try:
+        seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **values)
+    except ValueError as problem:
+        raise ScenarioError(f"{where}: {problem}") from problem
     return (AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
 
 

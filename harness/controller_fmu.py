@@ -33,7 +33,7 @@ class ForeignController:
 
     A step of the FMU lasts from one decision to the next. Its inputs are what is seen at the first, held; its outputs
     at the end of the step are the decision, at once: a sampled law decides on what it is shown, and a law in
-    continuous time is ahead by the period it is given.
+    continuous time is ahead by the period it is given. As for our own laws, what no sensor has read yet is NaN.
     """
 
     def __init__(self, fmu: Plant, binding: Binding, gives: str, *, believing: bool) -> None:
@@ -98,10 +98,19 @@ def foreign_controller(
 ) -> Generator[tuple[ForeignController, bool]]:
     """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
 
+    Inputs of it that nothing drives, such as an adhesion that nobody estimates, are told.
+
     Raises:
         FmuError: It does not fit.
+        PlantFailed: It does not load.
     """
     binding, gives = binding_of(scenario, table, description)
+    if binding.unused:
+        names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
+        tell(
+            f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
+            "what it starts with stays."
+        )
     opened = open_plant(
         description,
         binding,
@@ -109,6 +118,7 @@ def foreign_controller(
         parameters=parameters,
         trusted=table.trust,
         tell=tell,
+        table="[controller]",
     )
     with opened as fmu:
         believing = scenario.estimator.kind != "none"

@@ -14,6 +14,7 @@ from harness.scenario.schema import Scenario
 
 _VALVES = "valves."
 _MEMORY = "memory."
+_PERIODS = ("period", _VALVES + "period")
 
 
 def controller_fmu(scenario: Scenario) -> Source:
@@ -21,7 +22,7 @@ def controller_fmu(scenario: Scenario) -> Source:
 
     A step of the FMU is one period of the controller: outputs at its end are decided on the inputs at its beginning.
     Inputs are those of `controllers.sight.Sight`; outputs are what the scenario's plant takes. Parameters may be set
-    before the first step.
+    before the first step, but for the period: that is the FMU's own, and its step refuses any other.
 
     Raises:
         ScenarioError: The controller is no law of ours, such as the ideal bound.
@@ -38,6 +39,7 @@ def controller_fmu(scenario: Scenario) -> Source:
         states += _variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
         parameters += _variables(valves.formula.parameters, valves.parameters, _VALVES)
         outputs, step = valves.formula.outputs, _in_series(law, valves, len(groups))
+    parameters, step = _paced(parameters, step)
     return sources(
         Discrete(
             name=law.formula.name,
@@ -69,6 +71,16 @@ def _in_series(law: Sampled, valves: Sampled, groups: int) -> ca.Function:
     return ca.Function("step", [state, given, parameter], [ca.vertcat(following, onwards), command])
 
 
+def _paced(parameters: tuple[Variable, ...], step: ca.Function) -> tuple[tuple[Variable, ...], ca.Function]:
+    """Return the parameters without those that say how often the step is called, and the step with their values."""
+    free = tuple(variable for variable in parameters if variable.name not in _PERIODS)
+    symbols = {variable.name: ca.SX.sym(variable.name) for variable in free}
+    state, given = (ca.SX.sym(name, step.numel_in(place)) for place, name in enumerate(("state", "given")))
+    every = [symbols.get(variable.name, ca.SX(variable.start)) for variable in parameters]
+    results = step(state, given, ca.vertcat(*every))
+    return free, ca.Function("step", [state, given, ca.vertcat(*symbols.values())], [*results])
+
+
 def _variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
     return tuple(
         Variable(
@@ -76,8 +88,8 @@ def _variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: 
             unit=quantity.unit,
             start=float(start),
             description=quantity.description,
-            minimum=None,
-            maximum=None,
+            minimum=quantity.minimum,
+            maximum=quantity.maximum,
             nominal=1.0,
         )
         for quantity, start in zip(quantities, starts, strict=True)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from harness.record.atomic import write_text
+from harness.run import make_folder
 from harness.scenario.campaign import PlannedStop, load_campaign
 from harness.scenario.merge import merged
 from harness.scenario.schema import Scenario
@@ -195,9 +196,11 @@ def add_to(app: typer.Typer) -> None:
 
     @app.command(name="tune-control")
     def command(  # pyright: ignore[reportUnusedFunction]  (typer keeps it)
-        out: Path = Path("controllers/seeker.toml"), processes: int = 2
+        out: Annotated[Path, typer.Option(help="The file of parameters.")] = Path("controllers/seeker.toml"),
+        workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
     ) -> None:
         """Search the parameters of adhesion-based control on the training rails, and write them."""
+        make_folder(out.parent)
         console, found = Console(highlight=False), dict[str, Found]()
         for actuation in RANGES:
             with Console(stderr=True).status(f"{actuation} actuation: {_GENERATIONS + 1} times {_POPULATION} sets"):
@@ -206,7 +209,7 @@ def add_to(app: typer.Typer) -> None:
                     lambda number, best, actuation=actuation: console.print(
                         f"{actuation} actuation, generation {number}: {100 * best:+.2f} % against slip-based control"
                     ),
-                    processes=processes,
+                    processes=workers,
                 )
             console.print(text_of({actuation: found[actuation]}), markup=False, soft_wrap=True)
         write_text(out, text_of(found))

@@ -1,4 +1,4 @@
-"""A plant in a process of its own, so that a crash or an endless loop in it ends in a sentence.
+"""A plant or controller in a process of its own, so that a crash or an endless loop in it ends in a sentence.
 
 An FMU is native code by whoever made it. One that this project built from its own sources is loaded into this
 process; one that a user brings is not, unless the scenario says that it may be. The price is two hand-overs
@@ -49,6 +49,7 @@ class IsolatedCoSimulation:
         start_time: float = 0.0,
         tolerance: float | None = None,
         patience: float = PATIENCE,
+        table: str = "[vehicle]",
     ) -> None:
         """Check the question; no process is started before `with`.
 
@@ -60,16 +61,17 @@ class IsolatedCoSimulation:
             start_time: [s].
             tolerance: Relative tolerance for the FMU's solver; None leaves it to the FMU.
             patience: Real time [s] that one call may last.
+            table: Of the scenario, where it can be trusted; for sentences.
 
         Raises:
-            FmuError: A parameter is wrong, or a time is not positive.
+            FmuError: A parameter is wrong, or a time is not positive, or this system has no such processes.
         """
         if not (isfinite(patience) and patience > 0):
             raise FmuError(f"{description.file.name}: patience is a positive time, got {patience} s.")
         if os.name != "posix":
             raise FmuError(
-                f"{description.file.name}: a plant cannot have a process of its own on this system; "
-                "set trust = true under [vehicle] to load it into this one."
+                f"{description.file.name}: an FMU cannot have a process of its own on this system; "
+                f"set trust = true under {table} to load it into this one."
             )
         CoSimulation(description, binding, period=period, parameters=parameters)  # the same questions are wrong
         self._description = description
@@ -208,7 +210,7 @@ class IsolatedCoSimulation:
             send(line, request, payload)
             kind, answer = receive(line)
         except TimeoutError:
-            raise self._gone("timeout", f"within {self._patience:g} s of real time, it was stopped") from None
+            raise self._gone("timeout", f"within {allowed:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line: nobody is there any more
             raise self._gone("crash", self._last_words()) from None
         if kind == ANSWER:
@@ -255,6 +257,7 @@ def open_plant(
     start_time: float = 0.0,
     tolerance: float | None = None,
     patience: float = PATIENCE,
+    table: str = "[vehicle]",
 ) -> CoSimulation | IsolatedCoSimulation:
     """Return a plant to use in `with`: in this process when it is trusted, else in one of its own.
 
@@ -268,6 +271,7 @@ def open_plant(
         start_time: [s].
         tolerance: Relative tolerance for the FMU's solver; None leaves it to the FMU.
         patience: Real time [s] that one call may last in isolation.
+        table: Of the scenario, where it can be trusted; for sentences.
 
     Raises:
         FmuError: A parameter is wrong, or a time is not positive.
@@ -281,7 +285,7 @@ def open_plant(
             start_time=start_time,
             tolerance=tolerance,
         )
-    tell(notice(description))
+    tell(notice(description, table))
     return IsolatedCoSimulation(
         description,
         binding,
@@ -290,14 +294,15 @@ def open_plant(
         start_time=start_time,
         tolerance=tolerance,
         patience=patience,
+        table=table,
     )
 
 
-def notice(description: Description) -> str:
-    """Return the sentence that tells a user why their FMU runs slower than it could."""
+def notice(description: Description, table: str) -> str:
+    """Return the sentence that tells a user why their FMU runs slower than it could, and the table to change that."""
     return (
-        f"{description.file.name} was not built by this project and runs in a process of its own, so that a "
-        "crash in it cannot take the stop along; set trust = true under [vehicle] to load it into this one, "
+        f"{description.file.name} comes from outside and runs in a process of its own, so that a "
+        f"crash in it cannot take the stop along; set trust = true under {table} to load it into this one, "
         "which is faster."
     )
 

@@ -25,6 +25,8 @@ Vector = NDArray[np.float64]
 
 _GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND = range(5)
 _NEGATIVE_VARIANCE = -1
+_GIVEN = 2 + 4 * GROUPS
+"""What a law is shown: speed and acceleration, and of each group slip, adhesion, pad friction and pressure."""
 
 
 @runtime_checkable
@@ -119,6 +121,10 @@ def obstacle(
         return "the controller is Python, not a formula"
     if not isinstance(actuation, Direct | FormulaInC):
         return "the actuation is Python, not a formula"
+    # In C the vectors of both have the lengths that cycle.c gives them.
+    for who, formula, takes in (("controller", controller, _GIVEN), ("actuation", actuation, 2 * GROUPS)):
+        if isinstance(formula, FormulaInC) and (formula.step.numel_in(1), formula.step.numel_out(1)) != (takes, GROUPS):
+            return f"the {who} is not for {GROUPS} groups"
     return None
 
 
@@ -137,6 +143,8 @@ def run(
     progress: Callable[[float], None] | None = None,
 ) -> Ended:
     """Brake until the train stands, the horizon is reached, or a party fails; arguments as for `cycle.run`.
+
+    `progress` is called after every `ServiceSensors.BLOCK` samples, which is also how long Ctrl-C waits.
 
     Raises:
         PlantFailed: The plant refused a step; `recorder` holds the rows before.

@@ -51,7 +51,7 @@ class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample, ordered as in `harness.loop.sensors`; NaN where there is no new one."""
+        """Return the reading of a sample, ordered as in `harness.loop.reading`; NaN where there is no new one."""
         ...
 
 

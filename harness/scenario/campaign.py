@@ -91,7 +91,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     written = validated(CampaignFile, read_toml(path), directory=path.parent, origin=path.name)
     axes = {
         axis: {
-            variant: read_toml(path.parent / tables) if isinstance(tables, str) else tables
+            variant: _variant_file(path, axis, variant, tables) if isinstance(tables, str) else tables
             for variant, tables in variants.items()
         }
         for axis, variants in written.axes.items()
@@ -110,6 +110,16 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     if not stops:
         raise ScenarioError(f"{path.name}: exclude leaves no stop to run")
     return Campaign(name=written.name, description=written.description, stops=stops, references=written.reference)
+
+
+def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, Any]:
+    file = path.parent / name
+    if not file.is_file():
+        raise ScenarioError(
+            f"{path.name}: [axes.{axis}] {variant} names '{name}', but there is no file {file}; the path starts at the "
+            "folder of the campaign."
+        )
+    return read_toml(file)
 
 
 def _stops(

@@ -58,7 +58,7 @@ class ControllerFmu(Table):
     """A controller of one's own, as a co-simulation FMU 2.0.
 
     It may take speed, acceleration, slip, adhesion, pad_friction and pressure, and gives demand, the pressures of the
-    groups, or command, the valves' positions.
+    groups, or command, the valves' positions. Speed and slip are NaN until a sensor has read the speed.
     """
 
     kind: Literal["fmu"]

@@ -24,6 +24,12 @@ def test_stops_are_the_product_of_axes_and_sweeps(project):
     assert found.stops[-1].scenario.seed == 2
 
 
+def test_a_variant_may_be_a_file_beside_the_campaign(project):
+    (project / "slow.toml").write_text('[start]\nspeed = "18 km/h"\n', encoding="utf-8")
+    found = campaign(project, '[axes.pace]\nslow = "slow.toml"\nquick = { start.speed = 20 }\n')
+    assert {stop.name: stop.scenario.start.speed for stop in found.stops} == {"wet-slow": 5.0, "wet-quick": 20.0}
+
+
 def test_exclusions_and_references_match_by_axis(project):
     found = campaign(
         project,
@@ -39,6 +45,8 @@ def test_exclusions_and_references_match_by_axis(project):
     ("text", "sentence"),
     [
         ("[axes.edge.a]\nstart.sped = 3\n", "campaign.toml, stop wet-a (wet.toml): [start] has no key 'sped'"),
+        ('[axes.edge]\na = "gone.toml"\n', "campaign.toml: [axes.edge] a names 'gone.toml', but there is no file"),
+        ("[axes.edge]\na = 3\n", "campaign.toml: [axes.edge.a] must be a table, got 3"),
         ("[axes.scenario.a]\n", "campaign.toml: [axes] cannot be named 'scenario'"),
         ('[axes.e.a]\n[[exclude]]\nf = "a"\n', "campaign.toml: [exclude] names the axis 'f'; there is e"),
         ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),

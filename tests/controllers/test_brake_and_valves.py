@@ -33,7 +33,11 @@ def test_pressure_stays_between_none_and_full():
 
 @pytest.mark.parametrize(
     ("change", "sentence"),
-    [({"inertia": 0.0}, "inertia must be positive, got 0.0"), ({"spring_force": 1e5}, "holds the piston back")],
+    [
+        ({"inertia": 0.0}, "inertia must be positive, got 0.0"),
+        ({"spring_force": 1e5}, "holds the piston back"),
+        ({"spring_force": -1.0}, "spring_force must not be negative, got -1.0"),
+    ],
 )
 def test_a_brake_that_cannot_be_is_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):

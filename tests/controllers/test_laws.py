@@ -147,6 +147,14 @@ def test_levels_that_cannot_switch_are_refused(low, high):
         SlipLevels(low=low, high=high, speed_min=0.5, hold=False)
 
 
+@pytest.mark.parametrize("name", ["filter_time", "rise", "dwell", "period"])
+def test_a_tuning_that_means_nothing_is_refused(name):
+    with pytest.raises(ValueError, match=f"AdhesionBased: {name} must be finite and .*, got -0.1 "):
+        replace(SEEKER["ideal"], **{name: -0.1})
+    with pytest.raises(ValueError, match="filter_time must be finite and not negative, got nan s"):
+        replace(SEEKER["ideal"], filter_time=float("nan"))
+
+
 def test_below_the_lowest_speed_the_brake_is_applied():
     sight = Sight(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
     for law in (SlipBased([GROUP], SLIP_LEVELS), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):

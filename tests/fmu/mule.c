@@ -1,5 +1,5 @@
 /* A train as an FMI 2.0 FMU for tests, with the names and units of this project: it slows down as it is braked, and
- * after a tenth of a second it misbehaves in one way.
+ * after a tenth of a second, or at the start, it misbehaves in one way.
  *
  * Value references: 0-3 pressure_command, 4-9 mu0, 10 speed_start, 11 distance, 12 speed, 13 acceleration,
  * 14-17 wheelset_speed, 18-21 cylinder_pressure.                                                                */
@@ -13,6 +13,7 @@
 #define NEVER_RETURNS 4
 #define NEVER_HALTS 5
 #define CRASH 6
+#define NEVER_STARTS 7
 
 #define RADIUS 0.38
 #define SOON 0.1 /* s */
@@ -38,7 +39,12 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fm
 static void show(Mule *m) {
     for (int i = 0; i < 4; i++) { m->v[14 + i] = m->v[12] / RADIUS; m->v[18 + i] = m->v[i]; }
 }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { Mule *m = c; m->v[12] = m->v[10]; show(m); return fmi2OK; }
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    Mule *m = c;
+    m->v[12] = m->v[10];
+    show(m);
+    return MISBEHAVIOUR == NEVER_STARTS ? fmi2Error : fmi2OK;
+}
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
     for (size_t i = 0; i < n; i++) v[i] = ((Mule *)c)->v[vr[i]];

@@ -16,6 +16,7 @@ from mule_fmu import mule
 from harness import assemble
 from harness.__main__ import main
 from harness.fmu import IsolatedCoSimulation, open_plant
+from harness.record.stop import read_stop
 
 SCENARIO = """
 name = "town"
@@ -111,6 +112,17 @@ def test_a_plant_that_fails_is_a_result_and_exits_3(
     assert content["outcome"] == "plant_failed"
     # What came before is kept.
     assert content["duration_s"] == pytest.approx(0.1, abs=0.011)
+
+
+@pytest.mark.parametrize("trust", [True, False])
+def test_a_plant_that_does_not_start_leaves_a_result_without_numbers(railgrip: Railgrip, foundry: Path, trust: bool):
+    """Its one row holds no number, rather than what was in the memory."""
+    done = railgrip(mule(foundry, "NEVER_STARTS"), trust=trust)
+    assert done.code == 3
+    assert "plant_failed: never_starts.fmu: at 0 s fmi2ExitInitializationMode returned fmi2Error" in done.err
+    content = json.loads(Path("out/stop.json").read_text())
+    assert (content["outcome"], content["duration_s"], content["distance_m"]) == ("plant_failed", 0.0, None)
+    assert np.isnan(read_stop(Path("out")).trace()["speed"].values).all()
 
 
 def short_of_patience(*arguments: Any, **options: Any) -> IsolatedCoSimulation:

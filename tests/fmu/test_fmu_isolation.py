@@ -126,5 +126,5 @@ def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
         )
         assert isinstance(plant, kind)
         assert len(told) == count
-    assert "well.fmu was not built by this project" in told[0]
+    assert "well.fmu comes from outside" in told[0]
     assert "set trust = true under [vehicle]" in told[0]

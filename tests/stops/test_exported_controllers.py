@@ -7,6 +7,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from fmus.native.package import pack
+from harness.__main__ import main
 from harness.assemble import controlled_groups, run_stop
 from harness.export import controller_fmu
 from harness.fmu import CoSimulation, Signal, bind, describe
@@ -86,7 +87,34 @@ def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp
             assert fmu.step(sight) == pytest.approx(command, abs=0.34 if edge == "ideal" else 0.0)
 
 
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ("controller.parameters.filter_time=-1 ms", "filter_time must be finite and not negative, got -0.001 s"),
+        ("controller.parameters.A_piston=-1 m^2", "piston_area must be positive, got -1"),
+    ],
+)
+def test_a_law_with_parameters_that_mean_nothing_is_refused(changed, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        controller_fmu(load(SCENARIOS / "library" / "plain.toml", [changed]))
+
+
 def test_the_ideal_bound_is_no_law():
     scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=ideal_bound", "estimator.kind=none"])
     with pytest.raises(ScenarioError, match=r"plain: .controller. kind 'ideal_bound' is no law"):
         controller_fmu(scenario)
+
+
+def test_the_command_says_where_the_fmu_is(tmp_path, capsys):
+    """Of the valves' parameters and those of the law, each with a unit; the one that is the FMU's own step is not."""
+    made = tmp_path / "new" / "law.fmu"
+    pneumatic = ("--set", "actuation.kind=pneumatic", "--set", "vehicle.plant=TwoPartTrainPneumatic")
+    with pytest.raises(SystemExit) as end:
+        main(["export", str(SCENARIOS / "library" / "plain.toml"), *pneumatic, "--out", str(made)])
+    assert end.value.code == 0
+    assert capsys.readouterr().out.strip() == str(made)
+    described = {v.name: v for v in describe(made).variables.values() if v.causality == "parameter"}
+    assert described["filter_time"].unit_name == described["valves.fill_time"].unit_name == "s"
+    assert {v.minimum for v in described.values()} == {0.0}
+    assert all(v.unit_name for v in described.values())
+    assert not {"period", "valves.period"} & set(described)

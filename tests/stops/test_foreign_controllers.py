@@ -1,10 +1,14 @@
 """Controllers that come as FMUs: the laws of this project, exported and put back, and what does not fit."""
 
+from functools import partial
 from pathlib import Path
 
+import casadi as ca
 import pytest
 
 from fmus.build import fmu
+from fmus.native import Variable
+from fmus.native.discrete import Discrete, sources
 from fmus.native.package import pack
 from harness.assemble import run_stop
 from harness.export import controller_fmu
@@ -85,15 +89,60 @@ def test_an_unknown_name_in_the_map_is_refused(folder):
         run_stop(scenario)
 
 
+@pytest.mark.parametrize(
+    ("name", "sentence"), [("period", "has no parameter 'period'"), ("rise", "is at least 0, got")]
+)
+def test_what_an_exported_law_cannot_do_is_refused(name, sentence, folder):
+    """The period is that of its step, and none of its parameters is negative."""
+    path = exported(load(SCENARIOS / "library" / "plain.toml"), folder)
+    wrong = [f"controller.file={path}", f"controller.parameters.{name}={'5 ms' if name == 'period' else -0.1}"]
+    with pytest.raises(ValueError, match=sentence):
+        run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *wrong, *SHORT]))
+
+
+def lasting(calls: int) -> Discrete:
+    """Return a controller that demands 1 bar and has a state that is no number after so many calls and one more."""
+    left = ca.SX.sym("left")
+    step = ca.Function("step", [left, ca.SX(0, 1), ca.SX(0, 1)], [left - 1.0 / (left > 0), ca.SX.ones(4) * 1e5])
+    variable = partial(Variable, description="", minimum=None, maximum=None, nominal=1.0)
+    return Discrete(
+        name="Lasting",
+        description="Ends",
+        period=1e-3,
+        states=(variable(name="left", unit="1", start=float(calls)),),
+        inputs=(),
+        parameters=(),
+        outputs=tuple(variable(name=f"demand[{g}]", unit="Pa", start=0.0) for g in range(1, 5)),
+        step=step,
+    )
+
+
 @pytest.mark.parametrize("trust", ["true", "false"])
 def test_a_controller_that_fails_ends_the_stop_with_its_words(trust, folder):
-    """A filter time that undoes the period makes a state that is no number, and the FMU says so."""
-    path = exported(load(SCENARIOS / "library" / "plain.toml"), folder)
-    broken = [f"controller.trust={trust}", "controller.parameters.filter_time=-1 ms"]
-    asked = load(
-        SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", f"controller.file={path}", *SHORT, *broken]
-    )
-    stop = run_stop(asked)
+    """What came before is kept: seven calls that decide, from sample 0 on, and the row of the one that does not."""
+    path = pack(sources(lasting(7)), folder / "lasting.fmu")
+    asked = [f"controller.file={path}", f"controller.trust={trust}", "estimator.kind=none", "periods.trace=1 ms"]
+    stop = run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *asked, *SHORT]))
     assert stop.outcome is Outcome.CONTROLLER_FAILED
-    assert stop.reason.startswith("The controller failed: plain-adhesion_based.fmu: at 0")
+    assert stop.reason.startswith("The controller failed: lasting.fmu: at 0.007 s")
     assert "a state is not a number" in stop.reason
+    assert stop.trace["command"].values[:, 0].tolist() == [0.0] + [1e5] * 7
+
+
+def test_the_owner_of_an_isolated_controller_is_told_where_to_trust_it(folder):
+    told: list[str] = []
+    path = pack(sources(lasting(1)), folder / "lasting.fmu")
+    asked = [f"controller.file={path}", "estimator.kind=none"]
+    run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *asked, *SHORT]), tell=told.append)
+    assert ["set trust = true under [controller]" in sentence for sentence in told] == [True]
+
+
+def test_inputs_that_nobody_estimates_are_told(folder):
+    _, other = with_fmu("random-service-slip_two_state", folder)
+    told: list[str] = []
+    run_stop(other, tell=told.append)
+    assert told[0].startswith("random-slip_two_state.fmu: nothing drives its adhesion, pad_friction ([estimator] kind")
+    _, other = with_fmu("trapezoid-ideal-adhesion_based", folder, "controller.trust=true")
+    told.clear()
+    run_stop(other, tell=told.append)
+    assert told == []

@@ -1,0 +1,266 @@
+"""Both engines where a real train does not get in seconds: at the seams of a block of samples, and where a party fails.
+
+Plant and estimator are Python on both sides; C calls them back. What is compared is every bit of the rows, what the
+plant was given, the words of the end, and what is left in the law.
+"""
+
+import ctypes
+from bisect import bisect_right
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controllers.brake import BrakeGroup
+from controllers.law import Law, law
+from controllers.sampled import choose
+from controllers.slip_based import SlipBased
+from controllers.tuning import SLIP_LEVELS
+from controllers.valves import ValveLogic, ValveModel
+from harness.fmu import PlantFailed
+from harness.fmu.failure import Failure
+from harness.loop import compiled_cycle, cycle
+from harness.loop.actuation import Direct
+from harness.loop.edge import COMMAND, FRICTION, INPUTS, OUTPUT, OUTPUTS
+from harness.loop.ended import Clock
+from harness.loop.ports import Edge
+from harness.loop.rail import TabulatedRail
+from harness.loop.reading import READING
+from harness.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
+from harness.loop.watch import Believer
+from harness.record import signals
+from harness.record.outcome import Outcome
+from harness.record.recorder import Recorder
+from harness.scenario.adhesion import Profile
+
+BLOCK = ServiceSensors.BLOCK
+RADIUS = (0.38,) * 4
+GROUPS = (
+    BrakeGroup(
+        load=14500 * 9.81, inertia=209.0, wheel_radius=0.38, units=2, friction_radius=0.22, piston_area=0.0324,
+        rigging=5.7, spring_force=1200.0, pressure_max=3.4e5,
+    ),
+) * 4  # fmt: skip
+INSTRUMENTS = ServiceInstruments(
+    pulses=100, pitch_error=3e-3, clock=1e-6, cut_off=0.3, wheel_radius=0.38, speed_noise=0.1, speed_scale=3e-3,
+    speed_every=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
+    pressure_offset=np.array([1e3, -2e3, 30.0, 4e3]), pressure_step=244.0, pressure_lag=0.01,
+)  # fmt: skip
+
+
+class Plant:
+    """Slows down by 0.8 m/s², rolls back a little at first, slides now and then; noisy, and C can step it."""
+
+    def __init__(self, *, speed=20.0, stands_at=None, fails_at=None, lacks=()):
+        self.speed, self.stands_at, self.fails_at = speed, stands_at, fails_at
+        self.random, self.sample, self.given = np.random.default_rng(7), 0, []
+        here = np.ones(OUTPUTS, dtype=bool)
+        for name in lacks:
+            here[OUTPUT[name]] = False
+        self.present = np.flatnonzero(here)
+        self.taken, self.shown = np.zeros(INPUTS), np.zeros(self.present.size)
+        self._cross = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)(self._crossing)
+
+    def start(self, inputs):
+        return self._truth(inputs)
+
+    def step(self, inputs):
+        if self._moves(inputs):
+            return self._truth(inputs)
+        raise self._failure()
+
+    def edge(self):
+        address = ctypes.cast(self._cross, ctypes.c_void_p).value
+        return Edge(cross=address, plan=0, inputs=self.taken, outputs=self.shown, present=self.present, start=0.0)
+
+    def crossed(self, steps, ended):
+        if ended:
+            raise self._failure()
+
+    def _crossing(self, plan, what, time):
+        if time != self.sample * 1e-3 or not self._moves(self.taken):
+            return 2
+        self.shown[:] = self._truth(self.taken)[self.present]
+        return 0
+
+    def _moves(self, inputs):
+        self.given.append(inputs.copy())
+        self.sample += self.sample + 1 != self.fails_at
+        return len(self.given) == self.sample
+
+    def _failure(self):
+        return PlantFailed(Failure(file="made.fmu", time=self.sample * 1e-3, reason="error", call="fmi2DoStep"))
+
+    def _truth(self, inputs):
+        k, truth = self.sample, np.zeros(OUTPUTS)
+        speed = 0.0 if k == self.stands_at else self.speed - 0.8e-3 * k
+        truth[OUTPUT["distance"]] = 0.02 * k + 1e-3 * inputs[FRICTION].sum() - (0.03 if k < 3 else 0.0)
+        truth[OUTPUT["speed"]] = speed
+        truth[OUTPUT["acceleration"]] = -0.8 + 0.1 * self.random.standard_normal()
+        truth[OUTPUT["wheelset_speed"]] = speed / 0.38 * (1 - 0.2 * np.abs(np.sin(0.01 * k + np.arange(4))))
+        truth[OUTPUT["cylinder_pressure"]] = 1e5 + 0.3 * inputs[COMMAND] + 1e3 * self.random.standard_normal(4)
+        whole = np.full(OUTPUTS, np.nan)
+        whole[self.present] = truth[self.present]
+        return whole
+
+
+class Filter:
+    """Counts, remembers what it is shown, and fails, or believes in a negative variance, at a call; C can step it."""
+
+    def __init__(self, fails_at=None, negative_at=None):
+        self.fails_at, self.negative_at, self.calls = fails_at, negative_at, 0
+        self.mean, self.covariance = 0.1 * np.arange(1.0, 14.0), np.eye(13)
+        self.held, self.seen = np.zeros(5), np.zeros(6)
+        self._step = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(self._stepped)
+
+    @property
+    def entry(self):
+        return ctypes.cast(self._step, ctypes.c_void_p).value, 0, 0
+
+    def advance(self):
+        if self._stepped(None):
+            raise ArithmeticError(self.failure(2))
+
+    def failure(self, outcome):
+        return {2: "Made up: no."}[outcome]
+
+    def _stepped(self, block):
+        self.calls += 1
+        if self.calls == self.fails_at:
+            return 2
+        known = np.where(np.isnan(self.seen), -1.0, self.seen)
+        self.mean[:6] += 1e-3 * (known - self.mean[:6])
+        self.mean[6:10] += 1e-9 * self.held[:4]
+        self.covariance[12, 12] = -1.0 if self.calls == self.negative_at else 2.0
+        return 0
+
+
+def believer(filter_):
+    names = "speed", "wheelset_speed", "acceleration"
+    seen = np.concatenate([np.arange(READING[name].start, READING[name].stop) for name in names])
+    places = {"wheelset_speed": 1, "pad_friction": 5, "adhesion": 9}
+    return Believer(
+        filter=filter_, seen=seen, speed=0, wheel_radius=RADIUS, **{n: at + np.arange(4) for n, at in places.items()}
+    )
+
+
+def speechless(calls):
+    """Return a law that gives numbers for so many calls, and then none."""
+
+    def demand_with(draft):
+        left = draft.state("left", "1", "calls", start=float(calls))
+        draft.keep(left, left - 1.0)
+        return lambda draft, seen: choose(left > 0.0, 1e5, float("nan"))
+
+    return Law(law("Speechless", "Gives up", 4, demand_with), GROUPS, {})
+
+
+class Steps:
+    begins = (-np.inf, 0.5, 3.0, 3.0001)
+    forces = (0.0, 1e3, -2e3, 5e2)
+
+    def at(self, distance):
+        return self.forces[bisect_right(self.begins, distance) - 1]
+
+
+SLIP = lambda: SlipBased(GROUPS, SLIP_LEVELS)  # noqa: E731
+HOLD = lambda: SlipBased(GROUPS, replace(SLIP_LEVELS, hold=True))  # noqa: E731
+VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
+
+
+def brake(engine, plant, controller, filter_, *, samples, service, valves, every, over_time):
+    plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
+    recorder = Recorder(
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if filter_ else ())), samples + 1
+    )
+    friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
+    parties = dict(
+        plant=plant,
+        sensors=ServiceSensors(INSTRUMENTS, 1e-3, np.random.default_rng(5)) if service else IdealSensors(),
+        believer=believer(filter_) if filter_ else None,
+        controller=controller,
+        actuation=ValveLogic([3.4e5] * 4, VALVES) if valves else Direct(),
+    )
+    assert compiled_cycle.obstacle(**parties) is None
+    try:
+        end = engine.run(
+            **parties,
+            rail=TabulatedRail(Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps()),
+            wheel_radius=RADIUS,
+            clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
+            stop_speed=0.1,
+            recorder=recorder,
+        )
+        how = end.outcome, end.reason, end.samples
+    except PlantFailed as failed:
+        how = Outcome.PLANT_FAILED, str(failed), recorder.written
+    assert how[2] == recorder.written
+    rows = recorder.rows[: recorder.written].tobytes()
+    return how, rows, np.array(plant.given).tobytes(), controller.state.tobytes()
+
+
+def same(plant=Plant, controller=SLIP, filter_=None, **changed):
+    """Return how it ended, with either engine."""
+    setup = dict(samples=BLOCK + 40, service=True, valves=False, every=(1, 1), over_time=True) | changed
+    one, other = (brake(engine, plant, controller, filter_, **setup) for engine in (cycle, compiled_cycle))
+    assert one == other
+    return one[0]
+
+
+@pytest.mark.parametrize("samples", [1, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK])
+def test_horizons_at_the_seams_of_a_block(samples):
+    outcome, _, written = same(samples=samples)
+    assert (outcome, written) == (Outcome.HORIZON, samples + 1)
+
+
+@pytest.mark.parametrize("sample", [1, 500, BLOCK - 1, BLOCK, BLOCK + 1])
+def test_a_plant_that_fails(sample):
+    """The rows before are kept; the failing call is the step from the sample before."""
+    outcome, reason, written = same(lambda: Plant(fails_at=sample))
+    assert (outcome, written) == (Outcome.PLANT_FAILED, sample)
+    assert f"at {(sample - 1) * 1e-3:.9g} s" in reason
+
+
+@pytest.mark.parametrize("sample", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1])
+def test_a_train_that_stands(sample):
+    outcome, _, written = same(lambda: Plant(stands_at=sample), filter_=Filter)
+    assert (outcome, written) == (Outcome.STANDSTILL, sample + 1)
+
+
+@pytest.mark.parametrize("calls", [0, 300, BLOCK, BLOCK + 1])
+def test_a_law_that_gives_no_number(calls):
+    outcome, reason, written = same(controller=lambda: speechless(calls))
+    assert (outcome, written) == (Outcome.CONTROLLER_FAILED, calls + 1)
+    assert "is (nan, nan, nan, nan), not four numbers" in reason
+
+
+@pytest.mark.parametrize("call", [1, 300, BLOCK - 1, BLOCK, BLOCK + 1])
+@pytest.mark.parametrize("way", ["fails_at", "negative_at"])
+def test_a_filter_that_diverges(call, way):
+    """The first step is that of sample 1; its row is not kept."""
+    outcome, reason, written = same(filter_=lambda: Filter(**{way: call}))
+    assert (outcome, written) == (Outcome.DIVERGED, call)
+    assert reason.startswith("Made up: no. At" if way == "fails_at" else "The estimator diverged: a variance")
+
+
+@pytest.mark.parametrize("lacks", [(), ("deflection", "locked", "group_adhesion")])
+@pytest.mark.parametrize("service", [True, False])
+@pytest.mark.parametrize("filter_", [None, Filter])
+@pytest.mark.parametrize(
+    ("controller", "valves", "every", "over_time"),
+    [(SLIP, False, (1, 1), False), (HOLD, True, (5, 10), True), (HOLD, False, (2, 3), False)],
+)
+def test_mixes_of_parties(lacks, service, filter_, controller, valves, every, over_time):
+    """Sensors without a new reading, outputs that a plant lacks, parties at periods of their own; into the second
+    block, and over the end of the friction's table, which is 1 s or 1 m long."""
+    outcome, _, _ = same(
+        lambda: Plant(speed=1.0, lacks=lacks), controller, filter_,
+        service=service, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
+    )  # fmt: skip
+    assert outcome is Outcome.STANDSTILL
+
+
+def test_a_law_for_fewer_groups_is_not_called_from_c():
+    """C writes four numbers where it would find room for one."""
+    reason = compiled_cycle.obstacle(Plant(), IdealSensors(), None, SlipBased(GROUPS[:1], SLIP_LEVELS), Direct())
+    assert reason == "the controller is not for 4 groups"

@@ -1,0 +1,41 @@
+"""Structs that C and Python share: every member stands where the other side looks for it."""
+
+import ctypes
+
+import pytest
+
+from fmus.native.toolchain import shared_library
+from harness.fmu import crossing
+from harness.loop import compiled, compiled_cycle, library, sensors
+
+LOOP = {part: (library.KERNEL / part).read_text() for part in ("sensors.h", "sensors.c", "cycle.c", "run.c")}
+SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "edge.h": library._edge()}
+
+
+@pytest.mark.parametrize(
+    ("source", "name", "mirror"),
+    [
+        ("sensors.c", "Encoder", sensors._Encoder),
+        ("sensors.c", "Service", sensors._Service),
+        ("cycle.c", "Formula", compiled_cycle._Formula),
+        ("cycle.c", "Cycle", compiled_cycle._Cycle),
+        ("crossing.c", "Channel", crossing._Channel),
+        ("crossing.c", "Crossing", crossing._Crossing),
+        ("run.c", "Filter", compiled._Filter),
+        ("run.c", "Run", compiled._Run),
+    ],
+)
+def test_members_stand_where_c_puts_them(source, name, mirror, tmp_path):
+    """What the C compiler says of every member, by name, and of the whole."""
+    members = [member for member, _ in mirror._fields_]
+    places = ", ".join(f"offsetof({name}, {member.rstrip('_')})" for member in members)
+    probe = (
+        f'#include <stddef.h>\n#include "{source}"\n'
+        f"EXPORT long long place(int which)\n{{\n    static const size_t at[] = {{{places}, sizeof({name})}};\n"
+        "    return (long long)at[which];\n}\n"
+    )
+    units = ("probe.c", "sensors.c") if source == "cycle.c" else ("probe.c",)
+    built = ctypes.CDLL(str(shared_library(SOURCES | {"probe.c": probe}, tmp_path, "probe", units=units)))
+    built.place.restype = ctypes.c_longlong
+    assert [built.place(k) for k in range(len(members))] == [getattr(mirror, member).offset for member in members]
+    assert built.place(len(members)) == ctypes.sizeof(mirror)
