@@ -26,9 +26,9 @@ from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from fmus.build import fmu
 from fmus.native import Model, lower
 from harness.contact import compiled_contact
-from harness.controller_fmu import foreign_controller
 from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
+from harness.foreign_controller import foreign_controller
 from harness.instruments import sensors_of
 from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
@@ -436,7 +436,8 @@ def _controlling(
         yield controller_of(scenario, groups), actuation_of(scenario, groups)
         return
     description = description_of(table.file.path)
-    fmus[description.file.name] = description.digest
+    name = description.file.name
+    fmus[f"controller: {name}" if name in fmus else name] = description.digest
     values = _si("[controller.parameters]", table.parameters, _units_of(description))
     with foreign_controller(scenario, table, description, values, tell) as (controller, commands_valves):
         yield controller, Direct() if commands_valves else actuation_of(scenario, groups)

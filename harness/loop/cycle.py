@@ -82,9 +82,12 @@ def run(
             if k % clock.controller == 0:
                 sight = watch.sight(time)
                 try:
-                    command = actuation.command(controller.decide(sight), sight.pressure)
+                    demands = controller.decide(sight)
                 except ControllerFailed as failed:
                     return without_controller(str(failed), written)
+                if not math.isfinite(sum(demands)):  # valve logic would take it for a wish to hold
+                    return without_command(demands, time, written)
+                command = actuation.command(demands, sight.pressure)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
                 inputs[COMMAND] = command

@@ -63,7 +63,7 @@ class Direct:
         return demands
 
 
-def brake(plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05):
+def brake(plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05, actuation=None):
     recorder = Recorder(
         (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believer else ())), samples + 1
     )
@@ -73,7 +73,7 @@ def brake(plant, controller=None, *, sensors=None, believer=None, samples=5000, 
         sensors=sensors or IdealSensors(),
         believer=believer,
         controller=controller or Constant(),
-        actuation=Direct(),
+        actuation=actuation or Direct(),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every[0], controller=every[1], samples=samples),
         stop_speed=stop_speed,
@@ -105,6 +105,15 @@ def test_a_command_acts_in_the_period_after_the_decision():
     assert recorder.rows[0, recorder.columns["command"]].tolist() == [0.0] * 4
     assert plant.seen[0][COMMAND].tolist() == [1e5] * 4
     assert plant.seen[1][FRICTION][0] == pytest.approx(0.1 + 0.1 * 1e-6, rel=1e-6)
+
+
+def test_a_demand_that_is_none_is_not_hidden_by_the_actuation():
+    class Holding:
+        def command(self, demands, measured):
+            return (0.0,) * 4
+
+    ended, _ = brake(Block(10.0), Constant(float("nan")), actuation=Holding())
+    assert ended.outcome is Outcome.CONTROLLER_FAILED
 
 
 def test_the_controller_is_asked_at_its_own_period():

@@ -130,13 +130,15 @@ static int decide(Cycle *c)
         given[2 + 3 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
     }
     c->law.call(c->law.state, given, c->law.parameter, demand);
-    if (c->valves.call) {
+    copy(c->command, demand, GROUPS);
+    for (int g = 0; g < GROUPS; g++)
+        total += demand[g];
+    if (isfinite(total) && c->valves.call) {      /* valve logic would take NaN for a wish to hold */
         copy(demand + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
         c->valves.call(c->valves.state, demand, c->valves.parameter, c->command);
-    } else
-        copy(c->command, demand, GROUPS);
-    for (int g = 0; g < GROUPS; g++)
-        total += c->command[g];
+        for (int g = 0; g < GROUPS; g++)
+            total += c->command[g];
+    }
     return isfinite(total);
 }
 
