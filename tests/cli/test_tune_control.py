@@ -2,6 +2,7 @@
 
 import tomllib
 from dataclasses import fields
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -71,3 +72,12 @@ def test_a_search_ends_no_worse_than_it_began(tmp_path):
     for name, value in found.values.items():
         low, high = RANGES["ideal"][name]
         assert 0.99 * low <= value <= 1.01 * high
+
+
+def test_the_committed_parameters_are_those_of_a_search():
+    """With the distances they were found by, as `text_of` writes them."""
+    text = files("controllers").joinpath("seeker.toml").read_text(encoding="utf-8")
+    assert text.startswith(text_of({}).rstrip())
+    for actuation, ranges in RANGES.items():
+        assert set(tomllib.loads(text)[actuation]) == set(ranges)
+    assert text.count("% against slip-based control, on:") == len(RANGES)

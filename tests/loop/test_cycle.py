@@ -63,7 +63,9 @@ class Direct:
         return demands
 
 
-def brake(plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05, actuation=None):
+def brake(
+    plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05, actuation=None
+):
     recorder = Recorder(
         (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believer else ())), samples + 1
     )
