@@ -31,11 +31,10 @@ fmus: $(READY)  ## build the FMUs that are not up to date
 	$(RUN) -m fmus build
 
 simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
-	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml --out build/table1 --panels abc
-	$(RUN) -m harness campaign harness/scenario/campaigns/shapes.toml --out build/shapes --panels none
+	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
 
 unseen: fmus  ## controllers on rails they were not tuned on, build/unseen
-	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml --out build/unseen --panels none
+	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml
 
 report: simulate  ## the same with the panels of every stop
 	$(RUN) -m harness report build/table1

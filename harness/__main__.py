@@ -4,7 +4,7 @@ Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence o
 """
 
 import sys
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from math import isfinite
@@ -40,8 +40,8 @@ from harness.verdict.panels import Panels
 
 if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
+    from harness.campaign import Asked
     from harness.run import Runner
-    from harness.scenario.campaign import Campaign
     from harness.verdict.baseline import Baseline, Findings
     from harness.verdict.table import Row
 
@@ -123,26 +123,40 @@ def export(
 
 @app.command()
 def campaign(
-    file: File,
+    files: Annotated[list[Path], typer.Argument(metavar="FILE.toml ...", help="Campaign files.")],
     overrides: Overrides = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the results; build/NAME unless given.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for results, DIR/NAME for several campaigns; build/NAME unless given."),
+    ] = None,
     workers: Workers = 2,
     fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
-    panels: DrawnPanels = Panels.ALL,
+    panels: Annotated[
+        Panels | None, typer.Option(help="Of which stops the panels are drawn, whatever the campaigns say.")
+    ] = None,
 ) -> None:
-    """Run the stops of a campaign, keep what is done, and write table, figures and report."""
+    """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
+    from harness.campaign import Asked
     from harness.scenario.campaign import load_campaign
     from harness.verdict.report import write_report
     from harness.verdict.results import read_results
     from harness.verdict.table import rows_of
 
-    planned = load_campaign(file, overrides or [])
-    directory = out or Path("build") / planned.name
-    problem = _run_campaign(planned, directory, workers=workers, fresh=fresh)
-    with _err.status("report") as status:
-        page = write_report(directory, panels=panels, tell=lambda what: status.update(f"drawing {escape(what)}"))
-    _print_rows(rows_of(read_results(directory)))
-    _out.print(str(page), highlight=False, soft_wrap=True)
+    planned = [load_campaign(file, overrides or []) for file in files]
+    own = out if out is not None and len(files) == 1 else None
+    asked = [Asked(one, own or (out or Path("build")) / one.name) for one in planned]
+    twice = next((one for one in asked if [a.directory for a in asked].count(one.directory) > 1), None)
+    if twice is not None:
+        raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
+
+    def draw(number: int, drawing: Callable[[str], None]) -> None:
+        one = asked[number]
+        write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
+
+    problem = _run_campaigns(asked, workers=workers, fresh=fresh, finished=draw)
+    for one in asked:
+        _print_rows(rows_of(read_results(one.directory)))
+        _out.print(f"{one.directory}/index.html", highlight=False, soft_wrap=True)
     if problem:
         raise typer.Exit(problem)
 
@@ -247,12 +261,22 @@ def _runner(engine: Engine = Engine.AUTO) -> "Runner":
     return partial(run_stop, engine=engine)
 
 
-def _run_campaign(planned: "Campaign", directory: Path, *, workers: int, fresh: bool) -> int:
-    """Run a campaign with progress; return the exit code that its stops call for."""
-    from harness.campaign import Report, run_campaign
+def _run_campaigns(
+    asked: "Sequence[Asked]",
+    *,
+    workers: int,
+    fresh: bool,
+    finished: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
+) -> int:
+    """Run campaigns with progress; return the exit code that their stops call for.
 
+    `finished` is called with the number of a campaign that is complete, and with what tells the user of its doing.
+    """
+    from harness.campaign import Report, run_campaigns
+
+    names = ", ".join(one.campaign.name for one in asked)
     with _progress(BarColumn(), MofNCompleteColumn()) as bar:
-        task = bar.add_task(planned.name, total=len(planned.stops))
+        task = bar.add_task(names, total=sum(len(one.campaign.stops) for one in asked))
 
         def tell(report: Report) -> None:
             bar.advance(task)
@@ -261,8 +285,12 @@ def _run_campaign(planned: "Campaign", directory: Path, *, workers: int, fresh: 
                     f"{report.stop.name}: {report.sentence}", style="red", markup=False, highlight=False, soft_wrap=True
                 )
 
-        reports = run_campaign(planned, directory, _runner(), workers=workers, fresh=fresh, tell=tell)
-    states = {report.state for report in reports}
+        def complete(number: int) -> None:
+            finished(number, lambda what: bar.update(task, description=f"{names}: drawing {escape(what)}"))
+            bar.update(task, description=names)
+
+        reports = run_campaigns(asked, _runner(), workers=workers, fresh=fresh, tell=tell, finished=complete)
+    states = {report.state for reported in reports for report in reported}
     if "refused" in states:
         return WRONG_QUESTION
     return RUN_FAILED if states & {"failed", "ended_badly"} else 0
@@ -270,12 +298,14 @@ def _run_campaign(planned: "Campaign", directory: Path, *, workers: int, fresh: 
 
 def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
+    from harness.campaign import Asked
     from harness.scenario.campaign import load_campaign
     from harness.verdict.baseline import findings_of, write_findings
     from harness.verdict.results import read_results
 
     if baseline.campaign is not None:
-        code = _run_campaign(load_campaign(path.parent / baseline.campaign), out, workers=workers, fresh=False)
+        asked = [Asked(load_campaign(path.parent / baseline.campaign), out)]
+        code = _run_campaigns(asked, workers=workers, fresh=False)
         return code, findings_of(read_results(out))
     from harness.headlines import headlines
 

@@ -43,68 +43,101 @@ class Report:
     sentence: str
 
 
-def run_campaign(
-    campaign: Campaign,
-    directory: Path,
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A campaign and the folder for its results."""
+
+    campaign: Campaign
+    directory: Path
+
+
+def run_campaigns(
+    asked: Sequence[Asked],
     runner: Runner,
     *,
     workers: int = 2,
     fresh: bool = False,
     tell: Callable[[Report], None],
-) -> list[Report]:
-    """Run the stops of a campaign into folders of their names; return what became of each, in the campaign's order.
+    finished: Callable[[int], None] = lambda number: None,
+) -> list[list[Report]]:
+    """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
 
     A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`. Every
     result that is written is whole; Ctrl-C ends the running stops and leaves the finished ones.
 
     Args:
-        campaign: What to run.
-        directory: Gets campaign.json, which says what belongs together, and a folder for each stop.
+        asked: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
+            for each stop.
         runner: Picklable: it runs in other processes.
         workers: Number of processes.
         fresh: Whether to run also what is there.
         tell: Called as soon as something became of a stop.
+        finished: Called with the number of a campaign when all its stops are there, while others go on.
 
     Raises:
         RecordError: Results cannot be written there; nothing was run.
         KeyboardInterrupt: After the running stops were ended.
     """
-    make_folder(directory)
-    write_description(campaign, directory)
-    reports: dict[str, Report] = {}
+    for one in asked:
+        make_folder(one.directory)
+        write_description(one.campaign, one.directory)
+    reports: list[dict[str, Report]] = [{} for _ in asked]
+    waiting: list[_Order] = []
+    for number, one in enumerate(asked):
+        for stop in one.campaign.stops:
+            folder = one.directory / stop.name
+            if not fresh and is_there(stop, folder):
+                reports[number][stop.name] = report = Report(stop=stop, state="found", sentence="result is there")
+                tell(report)
+            else:
+                waiting.append(_Order(number, stop, folder))
+    open_ = [number for number, one in enumerate(asked) if len(reports[number]) < len(one.campaign.stops)]
+    with _running(waiting, runner, workers) as running:
+        for number in range(len(asked)):
+            if number not in open_:
+                finished(number)
+        for order, report in running:
+            reports[order.campaign][order.stop.name] = report
+            tell(report)
+            if len(reports[order.campaign]) == len(asked[order.campaign].campaign.stops):
+                finished(order.campaign)
+    return [[found[stop.name] for stop in one.campaign.stops] for one, found in zip(asked, reports, strict=True)]
 
-    def note(report: Report) -> None:
-        reports[report.stop.name] = report
-        tell(report)
 
-    waiting: list[PlannedStop] = []
-    for stop in campaign.stops:
-        if not fresh and is_there(stop, directory / stop.name):
-            note(Report(stop=stop, state="found", sentence="result is there"))
-        else:
-            waiting.append(stop)
-    for report in _run_all(waiting, directory, runner, workers):
-        note(report)
-    return [reports[stop.name] for stop in campaign.stops]
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """A stop to run: of which campaign, and into which folder."""
+
+    campaign: int
+    stop: PlannedStop
+    folder: Path
 
 
-def _run_all(stops: Sequence[PlannedStop], directory: Path, runner: Runner, workers: int) -> Iterator[Report]:
-    """Yield a report of each stop as it ends."""
-    if not stops:
+@contextmanager
+def _running(orders: Sequence[_Order], runner: Runner, workers: int) -> Generator[Iterator[tuple[_Order, Report]]]:
+    """Begin to run stops; yield what gives the report of each as it ends."""
+    if not orders:
+        yield iter(())
         return
-    with _pool(min(workers, len(stops)), [directory / stop.name for stop in stops]) as pool:
-        running: dict[Future[tuple[State, str]], PlannedStop] = {}
-        for stop in stops:
-            running[pool.schedule(_perform, args=[stop.scenario, directory / stop.name, runner])] = stop
-        while running:
-            ended, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in ended:
-                stop = running.pop(future)
-                try:
-                    state, sentence = future.result()
-                except (pebble.ProcessExpired, CancelledError) as problem:
-                    state, sentence = "failed", f"the process that ran it ended: {problem}"
-                yield Report(stop=stop, state=state, sentence=sentence)
+    with _pool(min(workers, len(orders)), [order.folder for order in orders]) as pool:
+        yield _reports(
+            {
+                pool.schedule(_perform, args=[order.stop.scenario, order.folder, runner]): order  # in their order
+                for order in orders
+            }
+        )
+
+
+def _reports(running: dict[Future[tuple[State, str]], _Order]) -> Iterator[tuple[_Order, Report]]:
+    while running:
+        ended, _ = wait(running, return_when=FIRST_COMPLETED)
+        for future in ended:
+            order = running.pop(future)
+            try:
+                state, sentence = future.result()
+            except (pebble.ProcessExpired, CancelledError) as problem:
+                state, sentence = "failed", f"the process that ran it ended: {problem}"
+            yield order, Report(stop=order.stop, state=state, sentence=sentence)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -47,6 +47,9 @@ class CampaignFile(Table):
         default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
     )
     reference: tuple[Reference, ...] = ()
+    panels: Literal["all", "abc", "none"] = Field(
+        default="all", description="of which stops the panels are drawn, about a second each"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,12 +69,13 @@ class PlannedStop:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Campaign:
-    """A named set of stops, and what others found for some of them."""
+    """A named set of stops, what others found for some of them, and of which stops the panels are drawn."""
 
     name: str
     description: str
     stops: tuple[PlannedStop, ...]
     references: tuple[Reference, ...]
+    panels: Literal["all", "abc", "none"] = "all"
 
     def only(self, keep: Callable[[PlannedStop], bool]) -> "Campaign":
         """Return the same campaign with some of its stops."""
@@ -109,7 +113,13 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         raise ScenarioError(f"{path.name}: two stops are named '{twice[0]}'; rename a scenario or a variant")
     if not stops:
         raise ScenarioError(f"{path.name}: exclude leaves no stop to run")
-    return Campaign(name=written.name, description=written.description, stops=stops, references=written.reference)
+    return Campaign(
+        name=written.name,
+        description=written.description,
+        stops=stops,
+        references=written.reference,
+        panels=written.panels,
+    )
 
 
 def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, Any]:

@@ -109,6 +109,24 @@ def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_l
     assert (project / "out" / "wet-abc" / "trace.nc").read_bytes() == traces
 
 
+def test_two_campaigns_share_the_workers_and_have_a_report_each(railgrip, project):
+    """The second says itself that it wants no panels: its page lacks those of its two stops."""
+    text = (project / "pair.toml").read_text(encoding="utf-8")
+    (project / "other.toml").write_text('panels = "none"\n' + text.replace('"pair"', '"other"'), encoding="utf-8")
+    done = railgrip("campaign", "pair.toml", "other.toml", "--out", "both")
+    assert done.code == 0, done.err
+    assert stops_in(project / "both" / "pair") == stops_in(project / "both" / "other") == ["wet-abc", "wet-sbc"]
+    pages = [(project / "both" / name / "index.html").read_text(encoding="utf-8") for name in ("pair", "other")]
+    assert [page.count("data:image/png") for page in pages] == [4, 2]
+    assert done.out.count("-15.8%") == 2
+
+
+def test_two_campaigns_of_one_name_are_refused(railgrip, project):
+    done = railgrip("campaign", "pair.toml", "pair.toml")
+    assert done.code == 2
+    assert "two campaigns are named 'pair'" in done.err
+
+
 def test_what_another_scenario_or_another_program_left_is_run_again(project):
     stop = load_campaign(project / "pair.toml").stops[0]
     directory = project / "there"
