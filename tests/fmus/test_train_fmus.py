@@ -100,6 +100,14 @@ def test_the_fmu_is_valid(train, name):
     assert validate_fmu(str(train(name).path)) == []
 
 
+@pytest.mark.parametrize("name", ["TwoPartTrainPneumatic", "TrainPrediction"])
+def test_building_it_elsewhere_gives_the_same_bytes(made, name, tmp_path):
+    """Another folder, another hour, another process than built the first: neither paths nor times are inside."""
+    (again,) = build([name], "native", tmp_path)
+    assert again.action == "built"
+    assert again.path.read_bytes() == made[name].path.read_bytes()
+
+
 @pytest.mark.parametrize("name", BOOK.recipes)
 def test_its_face_is_the_one_in_the_lock_file(made, name):
     """A difference means that the models changed: look at it, then `python -m fmus check --update`."""
