@@ -2,12 +2,18 @@
 
 import multiprocessing
 import os
+import signal
+import sys
 import threading
+import time
 from collections.abc import Generator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
+from types import FrameType
 from typing import Final
+
+_TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 
 _THREADS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -34,15 +40,23 @@ def workers(count: int) -> Generator[ProcessPoolExecutor]:
 
 
 def leave_with_parent() -> None:
-    """End this process when the one that started it is gone, however that ended.
+    """End this process when the one that started it is gone, however that ended; called in its main thread.
 
     Workers hold both ends of their own queue: they would not notice, finish what lies in it, and then wait for ever.
+    What is being done is left as by an exception, so that no unpacked FMU stays behind.
     """
     parent = multiprocessing.parent_process()
     assert parent is not None, "for a process that multiprocessing started"
 
+    def leave(number: int, frame: FrameType | None) -> None:
+        sys.exit(1)
+
     def wait() -> None:
         parent.join()
+        for _ in range(_TRIES):  # the pool takes the exit for a failed task, and takes the next from its queue
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.1)
         os._exit(1)
 
+    signal.signal(signal.SIGTERM, leave)
     threading.Thread(target=wait, name="leave with parent", daemon=True).start()

@@ -11,6 +11,7 @@ import pytest
 
 PROGRAM = """
 import os
+import tempfile
 import time
 
 from harness.workers import workers
@@ -21,10 +22,15 @@ def number(_):
     return os.getpid()
 
 
+def work(place):
+    with tempfile.TemporaryDirectory(dir=place):
+        time.sleep(600)
+
+
 if __name__ == "__main__":
     with workers(2) as pool:
         print(*set(pool.map(number, range(8))), flush=True)
-        list(pool.map(time.sleep, [600] * 8))
+        list(pool.map(work, ["kept"] * 8))
 """
 
 
@@ -36,7 +42,10 @@ def is_running(process: int) -> bool:
 
 @pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
 def test_workers_end_with_a_parent_that_was_killed(tmp_path):
+    """And take with them what they had unpacked."""
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
+    kept = tmp_path / "kept"
+    kept.mkdir()
     here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
     with subprocess.Popen(
         [sys.executable, "program.py"], cwd=tmp_path, env=here, stdout=subprocess.PIPE, text=True
@@ -45,9 +54,16 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path):
         children = [int(process) for process in parent.stdout.readline().split()]
         assert children
         assert all(map(is_running, children))
+        until(lambda: len(list(kept.iterdir())) == 2)
         parent.send_signal(signal.SIGKILL)
-    for _ in range(200):  # ten seconds: far more than a thread needs to wake up
-        if not any(map(is_running, children)):
-            break
+    until(lambda: not any(map(is_running, children)))
+    assert list(kept.iterdir()) == []
+
+
+def until(state):
+    """Wait for a state, ten seconds at most: far more than a thread needs to wake up and a process to end."""
+    for _ in range(200):
+        if state():
+            return
         time.sleep(0.05)
-    assert not any(map(is_running, children))
+    raise AssertionError("it did not come to that")
