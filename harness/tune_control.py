@@ -6,10 +6,10 @@ whose rails differ from those of every other campaign in shape, level, speed and
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import numpy as np
 import typer
@@ -135,7 +135,9 @@ def search(
         slip_based = list(pool.map(_distance, [stop.scenario for stop in sliding]))
         reference = float(np.mean(np.log(slip_based)))
         generation = 0
-        mapped: Any = lambda function, points: list(pool.map(function, points))  # noqa: E731  (the stubs want an int)
+
+        def mapped(function: Objective, points: Iterable[Vector]) -> list[float]:
+            return list(pool.map(function, points))
 
         def note(intermediate_result: Any) -> None:
             nonlocal generation
@@ -152,7 +154,7 @@ def search(
             polish=False,
             rng=_SEED,
             updating="deferred",
-            workers=mapped,
+            workers=cast("Any", mapped),  # the stubs want a number, the function takes a map, too
             callback=note,
         )
         values = values_of(tuple(ranges), found.x)

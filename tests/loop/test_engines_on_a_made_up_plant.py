@@ -163,8 +163,8 @@ class Steps:
         return self.forces[bisect_right(self.begins, distance) - 1]
 
 
-SLIP = lambda: SlipBased(GROUPS, SLIP_LEVELS)  # noqa: E731
-HOLD = lambda: SlipBased(GROUPS, replace(SLIP_LEVELS, hold=True))  # noqa: E731
+SLIP = lambda: SlipBased(GROUPS, SLIP_LEVELS)
+HOLD = lambda: SlipBased(GROUPS, replace(SLIP_LEVELS, hold=True))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 

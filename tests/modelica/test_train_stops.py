@@ -43,7 +43,7 @@ def test_energy_becomes_heat_and_work(train: Train) -> None:
 
 def test_energy_becomes_heat_and_work_with_valves_too(pneumatic_train: Train) -> None:
     """Wheels that lock and turn again many times, as valves open and close; a millionth, as above."""
-    valves = lambda t: [1.0 if t % 1.5 < 0.9 else -1.0 if t % 1.5 < 1.2 else 0.0] * 4  # noqa: E731
+    valves = lambda t: [1.0 if t % 1.5 < 0.9 else -1.0 if t % 1.5 < 1.2 else 0.0] * 4
     inputs = {"valve_command": valves, "mu0": friction(0.10), "track_force": lambda t: 3000.0 * np.sin(t)}
     stop = pneumatic_train.run(WET | {"speed_start": 60 / 3.6}, inputs, 60.0)
     assert stop["speed"][-1] == 0.0
@@ -124,7 +124,7 @@ def test_locked_wheelsets_turn_again_when_the_brake_is_released(train: Train) ->
 
 
 def test_locked_wheelsets_turn_again_when_the_rail_recovers(train: Train) -> None:
-    mu0 = lambda t: [0.05 if t < 6 else 0.55] * 6  # noqa: E731
+    mu0 = lambda t: [0.05 if t < 6 else 0.55] * 6
     stop = brake(train, 80, mu0, DRY, until=10.0)
     assert (stop["locked"][stop["time"] == 6.0] > 0.5).all()
     assert not (stop["locked"][stop["time"] > 7.0] > 0.5).any()
@@ -133,7 +133,7 @@ def test_locked_wheelsets_turn_again_when_the_rail_recovers(train: Train) -> Non
 def test_a_braked_train_rests_until_the_slope_is_stronger(train: Train) -> None:
     """The brake holds Σ n μ F⊥ r_friction / r_wheel and the resistance of bearings and rolling."""
     share = 0.2
-    slope = lambda t: 2000.0 * t  # noqa: E731
+    slope = lambda t: 2000.0 * t
     stop = brake(
         train,
         0,
@@ -169,7 +169,7 @@ def test_a_train_that_has_stopped_stays(train: Train) -> None:
 
 def test_the_communication_step_does_not_decide_the_distance(train: Train) -> None:
     """Commands that do not change: halving the step must not move the distance by more than 0.05 %."""
-    constant = lambda _: FULL  # noqa: E731
+    constant = lambda _: FULL
     coarse = brake(train, 80, 0.10, WET, pressure=constant, step=2e-3, keep=5)
     fine = brake(train, 80, 0.10, WET, pressure=constant, step=1e-3, keep=10)
     assert coarse["distance"][-1] == pytest.approx(fine["distance"][-1], rel=5e-4)
@@ -192,7 +192,7 @@ def test_valves_fill_hold_and_vent_after_their_dead_times(pneumatic_train: Train
     quiet = {"valve_command": command, "mu0": friction(0.3), "track_force": lambda _: 0.0}
     stop = pneumatic_train.run({"speed_start": 40 / 3.6, "rate_choked": 1e8}, quiet, 5.0, keep=1)
     time, p = stop["time"], stop["cylinder_pressure"]
-    at = lambda t: p[round(t * 1000)]  # noqa: E731
+    at = lambda t: p[round(t * 1000)]
     assert np.all(p[time < 1.045] == 0)
     for later in (0.2, 0.8, 1.8):
         assert at(1.05 + later) == pytest.approx(FULL * (1 - np.exp(-later / 0.4)), rel=0.01)
@@ -208,7 +208,7 @@ def test_valves_fill_hold_and_vent_after_their_dead_times(pneumatic_train: Train
 
 def test_a_short_pulse_keeps_its_length_through_the_dead_time(pneumatic_train: Train) -> None:
     """A pulse of 20 ms, shorter than the dead time of 50 ms, fills for 20 ms."""
-    command = lambda t: [1.0 if 0.0985 < t < 0.1185 else 0.0] * 4  # noqa: E731
+    command = lambda t: [1.0 if 0.0985 < t < 0.1185 else 0.0] * 4
     inputs = {"valve_command": command, "mu0": friction(0.3), "track_force": lambda _: 0.0}
     stop = pneumatic_train.run({"leak": 0.0}, inputs, 0.4, keep=1)
     assert stop["cylinder_pressure"][-1] == pytest.approx(FULL * (1 - np.exp(-0.020 / 0.4)), rel=1e-3)
