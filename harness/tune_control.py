@@ -67,14 +67,8 @@ class Objective:
 
     def __call__(self, point: Vector) -> float:
         """Return it for the logarithms of the parameters."""
-        return float(np.mean(np.log(self.distances(values_of(self.names, point)))))
-
-    def distances(self, values: Mapping[str, float]) -> list[float]:
-        """Return the distance of every stop [m] with these parameters."""
-        from harness.assemble import braking_distance
-
-        found = [braking_distance(_changed(stop, {"parameters": dict(values)})) for stop in self.stops]
-        return [_ENDLESS if distance is None else distance for distance in found]
+        values = values_of(self.names, point)
+        return float(np.mean([math.log(_distance(_with(values, stop))) for stop in self.stops]))
 
 
 def values_of(names: Sequence[str], point: Vector) -> dict[str, float]:
@@ -158,7 +152,7 @@ def search(
             callback=note,
         )
         values = values_of(tuple(ranges), found.x)
-        distances = list(pool.map(_distance, [_changed(s.scenario, {"parameters": values}) for s in seeking]))
+        distances = list(pool.map(_distance, [_with(values, stop.scenario) for stop in seeking]))
     return Found(
         values=values,
         rails=tuple(stop.variants["rail"] for stop in seeking),
@@ -182,8 +176,9 @@ def _under(stops: Sequence[PlannedStop], controller: str) -> list[PlannedStop]:
     return [stop for stop in stops if stop.variants["controller"] == controller]
 
 
-def _changed(scenario: Scenario, controller: Mapping[str, Any]) -> Scenario:
-    return Scenario.model_validate(merged(scenario.resolved(), {"controller": controller}))
+def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
+    """Return a scenario whose controller has other parameters."""
+    return Scenario.model_validate(merged(scenario.resolved(), {"controller": {"parameters": dict(values)}}))
 
 
 def _distance(scenario: Scenario) -> float:
