@@ -87,3 +87,32 @@ def _description(speed_unit: str, names: Mapping[str, str]) -> str:
             "</fmiModelDescription>",
         ]
     )
+
+
+def quick_stop(controller: str) -> str:
+    """Return the tables of a scenario behind [vehicle]: a short stop on good rail, steps of 10 ms, no estimator."""
+    return f"""
+[start]
+speed = "36 km/h"
+[adhesion]
+kind = "constant"
+polach = "dry"
+mu0 = 0.3
+[sensors]
+kind = "ideal"
+[actuation]
+kind = "ideal"
+[estimator]
+kind = "none"
+[controller]
+kind = "{controller}"
+[periods]
+communication = "10 ms"
+estimator = "10 ms"
+controller = "10 ms"
+trace = "10 ms"
+[limits]
+horizon = "30 s"
+stop_speed = "0.1 m/s"
+alpha_max = "tsi"
+"""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mule_fmu import mule
+from mule_fmu import mule, quick_stop
 
 from harness import assemble
 from harness.__main__ import main
@@ -25,29 +25,6 @@ seed = 1
 plant = "{plant}"
 trust = {trust}
 {more}
-[start]
-speed = "36 km/h"
-[adhesion]
-kind = "constant"
-polach = "dry"
-mu0 = 0.3
-[sensors]
-kind = "ideal"
-[actuation]
-kind = "ideal"
-[estimator]
-kind = "none"
-[controller]
-kind = "full_brake"
-[periods]
-communication = "10 ms"
-estimator = "10 ms"
-controller = "10 ms"
-trace = "10 ms"
-[limits]
-horizon = "30 s"
-stop_speed = "0.1 m/s"
-alpha_max = "tsi"
 """
 
 
@@ -68,7 +45,7 @@ def railgrip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Capt
     monkeypatch.setenv("COLUMNS", "200")
 
     def run(plant: Path, *, trust: bool = True, more: str = "") -> Done:
-        text = SCENARIO.format(plant=plant, trust=str(trust).lower(), more=more)
+        text = SCENARIO.format(plant=plant, trust=str(trust).lower(), more=more) + quick_stop("full_brake")
         (tmp_path / "town.toml").write_text(text)
         capfd.readouterr()
         with pytest.raises(SystemExit) as end:

@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from mule_fmu import mule
+from mule_fmu import mule, quick_stop
 
 from harness.__main__ import main
 from harness.fmu import Signal, bind, describe
@@ -15,32 +15,9 @@ from harness.fmu import Signal, bind, describe
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
-REST = """
+HEAD = """
 name = "mine"
 seed = 1
-[start]
-speed = "36 km/h"
-[adhesion]
-kind = "constant"
-polach = "dry"
-mu0 = 0.3
-[sensors]
-kind = "ideal"
-[actuation]
-kind = "ideal"
-[estimator]
-kind = "none"
-[controller]
-kind = "slip_two_state"
-[periods]
-communication = "10 ms"
-estimator = "10 ms"
-controller = "10 ms"
-trace = "10 ms"
-[limits]
-horizon = "30 s"
-stop_speed = "0.1 m/s"
-alpha_max = "tsi"
 """
 
 THEIRS = (
@@ -84,8 +61,7 @@ def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
 def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     mule(foundry, names=THEIRS).rename(tmp_path / "MyTrain.fmu")
-    name, _, rest = REST.partition("[start]")
-    (tmp_path / "mine.toml").write_text(f"{name}\n{printed}\n[start]{rest}")
+    (tmp_path / "mine.toml").write_text(f"{HEAD}\n{printed}\n{quick_stop('slip_two_state')}")
     with pytest.raises(SystemExit) as end:
         main(["run", "mine.toml"])
     assert (end.value.code or 0) == 0
