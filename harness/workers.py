@@ -48,11 +48,18 @@ def leave_with_parent() -> None:
     parent = multiprocessing.parent_process()
     assert parent is not None, "for a process that multiprocessing started"
 
+    orphaned = threading.Event()
+
     def leave(number: int, frame: FrameType | None) -> None:
-        sys.exit(1)
+        if orphaned.is_set():
+            sys.exit(1)
+        # A pool that ends its workers means at once, without a word.
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.kill(os.getpid(), signal.SIGTERM)
 
     def wait() -> None:
         parent.join()
+        orphaned.set()
         for _ in range(_TRIES):  # the pool takes the exit for a failed task, and takes the next from its queue
             os.kill(os.getpid(), signal.SIGTERM)
             time.sleep(0.1)
