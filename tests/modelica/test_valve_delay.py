@@ -28,7 +28,7 @@ def delay(tmp_path_factory: pytest.TempPathFactory) -> FMU2Slave:
 
 
 def run(delay: FMU2Slave, commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
-    """Return filling and venting after each sample, shape (n, 2)."""
+    """Hold each command over a step of one period, with one sample in it; return filling and venting, shape (n, 2)."""
     place = delay.references
     delay.reset()
     delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [dead_fill, dead_vent, commands[0]])
@@ -37,9 +37,8 @@ def run(delay: FMU2Slave, commands: np.ndarray, dead_fill: float, dead_vent: flo
     delay.exitInitializationMode()
     seen: list[list[float]] = []
     for k, command in enumerate(commands):
-        if k:
-            delay.setReal([place["command"]], [command])
-            delay.doStep((k - 1) * PERIOD, PERIOD)
+        delay.setReal([place["command"]], [command])
+        delay.doStep(k * PERIOD, PERIOD)
         seen.append(delay.getReal([place["filling"], place["venting"]]))
     return np.array(seen)
 
@@ -63,3 +62,17 @@ def test_valves_follow_the_command_after_their_dead_times(delay: FMU2Slave, dead
     rng = np.random.default_rng(7)
     commands = np.repeat(rng.choice([-1.0, -0.3, 0.0, 0.49, 0.5, 1.0], 120), rng.integers(1, 12, 120))
     np.testing.assert_array_equal(run(delay, commands, dead_fill, dead_vent), wanted(commands, dead_fill, dead_vent))
+
+
+def test_no_sample_falls_on_a_whole_millisecond(delay: FMU2Slave) -> None:
+    """There communication steps end, where the sample would be a matter of rounding. It falls half a step beyond."""
+    place = delay.references
+    delay.reset()
+    delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [0.0, 0.0, 1.0])
+    delay.setupExperiment(startTime=0.0)
+    delay.enterInitializationMode()
+    delay.exitInitializationMode()
+    delay.doStep(0.0, 0.00049)
+    assert delay.getReal([place["filling"]]) == [0.0]
+    delay.doStep(0.00049, 0.00002)
+    assert delay.getReal([place["filling"]]) == [1.0]

@@ -2,7 +2,8 @@ within RailBraking.Pneumatics;
 block ValveDelay "Dead time of a fill and a vent valve that share a three-state command"
   parameter Types.Time dead_fill = 0.05 "Dead time of the fill valve";
   parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
-  final parameter Types.Time period = 0.002 "Resolution of the dead times";
+  constant Types.Time period = 0.002 "Resolution of the dead times";
+  constant Types.Time offset = 0.0005 "First sample; half a communication step of 1 ms, so that none ends on a sample";
   Interfaces.RealInput command(start=0) "At or below -0.5 vent, at or above 0.5 fill, hold between";
   Interfaces.RealOutput filling(final unit="1") "1 while the fill valve is open, else 0";
   Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0";
@@ -19,7 +20,7 @@ protected
   discrete Real fill_open(start=0, fixed=true) "1 while the fill valve is open";
   discrete Real vent_open(start=0, fixed=true) "1 while the vent valve is open";
 equation
-  when sample(0, 0.002) then
+  when sample(offset, period) then
     line = shift(if command >= 0.5 then 1 elseif command <= -0.5 then -1 else 0, pre(line));
     for_fill = tap(line, age_fill, place_fill);
     for_vent = tap(line, age_vent, place_vent);
@@ -37,6 +38,12 @@ initial equation
 <p>
 A delay line, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever
 the dead time. Between two samples the line is interpolated.
+The samples lie half a millisecond off the grid of whole milliseconds, on which a simulation tool usually exchanges
+inputs and outputs: where a sample and the end of a communication step coincide but for rounding, a tool would have to
+integrate over the difference of some 1e-18 s, which not every solver can. Choose communication steps that do not end
+on a sample: whole milliseconds do not.
+</p>
+<p>
 A valve opens and closes with the same dead time. Dead times are rounded to the resolution; a command that changes
 between two samples acts up to 2 ms later.
 </p>
