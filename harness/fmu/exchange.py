@@ -33,8 +33,8 @@ _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
 class ModelExchange:
     """A model-exchange FMU in this process, evaluated point by point; used inside `with`.
 
-    Raw: vectors are in the FMU's own order and units. The values of one point are sent once, however many of
-    its functions are asked for.
+    Raw: vectors are in the FMU's own order and units. The values of one point are sent once, and anew after its
+    derivatives were read.
     """
 
     def __init__(
@@ -165,6 +165,9 @@ class ModelExchange:
         """
         self._move(x, u)
         p = self._pointers
+        # OpenModelica's FMUs (to 1.27.0) evaluate the derivatives alone and then take everything for evaluated: outputs
+        # and Jacobians would be those of an earlier point, unless the point is sent anew.
+        self._at = b""
         self._check(self._get_derivatives(self._component, p["dx"], self._dx.size), "fmi2GetDerivatives")
         return self._finite(self._dx.copy(), self.description.derivatives)
 

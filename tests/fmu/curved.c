@@ -3,14 +3,19 @@
  *   da/dt = -k a + u1,   db/dt = a b + sin c,   dc/dt = b - c^3 + u2,   y1 = a + b c,   y2 = c + u1.
  *
  * Value references: 0-2 a b c, 3-5 their derivatives, 6-7 u, 8-9 y, 10 k, 11 how often values were sent, 12 how often
- * derivatives, values or directional derivatives were asked for. dc/dt is no number where c > 1000.              */
+ * derivatives, values or directional derivatives were asked for. dc/dt is no number where c > 1000.
+ *
+ * With FORGETS defined it does as OpenModelica's FMUs up to 1.27.0: once its derivatives were read it takes its outputs
+ * for evaluated, too, until a state or input is set; its directional derivatives are those of the point where it last
+ * evaluated everything.                                                                                            */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "quiet.h"
 
-typedef struct { double v[13]; } Model;
-#define V (((Model *)c)->v)
+typedef struct { double v[13], at[13]; int moved; } Model; /* at: v where everything was last evaluated */
+#define M ((Model *)c)
+#define V (M->v)
 
 static void derivatives(const double *v, double *dx) {
     dx[0] = -v[10] * v[0] + v[6];
@@ -21,12 +26,20 @@ static void outputs(const double *v, double *y) {
     y[0] = v[0] + v[1] * v[2];
     y[1] = v[2] + v[6];
 }
+static void evaluate(Model *m) {
+#ifdef FORGETS
+    if (!m->moved) return;
+#endif
+    derivatives(m->v, m->v + 3); outputs(m->v, m->v + 8);
+    memcpy(m->at, m->v, sizeof m->at);
+    m->moved = 0;
+}
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *call, fmi2Boolean visible, fmi2Boolean logging) {
     (void)name; (void)type; (void)resources; (void)call; (void)visible; (void)logging;
     if (strcmp(guid, TINY_GUID)) return NULL;
     Model *m = calloc(1, sizeof *m);
-    m->v[10] = 1;
+    m->v[10] = m->moved = 1;
     return m;
 }
 void fmi2FreeInstance(fmi2Component c) { free(c); }
@@ -41,17 +54,18 @@ fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) { (void)c; (void)t; return f
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[]) {
     V[11]++;
     for (size_t i = 0; i < n; i++) V[vr[i]] = v[i];
+    M->moved = 1;
     return fmi2OK;
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
     V[12]++;
-    derivatives(V, V + 3); outputs(V, V + 8);
+    evaluate(c);
     for (size_t i = 0; i < n; i++) v[i] = V[vr[i]];
     return fmi2OK;
 }
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
     if (n != 3) return fmi2Error;
-    V[11]++; memcpy(V, x, 3 * sizeof *x); return fmi2OK;
+    V[11]++; memcpy(V, x, 3 * sizeof *x); M->moved = 1; return fmi2OK;
 }
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
     if (n != 3) return fmi2Error;
@@ -59,12 +73,13 @@ fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n) {
 }
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
     if (n != 3) return fmi2Error;
-    V[12]++; derivatives(V, dx); return fmi2OK;
+    V[12]++; derivatives(V, dx); M->moved = 0; return fmi2OK;
 }
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference z[], size_t nz,
                                         const fmi2ValueReference w[], size_t nw, const fmi2Real dw[], fmi2Real dz[]) {
-    double s[8] = {0}, d[10] = {0}, *v = V;
+    double s[8] = {0}, d[10] = {0}, *v = M->at;
     V[12]++;
+    evaluate(c);
     for (size_t i = 0; i < nw; i++) { if (w[i] > 7) return fmi2Error; s[w[i]] = dw[i]; }
     d[3] = -v[10] * s[0] + s[6];
     d[4] = v[1] * s[0] + v[0] * s[1] + cos(v[2]) * s[2];

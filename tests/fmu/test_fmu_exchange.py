@@ -85,17 +85,33 @@ def test_states_come_in_the_order_asked_for(foundry: Path, order: str, different
         np.testing.assert_allclose(made.output_jacobian(x[moved], u), h_x[:, moved], atol=4e-8)
 
 
+@pytest.mark.parametrize("directional", [True, False])
+def test_outputs_and_jacobians_after_derivatives_are_those_of_the_same_point(foundry: Path, directional: bool):
+    """OpenModelica's FMUs up to 1.27.0 take outputs for evaluated once derivatives were read."""
+    with opened(curved(foundry, directional=directional, forgets=True)) as made:
+        for x, u in POINTS:
+            np.testing.assert_allclose(made.derivative(x, u), derivative(x, u), rtol=1e-14)
+            np.testing.assert_allclose(made.output(x, u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+            made.derivative(x, u)
+            np.testing.assert_allclose(made.output_jacobian(x, u), jacobians(x)[1], atol=4e-8)
+            np.testing.assert_allclose(made.derivative_jacobian(x, u), jacobians(x)[0], atol=4e-8)
+
+
 def test_one_point_is_sent_once_and_both_jacobians_cost_one_call_per_state(foundry: Path):
     x, u = POINTS[0]
     with ModelExchange(
         describe(curved(foundry)), parameters={"k": K}, inputs=("u[1]", "u[2]"), outputs=("sent", "asked")
     ) as model:
         before = model.output(x, u)
+        model.directional(x, u)
+        between = model.output(x, u)
         model.derivative(x, u)
         model.directional(x, u)
         after = model.output(x, u)
-    # One to read `after` itself, one for the derivative, one for each of three states; nothing was sent again.
-    np.testing.assert_array_equal(after - before, [0, 5])
+    # One to read `between` itself, one for each of three states; nothing was sent again.
+    np.testing.assert_array_equal(between - before, [0, 4])
+    # One more for the derivative, after which states and inputs were sent once more.
+    np.testing.assert_array_equal(after - between, [2, 5])
 
 
 def test_results_are_not_overwritten_by_the_next_point(prediction: FmuPrediction):

@@ -133,14 +133,14 @@ CURVED_STATES = ("a", "b", "c")
 CURVED_OUTPUTS = ("y[1]", "y[2]")
 
 
-def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0) -> Path:
-    """Build the smooth model-exchange FMU of curved.c in `folder` and return its file."""
+def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forgets: bool = False) -> Path:
+    """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there."""
     library = shared_library(
         {"curved.c": SOURCES["curved.c"], "quiet.h": SOURCES["quiet.h"]},
         folder / "libraries",
-        "curved",
+        f"curved_{forgets}",
         include=(HEADERS,),
-        flags=(f'-DTINY_GUID="{GUID}"',),
+        flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),
     )
     size = f' nominal="{nominal}"'
     rows = [_row(n, i, "local", "continuous", "exact", f'Real start="0"{size}') for i, n in enumerate("abc")]
@@ -169,7 +169,7 @@ def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0) -> P
             "</fmiModelDescription>",
         ]
     )
-    file = folder / f"curved_{directional}.fmu"
+    file = folder / f"curved_{directional}_{forgets}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", text)
         archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
