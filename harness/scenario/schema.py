@@ -10,6 +10,7 @@ import json
 from typing import Annotated, Any, Self
 
 from pydantic import Field, StrictInt, model_validator
+from pydantic_core import PydanticCustomError
 
 from harness.scenario.file import NamedFile
 from harness.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, Limits, Periods
@@ -17,6 +18,7 @@ from harness.scenario.profile import Adhesion, Constant, FromTable
 from harness.scenario.sensors import Sensors
 from harness.scenario.table import Table, broken
 from harness.scenario.track import Track
+from harness.scenario.valves import off_the_samples
 from harness.scenario.vehicle import Start, Vehicle
 
 
@@ -43,6 +45,11 @@ class Scenario(Table):
             raise broken("adhesion runs over distance: [vehicle] must give wheelset_offsets, how far behind the first")
         if self.controller.kind in ("adhesion_based", "adhesion_literal") and self.estimator.kind == "none":
             raise broken("[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'")
+        if self.actuation.kind == "pneumatic" and isinstance(self.vehicle.plant, str):
+            try:
+                off_the_samples(self.periods.communication)
+            except PydanticCustomError as refusal:
+                raise broken(f"[periods] communication {refusal}") from refusal
         if self.limits.stop_speed >= self.start.speed:
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "

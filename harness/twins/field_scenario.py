@@ -11,6 +11,7 @@ from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
 from harness.scenario.table import Duration, Friction, Length, Parameters, Speed, Table
 from harness.scenario.track import CurveLaw
+from harness.scenario.valves import ValveStep
 from harness.track.geodesy import Place
 from harness.track.laid import Element, LaidTrack, course_of, grades_of
 from harness.twins.load import LIBRARY
@@ -122,7 +123,7 @@ class FieldScenario(Table):
     description: str = ""
     seed: Annotated[StrictInt, Field(ge=0)]
     period: Duration
-    step: Duration
+    step: ValveStep
     track: TrackTable
     train: TrainTable
     surface: SurfaceTable

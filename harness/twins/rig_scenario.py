@@ -7,6 +7,7 @@ from pydantic import Field, StrictInt, model_validator
 
 from harness.scenario.quantity import Unit
 from harness.scenario.table import Delay, Duration, Friction, Parameters, Speed, Table
+from harness.scenario.valves import ValveStep
 from harness.twins.load import Pressure, Time, in_order, load_twin
 
 Slip = Annotated[float, Unit("1", above=0, below=1)]
@@ -52,7 +53,7 @@ class RigScenario(Table):
     speed_start: Speed
     stop_speed: Speed
     horizon: Duration
-    period: Duration
+    period: ValveStep
     demand: list[tuple[Time, Pressure]]
     protection: Protection
     surface: Surface

@@ -1,15 +1,22 @@
 """A scenario file is read whole and exactly, or refused in sentences that name file, table and key."""
 
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 import harness.scenario
+from fmus.native.dae import read
+from fmus.native.system import explicit
 from harness.scenario.error import ScenarioError
 from harness.scenario.load import load, scenario_of
+from harness.scenario.valves import SAMPLES
+from harness.twins.rig_scenario import rig_scenario
 
 LIBRARY = Path(harness.scenario.__file__).parent / "library"
 TRAPEZOID = LIBRARY / "trapezoid.toml"
+TWINS = LIBRARY.parents[1] / "twins" / "library"
+VALVES = ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic"]
 
 
 @pytest.mark.parametrize("name", ["trapezoid", "sine_sweep", "random"])
@@ -121,6 +128,11 @@ REFUSALS = [
         ["periods.controller=1.5 ms"],
         "[periods] controller must be a whole multiple of communication, got 0.0015 s",
     ),
+    (
+        [*VALVES, "periods.communication=0.5 ms"],
+        "[periods] communication of 0.0005 s makes steps end on samples of the valves' dead times, every 0.002 s from "
+        "0.0005 s on, where rounding decides which command they see; take whole milliseconds",
+    ),
     (["vehicle.plant=mine.fmu"], "[vehicle] plant names 'mine.fmu', but there is no file"),
     (
         ["vehicle.plant=a plant"],
@@ -197,3 +209,30 @@ def test_a_folder_is_not_a_scenario(tmp_path):
 def test_an_override_that_is_none_is_refused(override):
     with pytest.raises(ScenarioError, match="--set "):
         load(TRAPEZOID, [override])
+
+
+@pytest.mark.parametrize("step", ["1 ms", "2 ms", "5 ms", "10 ms", "0.5 ms", "2.5 ms", "0.1 ms", "0.4 ms", "0.3 ms"])
+def test_steps_that_end_on_a_sample_of_the_valves_are_refused(step):
+    """Against counting, for twenty samples; with ideal actuation there are none."""
+    milliseconds = Fraction(step.removesuffix(" ms"))
+    ends = {k * milliseconds for k in range(1000)}
+    every = [f"periods.{name}={step}" for name in ("communication", "estimator", "controller", "trace")]
+    load(TRAPEZOID, every)
+    if any(Fraction("0.5") + 2 * k in ends for k in range(20)):
+        with pytest.raises(ScenarioError, match="steps end on samples of the valves' dead times"):
+            load(TRAPEZOID, [*VALVES, *every])
+    else:
+        load(TRAPEZOID, [*VALVES, *every])
+
+
+def test_the_rig_refuses_such_steps_too(tmp_path):
+    file = tmp_path / "mine.toml"
+    text = (TWINS / "rig_slide.toml").read_text(encoding="utf-8")
+    assert text.count('period = "5 ms"') == 1
+    file.write_text(text.replace('period = "5 ms"', 'period = "0.5 ms"'), encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"period of 0\.0005 s makes steps end on samples of the valves"):
+        rig_scenario(str(file))
+
+
+def test_the_samples_of_the_valves_are_those_of_the_plant():
+    assert explicit(read("RailBraking.Pneumatics.ValveDelay")).clocks == [tuple(map(float, SAMPLES))]
