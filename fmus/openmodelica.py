@@ -15,6 +15,10 @@ TOLERANCE = 1e-8
 """Of CVODE in a co-simulation FMU. omc takes it from the class, not from whoever runs the FMU, and an absolute error
 is this times a nominal value that is mostly one, while a deflection is a millimetre and the twist of an axle 1e-5."""
 
+_LINES = 12
+"""Most lines of a build log that go into a message."""
+_TELLING = re.compile(r"\berror\b|undefined reference|not found|no such file|cannot", re.IGNORECASE)
+
 
 def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
@@ -66,7 +70,7 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
 
     Raises:
         CompilerMissing: There is no omc on the PATH.
-        BuildFailed: omc hands over no FMU; the message carries its words.
+        BuildFailed: omc hands over no FMU; the message carries its words, a long log of the C compiler cut short.
     """
     told: list[str] = []
     for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
@@ -81,9 +85,25 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
             half.replace(path)
         if told:
             how = "" if derivatives or "cs" in recipe.interfaces else " without directional derivatives"
-            warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but says:\n{told[0]}", stacklevel=2)
+            words = _shortened(told[0], path.with_suffix(".log"))
+            warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but says:\n{words}", stacklevel=2)
         return path
-    raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{told[-1]}")
+    words = _shortened(told[-1], path.with_suffix(".log"))
+    raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{words}")
+
+
+def _shortened(text: str, log: Path) -> str:
+    """Return the lines of a build log that speak of errors, or else its last ones; a long one is kept whole in `log`.
+
+    When the C compiler fails, omc hands over all that make and the compiler printed as one message.
+    """
+    lines = text.splitlines()
+    if len(lines) <= _LINES:
+        return text
+    log.parent.mkdir(parents=True, exist_ok=True)
+    log.write_text(text + "\n")
+    telling = [line for line in lines[1:] if _TELLING.search(line)] or lines[1 - _LINES :]
+    return "\n".join([lines[0], *telling[: _LINES - 1], f"All {len(lines)} lines are in {log}."])
 
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:

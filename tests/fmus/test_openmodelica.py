@@ -146,6 +146,34 @@ def test_its_error_is_passed_on(omc, tmp_path):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
+def test_of_a_long_build_log_only_the_lines_that_tell_are_passed_on(omc, tmp_path):
+    """As omc does it when make fails: the whole log is one error."""
+    telling = "part7.c:3:1: fatal error: 'x.h' file not found"
+    lines = [*(f"clang -O2 -c part{k}.c" for k in range(150)), telling, "make: 1"]
+    log = "\n".join(['"Error: Error building simulator. Build log: cmake ..', *lines, '"'])
+    (tmp_path / "log.txt").write_text(log)
+    omc(f"cat {tmp_path / 'log.txt'}")
+    path = tmp_path / "out" / "Plant.fmu"
+    with pytest.raises(BuildFailed) as failure:
+        openmodelica.export(RECIPE, tmp_path, path)
+    assert str(failure.value).splitlines() == [
+        "OpenModelica could not build Lib.FMUs.Plant:",
+        "Error: Error building simulator. Build log: cmake ..",
+        telling,
+        f"All 153 lines are in {path.with_suffix('.log')}.",
+    ]
+    assert path.with_suffix(".log").read_text().splitlines()[1:] == lines
+
+
+def test_of_a_long_log_without_errors_the_end_is_passed_on(omc, tmp_path):
+    omc("seq 1 200")
+    with pytest.raises(BuildFailed) as failure:
+        openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
+    words = str(failure.value).splitlines()
+    assert words[1:4] == ["1", "190", "191"]
+    assert words[-2:] == ["200", f"All 200 lines are in {tmp_path / 'Plant.log'}."]
+
+
 def test_silence_without_an_fmu_is_an_error_too(omc, tmp_path):
     omc("exit 0")
     with pytest.raises(BuildFailed, match="omc ended with 0"):
