@@ -5,6 +5,9 @@ because FMPy's wrapper around each call costs more than the physics behind it.
 """
 
 import ctypes
+import os
+import re
+import sys
 import tempfile
 from collections import deque
 from collections.abc import Callable, Generator
@@ -88,6 +91,35 @@ def unpacked(description: Description) -> Generator[Path]:
         except Exception as error:  # FMPy raises bare Exception for illegal paths in the archive
             raise FmuError(f"{description.file}: the FMU cannot be unpacked: {error}") from error
         yield Path(folder)
+
+
+_SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
+
+
+@contextmanager
+def _without_solver_lines(description: Description) -> Generator[None]:
+    """Keep out of the standard output what an FMU of OpenModelica says of its solver while that is set up.
+
+    It prints a dozen lines with printf, whatever logging it was asked for (fmu_read_flags.c of its FMI export). All
+    else that it prints comes through.
+    """
+    if "OpenModelica" not in description.generator:
+        yield
+        return
+    libc = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
+    with tempfile.TemporaryFile() as printed:
+        sys.stdout.flush()
+        libc.fflush(None)
+        before = os.dup(1)
+        os.dup2(printed.fileno(), 1)
+        try:
+            yield
+        finally:
+            libc.fflush(None)
+            os.dup2(before, 1)
+            os.close(before)
+            printed.seek(0)
+            os.write(1, _SOLVER_LINES.sub(b"", printed.read()))
 
 
 class Instance:
@@ -244,8 +276,9 @@ class Instance:
 
     def enter_initialization(self, start: float, tolerance: float | None) -> None:
         """Set the experiment up and enter initialisation mode."""
-        self.call("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, start, 0, 0.0, time=start)
-        self.call("fmi2EnterInitializationMode", time=start)
+        with _without_solver_lines(self.description):
+            self.call("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, start, 0, 0.0, time=start)
+            self.call("fmi2EnterInitializationMode", time=start)
 
     def exit_initialization(self, start: float) -> None:
         """Leave initialisation mode; the simulation runs."""

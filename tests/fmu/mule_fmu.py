@@ -29,6 +29,7 @@ def mule(
     speed_unit: str = "m/s",
     platform: str = fmpy.platform,
     names: Mapping[str, str] = MappingProxyType({}),
+    tool: str = "a hand",
 ) -> Path:
     """Build the FMU in `folder` and return its file.
 
@@ -38,6 +39,7 @@ def mule(
         speed_unit: What it says the unit of its speed is.
         platform: Folder of the binary inside the FMU.
         names: Our name → the name it gives to that variable.
+        tool: That it says it was made by.
     """
     library = shared_library(
         SOURCES,
@@ -48,12 +50,12 @@ def mule(
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", _description(speed_unit, names))
+        archive.writestr("modelDescription.xml", _description(speed_unit, names, tool))
         archive.write(library, f"binaries/{platform}/mule{fmpy.sharedLibraryExtension}")
     return file
 
 
-def _description(speed_unit: str, names: Mapping[str, str]) -> str:
+def _description(speed_unit: str, names: Mapping[str, str], tool: str) -> str:
     inputs = [(f"pressure_command[{i}]", "Pa") for i in range(1, 5)] + [(f"mu0[{i}]", "1") for i in range(1, 7)]
     outputs = [
         *(("distance", "m"), ("speed", speed_unit), ("acceleration", "m/s2")),
@@ -75,7 +77,7 @@ def _description(speed_unit: str, names: Mapping[str, str]) -> str:
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             '<fmiModelDescription fmiVersion="2.0" modelName="Mule" guid="{mule}"',
-            '    variableNamingConvention="structured">',
+            f'    generationTool="{tool}" variableNamingConvention="structured">',
             '<CoSimulation modelIdentifier="mule" canHandleVariableCommunicationStepSize="true"/>',
             "<UnitDefinitions>",
             *(f'<Unit name="{name}">{base}</Unit>' for name, base in UNITS.items()),

@@ -2,10 +2,12 @@
 
 import pickle
 import zipfile
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
+from mule_fmu import mule
 from tiny_fmu import GUID, tiny, xml
 
 from harness.fmu import (
@@ -19,6 +21,7 @@ from harness.fmu import (
     bind,
     describe,
 )
+from harness.fmu.instance import Instance, unpacked
 
 PERIOD = 1e-3
 
@@ -324,3 +327,20 @@ def test_a_plant_is_used_inside_with_and_started_first(foundry: Path):
             plant.start(np.zeros(1))
     with pytest.raises(RuntimeError, match="inside 'with'"):
         plant.step(np.zeros(1))
+
+
+@pytest.mark.parametrize("tool", ["OpenModelica Compiler OpenModelica v1.27.0", "another tool"])
+def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_out(
+    foundry: Path, tool: str, capfd: pytest.CaptureFixture[str]
+):
+    description = describe(mule(foundry, "TALKS", tool=tool))
+    with unpacked(description) as folder, closing(Instance(description, "co-simulation", folder, name="m")) as fmu:
+        print("before")
+        fmu.enter_initialization(0.0, None)
+        fmu.exit_initialization(0.0)
+        print("after")
+    printed = capfd.readouterr().out
+    assert ("LOG_SOLVER" in printed) is (tool == "another tool")
+    assert ("equidistant" in printed) is (tool == "another tool")
+    if tool != "another tool":
+        assert printed.split() == ["before", "first", "word", "last", "word", "after"]
