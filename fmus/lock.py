@@ -30,13 +30,13 @@ def face(recipe: Recipe, system: System, digest: str) -> Entry:
     """Return what lock.toml records of an FMU.
 
     Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of
-    their unknowns; parameters, event_indicators, time_events, clocks, discretes, assertions as counts.
+    their unknowns; parameters (public ones), event_indicators, time_events, clocks, discretes, assertions as counts.
     """
     lay = layout(system)
     return {
         "class": recipe.class_name,
         "digest": digest,
-        "parameters": lay.free,
+        "parameters": sum(not p.protected for p in lay.parameters[: lay.free]),
         "discretes": len(lay.discretes),
         "event_indicators": system.indicators.numel(),
         "time_events": system.instants.numel(),

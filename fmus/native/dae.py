@@ -32,11 +32,13 @@ class Dae:
     Attributes:
         class_name: Full Modelica name.
         content: rumoca's checked DAE template, schema `SCHEMA`.
+        protected: Names of the variables that are declared protected, or lie in a component that is.
         sources: Source id to (file name, text); spans are byte offsets into the text.
     """
 
     class_name: str
     content: Node
+    protected: frozenset[str]
     sources: Mapping[int, tuple[str, bytes]]
 
     @property
@@ -128,6 +130,7 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         else:
             model = rumoca.Session().loads(path.read_text(), model=class_name, filename=alias)
         printed = model.codegen(str(FRONT)).files[0].content
+        flat = model.to_dict("flat")["variables"]
         files = model.to_dict("dae")["source_map"]["files"]
     except rumoca.RumocaError as error:
         said = str(error).replace(alias, str(path))
@@ -144,7 +147,8 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     sources = {
         number: (_short(path if name == alias else Path(name), base), text.encode()) for number, name, text in files
     }
-    return Dae(class_name=class_name, content=content, sources=sources)
+    protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
+    return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
 
 
 _kept = threading.local()

@@ -1,6 +1,6 @@
 """modelDescription.xml: variables, units and structure of an FMU."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from xml.sax.saxutils import quoteattr
@@ -157,6 +157,13 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
     def text(s: Scalar) -> str:
         return s.attributes.get("description") or ""
 
+    def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
+        """Yield place, variable and value reference of what is shown: as in OpenModelica, whatever is not protected.
+
+        States are shown whatever they are, for FMI lists them.
+        """
+        return ((i, s, lay.reference(group) + i) for i, s in enumerate(members) if not s.protected)
+
     first = lay.reference
     w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
     for i, s in enumerate(lay.states):
@@ -183,23 +190,23 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
             variability="continuous" if _type(s) == "Real" else "discrete", description=text(s),
             attributes=_declared(s),
         )  # fmt: skip
-    for i, s in enumerate(lay.parameters):
+    for i, s, reference in public("parameters", lay.parameters):
         free = i < lay.free
         w.add(
-            s.name, first("parameters") + i, causality="parameter" if free else "calculatedParameter",
+            s.name, reference, causality="parameter" if free else "calculatedParameter",
             variability="tunable" if s.attributes["tunable"] or not free else "fixed",
             initial="exact" if free else "calculated", type_=_type(s), start=s.start if free else None,
             description=text(s), attributes=_declared(s),
         )  # fmt: skip
     for group, members in (("outputs", lay.outputs), ("locals", lay.locals)):
-        for i, s in enumerate(members):
+        for _, s, reference in public(group, members):
             w.add(
-                s.name, first(group) + i, causality=out(s), variability="continuous", initial="calculated",
+                s.name, reference, causality=out(s), variability="continuous", initial="calculated",
                 description=text(s), attributes=_declared(s),
             )  # fmt: skip
-    for i, s in enumerate(lay.discretes):
+    for _, s, reference in public("discretes", lay.discretes):
         w.add(
-            s.name, first("discretes") + i, causality=out(s), variability="discrete", initial="calculated",
+            s.name, reference, causality=out(s), variability="discrete", initial="calculated",
             type_=_type(s), description=text(s), attributes=_declared(s),
         )  # fmt: skip
     for i, name in enumerate(lay.settings):
@@ -295,12 +302,14 @@ def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
     initial = [first("outputs") + i for i in range(len(lay.outputs))] + discrete
     initial += [first("states") + i for i in range(nx) if system.calculated[i]]
     initial += [first("derivatives") + i for i in range(nx)]
-    initial += [first("parameters") + i for i in range(lay.free, len(lay.parameters))]
+    initial += [
+        first("parameters") + i for i in range(lay.free, len(lay.parameters)) if not lay.parameters[i].protected
+    ]
     out = ["  <ModelStructure>"]
     for name, items in (
         ("Outputs", shown),
         ("Derivatives", derivatives),
-        ("InitialUnknowns", [unknown(reference, None) for reference in initial]),
+        ("InitialUnknowns", [unknown(reference, None) for reference in initial if reference in w.index]),
     ):
         if items:
             listed = items if name == "Derivatives" else sorted(items)

@@ -281,7 +281,7 @@ def _sorted_out(
         states.append(
             Scalar(
                 name=symbol.name(), kind="state", type="real", causality="local", symbol=symbol,
-                attributes={"unit": None, "description": None}, position=0, provenance={},
+                attributes={"unit": None, "description": None}, position=0, provenance={}, protected=False,
             )
         )  # fmt: skip
     lowered = [s for s in v.states if s.name in demoted]

@@ -25,6 +25,7 @@ class Scalar:
         start: Value before initialisation, with every parameter at its default.
         expression: Symbolic binding (parameters) or start (others), when there is one.
         fixed: Whether the start value is an initial condition.
+        protected: Whether it is hidden from whoever uses the class.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Scalar:
     attributes: Node
     position: int
     provenance: Node
+    protected: bool
     start: float = 0.0
     expression: SX | None = None
     fixed: bool = False
@@ -124,6 +126,7 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
                 attributes=attributes,
                 position=i,
                 provenance=v["declaration"],
+                protected=v["name"] in dae.protected,
                 fixed=bool(fixed[i]),
             )
             for i, (name, symbol) in enumerate(zip(names, own, strict=True))
