@@ -105,6 +105,13 @@ def test_every_parameter_of_an_exported_block_has_a_value_and_every_input_a_star
             assert "final unit" in public
 
 
+def test_every_array_that_goes_in_or_out_has_one_unit() -> None:
+    """Another compiler takes one unit for all elements of an array, and warns of equations that give it two."""
+    for path in FILES:
+        for found in re.findall(r"Interfaces\.Real(?:In|Out)put \w+\[[^;]*;", text(path)):
+            assert "final unit=" in found, f"{path.name}: {found}"
+
+
 def test_the_version_is_the_projects() -> None:
     version = re.search(r'version="([^"]+)"', text(LIBRARY / "package.mo"))[1]
     pyproject = (LIBRARY.parents[1] / "pyproject.toml").read_text()

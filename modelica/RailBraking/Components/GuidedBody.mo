@@ -17,7 +17,10 @@ model GuidedBody "Car body with six motions on two bogies"
   parameter Types.Damping c_z(start=3e4) "Vertical damping of one side";
   parameter Types.Damping c_yaw(start=1e5) "Longitudinal damping of one yaw damper";
   final parameter Types.Length arm[2] = {pivots/2, -pivots/2} "Pivots ahead of the centre";
-  Interfaces.RealInput frame[2, 12] "x, dv, y, vy, z, vz, phi, wx, theta, wy, psi, wz of both frames";
+  Interfaces.RealInput frame_position[2, 3](each final unit="m") "x, y, z of both frames";
+  Interfaces.RealInput frame_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both frames";
+  Interfaces.RealInput frame_angle[2, 3](each final unit="rad") "phi, theta, psi of both frames";
+  Interfaces.RealInput frame_rate[2, 3](each final unit="rad/s") "wx, wy, wz of both frames";
   Interfaces.RealInput resistance(final unit="N") "Drag, positive when it slows the car";
   Interfaces.RealOutput F[2, 3](each final unit="N") "Force on both frames";
   Interfaces.RealOutput M[2, 3](each final unit="N.m") "Torque on both frames";
@@ -41,13 +44,13 @@ protected
   Types.Torque yaw[2] "Torque of the secondary suspension on both frames about the vertical axis";
 equation
   for i in 1:2 loop
-    rod[i] = k_rod*(x - h*theta - frame[i, 1] - h_frame*frame[i, 9]) + c_rod*(dv - h*wy - frame[i, 2] -
-      h_frame*frame[i, 10]);
-    lateral[i] = 2*k_y*(y + arm[i]*psi + h*phi - frame[i, 3] + h_frame*frame[i, 7])
-      + 2*c_y*(vy + arm[i]*wz + h*wx - frame[i, 4] + h_frame*frame[i, 8]);
-    lift[i] = 2*k_z*(z - arm[i]*theta - frame[i, 5]) + 2*c_z*(vz - arm[i]*wy - frame[i, 6]);
-    roll[i] = b_secondary^2*(2*k_z*(phi - frame[i, 7]) + 2*c_z*(wx - frame[i, 8]));
-    yaw[i] = b_secondary^2*(2*k_y*(psi - frame[i, 11]) + 2*c_yaw*(wz - frame[i, 12]));
+    rod[i] = k_rod*(x - h*theta - frame_position[i, 1] - h_frame*frame_angle[i, 2])
+      + c_rod*(dv - h*wy - frame_velocity[i, 1] - h_frame*frame_rate[i, 2]);
+    lateral[i] = 2*k_y*(y + arm[i]*psi + h*phi - frame_position[i, 2] + h_frame*frame_angle[i, 1])
+      + 2*c_y*(vy + arm[i]*wz + h*wx - frame_velocity[i, 2] + h_frame*frame_rate[i, 1]);
+    lift[i] = 2*k_z*(z - arm[i]*theta - frame_position[i, 3]) + 2*c_z*(vz - arm[i]*wy - frame_velocity[i, 3]);
+    roll[i] = b_secondary^2*(2*k_z*(phi - frame_angle[i, 1]) + 2*c_z*(wx - frame_rate[i, 1]));
+    yaw[i] = b_secondary^2*(2*k_y*(psi - frame_angle[i, 3]) + 2*c_yaw*(wz - frame_rate[i, 3]));
     F[i, 1] = rod[i];
     F[i, 2] = lateral[i];
     F[i, 3] = lift[i];

@@ -14,7 +14,10 @@ model GuidedFrame "Bogie frame with six motions between two wheelsets and the ca
   parameter Types.Damping c_y(start=1.5e4) "Lateral damping of one axle box";
   parameter Types.Damping c_z(start=1.2e4) "Vertical damping of one axle box";
   final parameter Types.Length arm[2] = {wheelbase/2, -wheelbase/2} "Wheelsets ahead of the centre";
-  Interfaces.RealInput wheelset[2, 8] "x, dv, y, vy, psi, wz, z, vz of both wheelsets";
+  Interfaces.RealInput wheelset_position[2, 3](each final unit="m") "x, y, z of both wheelsets";
+  Interfaces.RealInput wheelset_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both wheelsets";
+  Interfaces.RealInput wheelset_yaw[2](each final unit="rad") "psi of both wheelsets";
+  Interfaces.RealInput wheelset_rate[2](each final unit="rad/s") "wz of both wheelsets";
   Interfaces.RealInput roll_track[2](each final unit="rad") "Roll angle of the track under both wheelsets";
   Interfaces.RealInput F[3](each final unit="N") "Force of the car body";
   Interfaces.RealInput M[3](each final unit="N.m") "Torque of the car body and of the drive, about the three axes";
@@ -37,10 +40,12 @@ model GuidedFrame "Bogie frame with six motions between two wheelsets and the ca
   Types.AngularVelocity wz(start=0, fixed=true, nominal=1e-2) "Yaw rate";
 equation
   for i in 1:2 loop
-    X[i] = 2*k_x*(x - h*theta - wheelset[i, 1]) + 2*c_x*(dv - h*wy - wheelset[i, 2]);
-    Y[i] = 2*k_y*(y + arm[i]*psi + h*phi - wheelset[i, 3]) + 2*c_y*(vy + arm[i]*wz + h*wx - wheelset[i, 4]);
-    M_yaw[i] = b_primary^2*(2*k_x*(psi - wheelset[i, 5]) + 2*c_x*(wz - wheelset[i, 6]));
-    N[i] = 2*k_z*(wheelset[i, 7] - z + arm[i]*theta) + 2*c_z*(wheelset[i, 8] - vz + arm[i]*wy);
+    X[i] = 2*k_x*(x - h*theta - wheelset_position[i, 1]) + 2*c_x*(dv - h*wy - wheelset_velocity[i, 1]);
+    Y[i] = 2*k_y*(y + arm[i]*psi + h*phi - wheelset_position[i, 2])
+      + 2*c_y*(vy + arm[i]*wz + h*wx - wheelset_velocity[i, 2]);
+    M_yaw[i] = b_primary^2*(2*k_x*(psi - wheelset_yaw[i]) + 2*c_x*(wz - wheelset_rate[i]));
+    N[i] = 2*k_z*(wheelset_position[i, 3] - z + arm[i]*theta)
+      + 2*c_z*(wheelset_velocity[i, 3] - vz + arm[i]*wy);
     M_roll[i] = b_primary^2*(2*k_z*(roll_track[i] - phi) - 2*c_z*wx);
   end for;
   der(x) = dv;

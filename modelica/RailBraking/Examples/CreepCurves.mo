@@ -2,6 +2,7 @@ within RailBraking.Examples;
 model CreepCurves "Adhesion over slip of every named surface at 80 km/h"
   parameter Types.Velocity v = 80/3.6 "Speed of the wheelset";
   parameter Types.Force Q = 68.7e3 "Load of a wheel";
+  parameter Types.Time T = 1 "Time in which slip goes from zero to one";
   parameter Contact.Surfaces.Dry dry "Surface";
   parameter Contact.Surfaces.Wet wet "Surface";
   parameter Contact.Surfaces.LowAdhesion low "Surface";
@@ -29,7 +30,7 @@ model CreepCurves "Adhesion over slip of every named surface at 80 km/h"
 protected
   final parameter Real factor = Contact.creepFactor(0.38, 0.30, 2.1e11, 0.28) "Slope of epsilon, see creepFactor";
 equation
-  slip = time;
+  slip = time/T;
   point.slip = slip;
   point.speed = v;
   point.load = 2*Q;
@@ -53,6 +54,6 @@ equation
   annotation (
     experiment(StopTime=1, Tolerance=1e-8, Interval=0.0005),
     Documentation(info="<html>
-<p>Time is slip. Peaks lie between 0.4 % (MalWorst) and 16 % (BroadLeaf).</p>
+<p>Slip grows with time. Peaks lie between 0.4 % (MalWorst) and 16 % (BroadLeaf).</p>
 </html>"));
 end CreepCurves;

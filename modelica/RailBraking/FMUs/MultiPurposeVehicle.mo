@@ -87,14 +87,14 @@ equation
   end for;
   for k in 1:2 loop
     for j in 1:2 loop
-      frame[k].wheelset[j, 1] = wheelset[2*k - 2 + j].x;
-      frame[k].wheelset[j, 2] = wheelset[2*k - 2 + j].dv;
-      frame[k].wheelset[j, 3] = wheelset[2*k - 2 + j].y;
-      frame[k].wheelset[j, 4] = wheelset[2*k - 2 + j].vy;
-      frame[k].wheelset[j, 5] = wheelset[2*k - 2 + j].psi;
-      frame[k].wheelset[j, 6] = wheelset[2*k - 2 + j].wz;
-      frame[k].wheelset[j, 7] = wheelset[2*k - 2 + j].z;
-      frame[k].wheelset[j, 8] = wheelset[2*k - 2 + j].vz;
+      frame[k].wheelset_position[j, 1] = wheelset[2*k - 2 + j].x;
+      frame[k].wheelset_velocity[j, 1] = wheelset[2*k - 2 + j].dv;
+      frame[k].wheelset_position[j, 2] = wheelset[2*k - 2 + j].y;
+      frame[k].wheelset_velocity[j, 2] = wheelset[2*k - 2 + j].vy;
+      frame[k].wheelset_yaw[j] = wheelset[2*k - 2 + j].psi;
+      frame[k].wheelset_rate[j] = wheelset[2*k - 2 + j].wz;
+      frame[k].wheelset_position[j, 3] = wheelset[2*k - 2 + j].z;
+      frame[k].wheelset_velocity[j, 3] = wheelset[2*k - 2 + j].vz;
       frame[k].roll_track[j] = cross_level[2*k - 2 + j]/(2*b);
       wheelset[2*k - 2 + j].X = frame[k].X[j];
       wheelset[2*k - 2 + j].Y = frame[k].Y[j];
@@ -109,18 +109,18 @@ equation
     // The drive stands on the frame: what turns the axles forward lifts the nose.
     frame[k].M[2] = body.M[k, 2] - wheelset[2*k - 1].tau - wheelset[2*k].tau;
     frame[k].M[3] = body.M[k, 3];
-    body.frame[k, 1] = frame[k].x;
-    body.frame[k, 2] = frame[k].dv;
-    body.frame[k, 3] = frame[k].y;
-    body.frame[k, 4] = frame[k].vy;
-    body.frame[k, 5] = frame[k].z;
-    body.frame[k, 6] = frame[k].vz;
-    body.frame[k, 7] = frame[k].phi;
-    body.frame[k, 8] = frame[k].wx;
-    body.frame[k, 9] = frame[k].theta;
-    body.frame[k, 10] = frame[k].wy;
-    body.frame[k, 11] = frame[k].psi;
-    body.frame[k, 12] = frame[k].wz;
+    body.frame_position[k, 1] = frame[k].x;
+    body.frame_velocity[k, 1] = frame[k].dv;
+    body.frame_position[k, 2] = frame[k].y;
+    body.frame_velocity[k, 2] = frame[k].vy;
+    body.frame_position[k, 3] = frame[k].z;
+    body.frame_velocity[k, 3] = frame[k].vz;
+    body.frame_angle[k, 1] = frame[k].phi;
+    body.frame_rate[k, 1] = frame[k].wx;
+    body.frame_angle[k, 2] = frame[k].theta;
+    body.frame_rate[k, 2] = frame[k].wy;
+    body.frame_angle[k, 3] = frame[k].psi;
+    body.frame_rate[k, 3] = frame[k].wz;
   end for;
   body.resistance = resistance_rolling + resistance_drag*speed^2;
   der(integral) = -gain_speed/T_speed*body.dv;

@@ -4,10 +4,13 @@ model HoldingOnSlope "Brakes hold a train on a slope until the slope is too stro
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
   parameter Types.Torque brake_torque = 4000 "Torque of the brake";
-  final parameter Types.Force F_exact = brake_torque/0.38 "Force that the brake can hold";
+  constant Types.Length r = 0.38 "Radius of the wheels";
+  constant Types.Length s_unit = 1 "What creeping is counted in";
+  constant Types.Velocity v_unit = 1 "What creeping is counted in";
+  final parameter Types.Force F_exact = brake_torque/r "Force that the brake can hold";
   Components.TrainBody body(m=m, c_drag=0, v_start=0) "Masses along the track";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=0.38, k_A=1, k_S=0.4, A=0.4, B=0.6, w_start=0, mu_bearing=1e-9, e_rolling=0) "Braked wheelsets";
+    final n=2, J=222, r=r, k_A=1, k_S=0.4, A=0.4, B=0.6, w_start=0, mu_bearing=1e-9, e_rolling=0) "Braked wheelsets";
   Types.Force pull "Force of the slope, growing";
 equation
   pull = 1000*time;
@@ -19,7 +22,8 @@ equation
   body.F = sum(wheels.F);
   body.track_force = pull;
   body.capacity = wheels.capacity;
-  error = if pull < F_exact then abs(body.v) + body.s else if pull > F_exact + 20 and body.v <= 0 then 1 else 0;
+  error = if pull < F_exact then abs(body.v)/v_unit + body.s/s_unit
+    else if pull > F_exact + 20 and body.v <= 0 then 1 else 0;
   annotation (
     experiment(StopTime=20, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>

@@ -4,11 +4,13 @@ model ReleaseFromLock "A locked group turns again as soon as the track is strong
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
   parameter Types.Velocity v = 20 "Speed, kept";
+  constant Types.Length r = 0.38 "Radius of the wheels";
+  constant Types.AngularVelocity w_unit = 1 "What turning backwards is counted in";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=0.38, k_A=0.3, k_S=0.1, A=1, B=0, w_start=20/0.38, mu_bearing=1e-9, e_rolling=0)
+    final n=2, J=222, r=r, k_A=0.3, k_S=0.1, A=1, B=0, w_start=20/r, mu_bearing=1e-9, e_rolling=0)
     "Braked wheelsets";
-  final parameter Types.Torque tau_track = 0.38*m*g
-    *Contact.polach(v/sqrt(v^2 + 0.01), v, m*g/4, 0.1, Contact.creepFactor(0.38, 0.30, 2.1e11, 0.28), 0.3, 0.1, 1, 0)
+  final parameter Types.Torque tau_track = r*m*g
+    *Contact.polach(v/sqrt(v^2 + 0.01), v, m*g/4, 0.1, Contact.creepFactor(r, 0.30, 2.1e11, 0.28), 0.3, 0.1, 1, 0)
     "Torque of the track on locked wheels";
   Types.Torque brake_torque "Torque of the brake: grows, then falls";
 equation
@@ -19,7 +21,7 @@ equation
   wheels.brake_torque = brake_torque;
   wheels.standstill = false;
   error = if wheels.locked and time > 4 and brake_torque < tau_track - 20 then 1 else if time > 9.5
-    then (wheels.w*0.38 - v)/v else if wheels.w < 0 then wheels.w else 0;
+    then (wheels.w*r - v)/v else if wheels.w < 0 then wheels.w/w_unit else 0;
   annotation (
     experiment(StopTime=11, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
