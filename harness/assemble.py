@@ -75,7 +75,7 @@ class _Rolled:
     recorder: Recorder
     ended: Ended
     plant_file: Description
-    fmus: Mapping[str, str]
+    fmus: Mapping[str, Description]
 
 
 def run_stop(
@@ -125,8 +125,8 @@ def _rolled(
     )
     groups = controlled_groups(scenario)
     radius = tuple(group.wheel_radius for group in groups)
-    plant_file, fmus = plant_description(scenario), {}
-    fmus[plant_file.file.name] = plant_file.digest
+    plant_file = plant_description(scenario)
+    fmus = {plant_file.file.name: plant_file}
     with ExitStack() as stack:
         plant = stack.enter_context(_plant(scenario, plant_file, radius, tell))
         believer = stack.enter_context(_believer(scenario, fmus)) if believing else None
@@ -163,7 +163,7 @@ def _rolled(
 
 
 def judged(
-    scenario: Scenario, recorder: Recorder, ended: Ended, plant_file: Description, fmus: Mapping[str, str]
+    scenario: Scenario, recorder: Recorder, ended: Ended, plant_file: Description, fmus: Mapping[str, Description]
 ) -> Stop:
     """Return the stop that a run of the loop gave, with bound and figures."""
     trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
@@ -178,8 +178,8 @@ def judged(
         reason=ended.reason,
         trace=trace,
         metrics=measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
-        versions=versions(),
-        fmus=dict(fmus),
+        versions=versions() | {name: description.generator for name, description in fmus.items()},
+        fmus={name: description.digest for name, description in fmus.items()},
     )
 
 
@@ -345,8 +345,8 @@ _NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"
 
 
 @contextmanager
-def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
-    """Make the estimator of a scenario; an FMU that takes part adds its digest to `fmus`."""
+def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Believer]:
+    """Make the estimator of a scenario; an FMU that takes part adds itself to `fmus`."""
     table = scenario.estimator
     assert isinstance(table, KalmanFilter)
     noise = _noise(table)
@@ -357,7 +357,7 @@ def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
     with ExitStack() as stack:
         if table.kind == "fmu":
             description = description_of(recipe_file(table.model))
-            fmus[description.file.name] = description.digest
+            fmus[description.file.name] = description
             prediction = stack.enter_context(
                 FmuPrediction(
                     description,
@@ -428,16 +428,16 @@ def _noise(table: KalmanFilter) -> NoiseSet:
 
 @contextmanager
 def _controlling(
-    scenario: Scenario, groups: tuple[BrakeGroup, ...], fmus: dict[str, str], tell: Callable[[str], None]
+    scenario: Scenario, groups: tuple[BrakeGroup, ...], fmus: dict[str, Description], tell: Callable[[str], None]
 ) -> Generator[tuple[Controller, Actuation]]:
-    """Open controller and actuation of a scenario; an FMU that takes part adds its digest to `fmus`."""
+    """Open controller and actuation of a scenario; an FMU that takes part adds itself to `fmus`."""
     table = scenario.controller
     if not isinstance(table, ControllerFmu):
         yield controller_of(scenario, groups), actuation_of(scenario, groups)
         return
     description = description_of(table.file.path)
     name = description.file.name
-    fmus[f"controller: {name}" if name in fmus else name] = description.digest
+    fmus[f"controller: {name}" if name in fmus else name] = description
     values = _si("[controller.parameters]", table.parameters, _units_of(description))
     with foreign_controller(scenario, table, description, values, tell) as (controller, commands_valves):
         yield controller, Direct() if commands_valves else actuation_of(scenario, groups)

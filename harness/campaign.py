@@ -12,6 +12,8 @@ from typing import Literal
 
 import pebble
 
+from fmus.build import choose
+from fmus.recipe import read_recipes
 from harness.failure import sentence_of
 from harness.record.atomic import PARTIAL, write_text
 from harness.record.error import RecordError
@@ -21,6 +23,7 @@ from harness.run import SOURCES, Runner, make_folder, run
 from harness.scenario.campaign import Campaign, PlannedStop
 from harness.scenario.schema import Scenario
 from harness.sources import sources_digest
+from harness.verdict.compilers import OURS, makers
 from harness.verdict.results import CAMPAIGN_FILE
 from harness.workers import leave_with_parent
 
@@ -178,12 +181,15 @@ def _perform(scenario: Scenario, directory: Path, runner: Runner) -> tuple[State
 
 
 def is_there(stop: PlannedStop, directory: Path) -> bool:
-    """Return whether a folder has the result of this stop, made by this program as it is now."""
+    """Return whether a folder has the result of this stop, made by this program and FMU compiler as they are now."""
     try:
         record = read_stop(directory)
     except RecordError:
         return False
-    return record.digest == stop.scenario.digest() and record.versions.get(SOURCES) == sources_digest()
+    if record.digest != stop.scenario.digest() or record.versions.get(SOURCES) != sources_digest():
+        return False
+    own = [tool for name, tool in makers(record.versions).items() if Path(name).stem in read_recipes().recipes]
+    return all(tool.startswith(OURS) == (choose("auto") == "native") for tool in own)
 
 
 def write_description(campaign: Campaign, directory: Path) -> None:

@@ -99,7 +99,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         reason=f"Could stop after {distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s at best.",
         samples=samples,
     )
-    return assemble.judged(scenario, recorder, ended, plant, reference.fmus)
+    return assemble.judged(scenario, recorder, ended, plant, {plant.file.name: plant})
 
 
 def _full_brake(scenario: Scenario) -> Scenario:

@@ -30,7 +30,7 @@ class Stop:
         reason: The end in one sentence, for people.
         trace: All samples, one each communication period.
         metrics: The figures taken from the trace.
-        versions: Of what took part: "railgrip", "python", "casadi" …
+        versions: Of what took part: "railgrip", "python", "casadi" …, and of each FMU the tool that made it.
         fmus: Name of each FMU → SHA-256 of its file.
     """
 

@@ -14,6 +14,7 @@ from harness.record.metrics import meanings
 from harness.record.outcome import Outcome
 from harness.record.stop import STOP_FILE, read_stop
 from harness.verdict import style
+from harness.verdict.compilers import from_elsewhere
 from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from harness.verdict.panels import Panels
 from harness.verdict.results import CAMPAIGN_FILE, Result, Results, read_results
@@ -59,6 +60,7 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
     write_table(results, directory)
     rows = rows_of(results)
     body = [f"<p>{html.escape(results.description)}</p>", _distance_table(rows)]
+    body += [f"<p>{html.escape(sentence)}</p>" for sentence in from_elsewhere(results.stops)]
     if results.missing:
         body.append(f'<p class="bad">Not run: {html.escape(", ".join(results.missing))}.</p>')
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from harness.record.atomic import write_text
 from harness.record.outcome import Outcome
+from harness.verdict.compilers import from_elsewhere, makers
 from harness.verdict.results import Result, Results
 
 REFERENCE_CONTROLLER = "slip_two_state"
@@ -77,10 +78,12 @@ def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
     rows = rows_of(results)
     # JSON has no NaN: a figure that does not exist (the air of the ideal bound) is null.
     plain = [{key: None if value != value else value for key, value in asdict(row).items()} for row in rows]
-    content = {"campaign": results.name, "rows": plain, "missing": list(results.missing)}
+    tools = {stop.name: makers(stop.record.versions) for stop in results.stops}
+    content = {"campaign": results.name, "rows": plain, "missing": list(results.missing), "fmus": tools}
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     write_text(as_json, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    write_text(as_markdown, markdown(results.name, results.description, rows, results.missing))
+    notes = [f"{sentence}\n" for sentence in from_elsewhere(results.stops)]
+    write_text(as_markdown, "\n".join([markdown(results.name, results.description, rows, results.missing), *notes]))
     return as_json, as_markdown
 
 

@@ -109,3 +109,23 @@ def test_a_folder_that_is_no_campaign_is_refused(tmp_path, content):
         (tmp_path / "campaign.json").write_text(content, encoding="utf-8")
     with pytest.raises(RecordError, match=r"campaign\.json: (there is no such file|is not the description)"):
         read_results(tmp_path)
+
+
+def test_fmus_of_another_compiler_are_named_under_the_table(folder, tmp_path):
+    results = read_results(folder)
+    ours = {"TwoPartTrain.fmu": "railgrip (rumoca 0.9)"}
+    theirs = {"TwoPartTrain.fmu": "OpenModelica v1.27.0", "python": "3.11"}
+
+    def named(versions):
+        stops = tuple(
+            replace(stop, record=replace(stop.record, versions=versions if stop is results.stops[0] else ours))
+            for stop in results.stops
+        )
+        as_json, as_markdown = write_table(replace(results, stops=stops), tmp_path)
+        return json.loads(as_json.read_text())["fmus"][stops[0].name], as_markdown.read_text()
+
+    assert named(ours)[0] == ours
+    assert "was made by" not in named(ours)[1]
+    assert named(theirs)[0] == {"TwoPartTrain.fmu": "OpenModelica v1.27.0"}
+    sentence = f"TwoPartTrain.fmu was made by OpenModelica v1.27.0 in 1 of {len(results.stops)} stops."
+    assert sentence in named(theirs)[1]

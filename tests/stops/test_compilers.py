@@ -1,0 +1,68 @@
+"""Whose FMUs a stop rests on: plant and prediction come from the compiler that is there, and the result names it."""
+
+import json
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import harness.scenario
+from fmus.build import fmu
+from harness import assemble
+from harness.campaign import is_there
+from harness.record.stop import read_stop
+from harness.run import run
+from harness.scenario.campaign import PlannedStop
+from harness.scenario.load import load
+
+TRAPEZOID = Path(harness.scenario.__file__).parent / "library" / "trapezoid.toml"
+THEIRS = "OpenModelica Compiler OpenModelica v1.27.0"
+
+
+@pytest.fixture
+def from_openmodelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the FMUs of recipes be ones that say OpenModelica made them."""
+
+    def relabelled(name: str) -> Path:
+        file = tmp_path / f"{name}.fmu"
+        with zipfile.ZipFile(fmu(name, "native")) as ours, zipfile.ZipFile(file, "w") as theirs:
+            for member in ours.namelist():
+                content = ours.read(member)
+                if member == "modelDescription.xml":
+                    text = re.sub(r'generationTool="[^"]*"', f'generationTool="{THEIRS}"', content.decode())
+                    content = text.encode()
+                theirs.writestr(member, content)
+        return file
+
+    monkeypatch.setattr(assemble, "recipe_file", relabelled)
+
+
+@pytest.mark.usefixtures("from_openmodelica")
+def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_result_names_it(tmp_path, monkeypatch):
+    short = [
+        "limits.horizon=0.1 s",
+        "estimator.kind=fmu",
+        "estimator.model=TrainPredictionReduced",
+        "estimator.noise=ideal",
+    ]
+    scenario = load(TRAPEZOID, short)
+    out = tmp_path / "stop"
+    run(scenario, out, assemble.run_stop)
+    content = json.loads((out / "stop.json").read_text())
+    assert content["versions"]["TwoPartTrain.fmu"] == THEIRS
+    assert content["versions"]["TrainPredictionReduced.fmu"] == THEIRS
+    assert set(content["fmus"]) == {"TwoPartTrain.fmu", "TrainPredictionReduced.fmu"}
+
+    stop = PlannedStop(name="one", variants={}, scenario=scenario)
+    monkeypatch.setattr("harness.campaign.choose", lambda compiler: "openmodelica")
+    assert is_there(stop, out)
+    monkeypatch.setattr("harness.campaign.choose", lambda compiler: "native")
+    assert not is_there(stop, out), "distances from OpenModelica's FMUs are not ours"
+
+
+def test_our_own_fmus_are_named_too(tmp_path):
+    short = ["limits.horizon=0.1 s", "estimator.kind=none", "controller.kind=full_brake"]
+    run(load(TRAPEZOID, short), tmp_path, assemble.run_stop)
+    versions = read_stop(tmp_path).versions
+    assert versions["TwoPartTrain.fmu"] == assemble.description_of(assemble.recipe_file("TwoPartTrain")).generator
