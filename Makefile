@@ -5,8 +5,8 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc check estimate tune lateral learn \
-        monitor clean
+.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc regress-omc check \
+        estimate tune lateral learn monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -63,6 +63,11 @@ test: check fmus  ## lint, types, tests, and distances and figures against the a
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
 	$(RUN) -m pytest -m omc tests/fmus
+
+regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %
+	@command -v omc >/dev/null || { echo "regress-omc needs OpenModelica's omc on the PATH"; exit 2; }
+	$(RUN) -m fmus build --compiler openmodelica
+	$(RUN) -m harness regress --across-compilers --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(RUN) -m harness monitor-study

@@ -179,6 +179,9 @@ def regress(
     baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
     workers: Workers = 2,
+    across_compilers: Annotated[
+        bool, typer.Option("--across-compilers", help="Campaigns alone, with FMUs of another compiler: within 0.5 %.")
+    ] = False,
 ) -> None:
     """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
     from harness.verdict.baseline import compare, comparison_rows, load_baseline
@@ -186,6 +189,10 @@ def regress(
     problem = 0
     for path in _baseline_files(baselines):
         baseline = load_baseline(path)
+        if across_compilers:
+            if baseline.campaign is None:
+                continue
+            baseline = baseline.across_compilers()
         code, findings = _found(baseline, path, out / path.stem, workers)
         problem = code or problem
         comparisons = compare(baseline, findings)

@@ -9,6 +9,10 @@ A baseline file says for each stop the distance, how far it may move, and why it
     tolerance = 0.39     # m
     reason = "First calibration."
 
+and, where the law is chaotic, between what distances it spreads when the plant's rounding changes:
+
+    spread = [279.8, 324.3]  # m
+
 or the same for the figures of a study of `harness.headlines`:
 
     study = "estimate"
@@ -45,12 +49,22 @@ TOLERANCE = 1e-3
 another machine's arithmetic passes and a changed law does not."""
 
 
+ACROSS_COMPILERS = 5e-3
+"""How far a distance may move with FMUs of another compiler, relative: the steps of another solver end elsewhere, which
+puts strokes of the valves apart. A wrong model moves it further."""
+
+Distance = Annotated[float, Unit("m", above=0)]
+
+
 class Accepted(Table):
     """One stop of a baseline."""
 
-    distance: Annotated[float, Unit("m", above=0)]
-    tolerance: Annotated[float, Unit("m", above=0)]
+    distance: Distance
+    tolerance: Distance
     reason: Annotated[str, Field(min_length=1)]
+    spread: tuple[Distance, Distance] | None = Field(
+        default=None, description="lowest and highest distance of plants that are the same but for rounding"
+    )
 
     @property
     def value(self) -> float:
@@ -89,6 +103,18 @@ class Baseline(Table):
         if self.figures and self.campaign is not None:
             raise broken("has [figures], which belong to a study; a campaign has [stops]")
         return self
+
+    def across_compilers(self) -> Self:
+        """Return the baseline that FMUs of another compiler have to keep to.
+
+        A stop with a spread, of a law that is chaotic on its rail, may end anywhere in it.
+        """
+        stops: dict[str, Accepted] = {}
+        for name, stop in self.stops.items():
+            low, high = stop.spread or (stop.distance, stop.distance)
+            middle, half = (low + high) / 2, (high - low) / 2
+            stops[name] = stop.model_copy(update={"distance": middle, "tolerance": half + ACROSS_COMPILERS * high})
+        return self.model_copy(update={"stops": stops})
 
     @property
     def accepted(self) -> Mapping[str, Accepted | AcceptedFigure]:
@@ -254,7 +280,12 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
 
 def _accepted_stop(found: Finding, distance: float, before: Accepted | AcceptedFigure | None, reason: str) -> Accepted:
     relative = before.tolerance / before.value if before else TOLERANCE
-    return Accepted(distance=round(distance, 3), tolerance=_digits(relative * distance, 2), reason=reason.strip())
+    return Accepted(
+        distance=round(distance, 3),
+        tolerance=_digits(relative * distance, 2),
+        reason=reason.strip(),
+        spread=before.spread if isinstance(before, Accepted) else None,
+    )
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
@@ -270,6 +301,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
             f"distance = {stop.distance!r}  # m",
             f"tolerance = {stop.tolerance!r}  # m",
             f"reason = {json.dumps(stop.reason, ensure_ascii=False)}",
+            *([f"spread = {list(stop.spread)!r}  # m"] if stop.spread else []),
         ]
     for name, figure in sorted(baseline.figures.items()):
         lines += [

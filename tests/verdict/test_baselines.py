@@ -168,3 +168,33 @@ def test_a_baseline_is_of_a_campaign_or_of_a_study(tmp_path):
     path.write_text('study = "s"\n[stops.x]\ndistance = 1\ntolerance = 1\nreason = "r"\n', encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"has \[stops\], which belong to a campaign"):
         load_baseline(path)
+
+
+def test_across_compilers_a_distance_keeps_to_half_a_percent_and_a_chaotic_one_to_its_spread():
+    """The law as printed stopped in 324.3 m with our FMU and in 279.8 m with OpenModelica's, 1e-7 apart."""
+    plain = Accepted(distance=380.0, tolerance=0.38, reason="First.")
+    chaotic = plain.model_copy(update={"distance": 324.3, "spread": (279.8, 324.3)})
+    wide = Baseline(campaign="c.toml", stops={"plain": plain, "chaotic": chaotic}).across_compilers()
+
+    def found(**distances: float) -> dict[str, str]:
+        return states(
+            compare(wide, Findings(found=tuple(Finding(name=n, value=d, unit="m") for n, d in distances.items())))
+        )
+
+    for distance in (378.2, 380.0, 381.8):
+        assert found(plain=distance, chaotic=300.0)["plain"] == "kept"
+    for distance in (377.9, 382.1):
+        assert found(plain=distance, chaotic=300.0)["plain"] == "moved"
+    for distance in (279.8, 301.0, 324.3):
+        assert found(plain=380.0, chaotic=distance)["chaotic"] == "kept"
+    for distance in (277.9, 326.2):
+        assert found(plain=380.0, chaotic=distance)["chaotic"] == "moved"
+
+
+def test_a_spread_is_kept_when_the_distance_moves(tmp_path):
+    stop = Accepted(distance=324.3, tolerance=0.33, reason="First.", spread=(279.8, 324.3))
+    before = Baseline(campaign="c.toml", stops={SBC: stop})
+    after = accepted(before, Findings(found=(Finding(name=SBC, value=300.0, unit="m"),)), "Another law.")
+    assert after.stops[SBC].spread == (279.8, 324.3)
+    write_baseline(after, tmp_path / "c.toml")
+    assert load_baseline(tmp_path / "c.toml") == after
