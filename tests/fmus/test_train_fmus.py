@@ -16,7 +16,7 @@ from fmus.native.dae import LIBRARY
 from fmus.recipe import read_recipes
 
 BOOK = read_recipes()
-STOP, STEP = 3.0, 0.015  # every other point lies between the 2 ms samples of the valves
+STOP, STEP = 3.0, 0.015  # no point is a sample of the valves, 0.5 ms + k 2 ms
 # What each input is held at: service braking on wet rail, with a little more under each wheelset further back.
 HELD = {
     "pressure_command": 3.0e5,
