@@ -56,9 +56,6 @@ from harness.train import brake_groups_of, brake_of
 
 Vector = NDArray[np.float64]
 
-BUILD = Path("build/native")
-"""Where compiled filters and contacts are kept and found again."""
-
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the train's nominal data."""
 
@@ -389,7 +386,7 @@ def _believer(scenario: Scenario, fmus: dict[str, str]) -> Generator[Believer]:
         mean[at["alpha"] + every] = [parameters[f"alpha_start[{g + 1}]"] for g in every]
         first = mean, noise.start_covariance(states)
         if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-            filter_ = CompiledFilter(prediction, *noises, period, gate, directory=BUILD)
+            filter_ = CompiledFilter(prediction, *noises, period, gate)
             filter_.start(*first)
         else:
             plain = ExtendedKalmanFilter(prediction, *noises, period, gate)
@@ -497,4 +494,4 @@ def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuatio
 def contact_of(scenario: Scenario) -> Contact:
     """Return adhesion as a function of slip, speed, load and mu0, with the creep curve of a scenario."""
     model = lowered("RailBraking.FMUs.ContactPoint")
-    return compiled_contact(model, scenario.adhesion.polach.plant_parameters(), BUILD)
+    return compiled_contact(model, scenario.adhesion.polach.plant_parameters())

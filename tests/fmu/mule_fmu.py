@@ -33,7 +33,7 @@ def mule(
     """Build the FMU in `folder` and return its file.
 
     Args:
-        folder: Where the library is compiled (and kept) and the FMU written.
+        folder: Where the FMU is written.
         misbehaviour: A name defined in mule.c.
         speed_unit: What it says the unit of its speed is.
         platform: Folder of the binary inside the FMU.
@@ -41,7 +41,6 @@ def mule(
     """
     library = shared_library(
         SOURCES,
-        folder / "libraries",
         f"mule_{misbehaviour.lower()}",
         include=(HEADERS,),
         flags=(f"-DMISBEHAVIOUR={misbehaviour}",),
