@@ -28,6 +28,7 @@ from fmus.native import Model, lower
 from harness.contact import compiled_contact
 from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
+from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.foreign_controller import foreign_controller
 from harness.instruments import sensors_of
 from harness.loop import compiled_cycle, cycle
@@ -193,14 +194,14 @@ def _samples(scenario: Scenario) -> int:
 
 
 @cache
-def _described(path: Path, stamp: tuple[int, int]) -> Description:
-    return describe(path)
+def _described(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
+    return describe(path, limits)
 
 
-def description_of(path: Path) -> Description:
+def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """Return the description of an FMU, read once for each version of the file."""
     status = path.stat() if path.exists() else None
-    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0))
+    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
 
 
 @cache
@@ -212,7 +213,9 @@ def recipe_file(name: str) -> Path:
 def plant_description(scenario: Scenario) -> Description:
     """Return the description of the plant FMU of a scenario."""
     plant = scenario.vehicle.plant
-    return description_of(plant.path if isinstance(plant, NamedFile) else recipe_file(plant))
+    if isinstance(plant, NamedFile):
+        return description_of(plant.path, scenario.limits.fmu.limits())
+    return description_of(recipe_file(plant))
 
 
 def parameters_of(description: Description) -> dict[str, float]:
@@ -305,6 +308,7 @@ def _plant(
         parameters=values,
         trusted=own or vehicle.trust,
         tell=tell,
+        limits=scenario.limits.fmu.limits(),
     )
     with plant as opened:
         yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
@@ -432,7 +436,7 @@ def _controlling(
     if not isinstance(table, ControllerFmu):
         yield controller_of(scenario, groups), actuation_of(scenario, groups)
         return
-    description = description_of(table.file.path)
+    description = description_of(table.file.path, scenario.limits.fmu.limits())
     name = description.file.name
     fmus[f"controller: {name}" if name in fmus else name] = description.digest
     values = _si("[controller.parameters]", table.parameters, _units_of(description))

@@ -29,6 +29,7 @@ def mule(
     speed_unit: str = "m/s",
     platform: str = fmpy.platform,
     names: Mapping[str, str] = MappingProxyType({}),
+    forged: bytes = b"",
 ) -> Path:
     """Build the FMU in `folder` and return its file.
 
@@ -37,13 +38,14 @@ def mule(
         misbehaviour: A name defined in mule.c.
         speed_unit: What it says the unit of its speed is.
         platform: Folder of the binary inside the FMU.
+        forged: What FORGES writes.
         names: Our name → the name it gives to that variable.
     """
     library = shared_library(
         SOURCES,
         f"mule_{misbehaviour.lower()}",
         include=(HEADERS,),
-        flags=(f"-DMISBEHAVIOUR={misbehaviour}",),
+        flags=(f"-DMISBEHAVIOUR={misbehaviour}", f"-DFORGED={','.join(map(str, forged or b'0'))}"),
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
