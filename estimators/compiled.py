@@ -1,9 +1,7 @@
 """The extended Kalman filter of `ekf`, generated as C for one model."""
 
 import ctypes
-import hashlib
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,7 +57,6 @@ class CompiledFilter:
         gate: States to freeze and when, or None.
         outlier_limit: Standard deviations beyond which a reading is left out, or None.
         order: 1 for forward Euler, 4 for RK4; see `discretisation`.
-        directory: Where compiled filters are kept and found again.
 
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
@@ -83,7 +80,6 @@ class CompiledFilter:
         gate: Gate | None = None,
         outlier_limit: float | None = None,
         order: Order = ORDER,
-        directory: Path = Path("build/estimators"),
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
         self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
@@ -110,10 +106,7 @@ class CompiledFilter:
         part("THRESHOLD")[:] = design.gate_threshold
         part("LIMIT_SQUARED")[:] = design.outlier_limit**2
 
-        # The name tells filters apart, so that those of several models lie side by side.
-        digest = hashlib.sha256("".join(code.sources.values()).encode()).hexdigest()[:16]
-        library = shared_library(code.sources, directory, f"filter_{digest}", flags=("-O3",))
-        loaded = ctypes.CDLL(str(library.resolve()))
+        loaded = ctypes.CDLL(str(shared_library(code.sources, "filter", flags=("-O3",))))
         self._step, self._run = loaded.step, loaded.run
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
         self._run.argtypes = [ctypes.c_void_p, ctypes.c_int] + [ctypes.c_void_p] * 8

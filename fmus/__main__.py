@@ -27,7 +27,7 @@ def _compiler(text: str) -> Compiler:
 
 @app.command("build")
 def build_command(names: Names = None, compiler: Choice = "auto") -> None:
-    """Bring FMUs up to date in build/fmus."""
+    """Bring FMUs up to date and leave copies in build/fmus."""
     with err.status("building"):
         for built in build(names or (), _compiler(compiler)):
             out.print(f"{built.path}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)

@@ -1,15 +1,17 @@
 """From recipe to FMU, doing only what has to be done again."""
 
 import json
+import os
 import shutil
+import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, replace
-from functools import cache, lru_cache
+from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fmus import openmodelica
+from fmus import cache, openmodelica
 from fmus.errors import CompilerMissing, FmuError, WrongQuestion
 from fmus.native import toolchain
 from fmus.native.digest import compiler_digest, digest
@@ -21,6 +23,10 @@ if TYPE_CHECKING:
 
 ROOM = Path(__file__).parent
 OUTPUT = ROOM.parent / "build" / "fmus"
+"""Where `python -m fmus build` leaves copies; nothing of ours is loaded from there."""
+
+KIND = "fmus"
+"""Their shelf in the user's cache."""
 
 Compiler = Literal["auto", "openmodelica", "native"]
 Action = Literal["built", "unchanged", "current"]
@@ -29,18 +35,14 @@ JOBS = 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stamp:
-    """What an FMU on disk was made from, kept beside it as NAME.json.
+    """What recipe, Modelica files and compiler come to; kept under the digest of everything that was read.
 
     Attributes:
-        inputs: Digest of everything that was read: Modelica files, recipe, compiler.
-        source: Digest of the C code and XML; the C compiler runs again only when it moved.
-        compiler: native or openmodelica.
+        source: Digest of the C code and XML, under which the FMU is kept: the C compiler runs only when it moves.
         face: The FMU as lock.toml records it; empty when OpenModelica built it.
     """
 
-    inputs: str
     source: str
-    compiler: str
     face: dict[str, Any]
 
 
@@ -60,21 +62,24 @@ class Built:
     face: dict[str, Any]
 
 
-def fmu(name: str, compiler: Compiler = "auto", directory: Path = OUTPUT) -> Path:
-    """Return the FMU of a recipe, built if it is not up to date.
+def fmu(name: str, compiler: Compiler = "auto") -> Path:
+    """Return the FMU of a recipe in the user's cache, built if it is not there.
 
     Raises:
         WrongQuestion: No such recipe, or the class does not compile.
         FmuError: A compiler is missing or fails.
     """
-    return build_one(name, compiler, directory).path
+    return build_one(name, compiler).path
 
 
 def build_one(
-    name: str, compiler: Compiler = "auto", directory: Path = OUTPUT, *, book: Cookbook | None = None,
+    name: str, compiler: Compiler = "auto", directory: Path | None = None, *, book: Cookbook | None = None,
     library: Path | None = None,
 ) -> Built:  # fmt: skip
-    """Bring the FMU of one recipe up to date, from the library of its class unless another is given."""
+    """Bring the FMU of one recipe up to date, from the library of its class unless another is given.
+
+    Only the user's cache is ever taken for up to date; `directory` gets a copy.
+    """
     recipe = (read_recipes() if book is None else book)[name]
     order = _Order(
         name=name, recipe=recipe, library=library or recipe.library, compiler=choose(compiler), directory=directory
@@ -103,9 +108,9 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
 
 
 def build(
-    names: Iterable[str] = (), compiler: Compiler = "auto", directory: Path = OUTPUT, *, jobs: int = JOBS
+    names: Iterable[str] = (), compiler: Compiler = "auto", directory: Path | None = OUTPUT, *, jobs: int = JOBS
 ) -> Iterator[Built]:
-    """Bring FMUs up to date, all of them when none is named, and yield each when it is.
+    """Bring FMUs up to date, all of them when none is named, and yield each when it is; `directory` gets copies.
 
     Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `jobs` C compilers
     work on what is translated. So the library is read once and CasADi loaded once.
@@ -116,7 +121,7 @@ def build(
     book = read_recipes()
     wanted = list(names) or list(book.recipes)
     chosen = choose(compiler)
-    read = cache(library_digest)
+    read = lru_cache(library_digest)
     orders = [
         _Order(name=name, recipe=book[name], library=book[name].library, compiler=chosen, directory=directory)
         for name in wanted
@@ -151,30 +156,27 @@ class _Order:
     recipe: Recipe
     library: Path
     compiler: Literal["openmodelica", "native"]
-    directory: Path
+    directory: Path | None
 
-    @property
-    def path(self) -> Path:
-        return self.directory / f"{self.name}.fmu"
+    def kept(self, source: str) -> Path | None:
+        return cache.find(KIND, source, f"{self.name}.fmu")
 
-    @property
-    def stamp_file(self) -> Path:
-        return self.directory / f"{self.name}.json"
-
-    def stamp(self) -> Stamp | None:
-        return _read_stamp(self.stamp_file) if self.path.exists() else None
-
-    def built(self, action: Action, face: dict[str, Any]) -> Built:
-        return Built(name=self.name, path=self.path, compiler=self.compiler, action=action, face=face)
+    def built(self, action: Action, kept: Path, face: dict[str, Any]) -> Built:
+        path = kept if self.directory is None else _copied(kept, self.directory)
+        return Built(name=self.name, path=path, compiler=self.compiler, action=action, face=face)
 
 
 _Translation = tuple["Source", dict[str, Any]]
 
 
 def _current(order: _Order, inputs: str) -> Built | None:
-    """Return the FMU when it is on disk and was made from these very inputs."""
-    stamp = order.stamp()
-    return order.built("current", stamp.face) if stamp is not None and stamp.inputs == inputs else None
+    """Return the FMU when it was made from these very inputs before."""
+    file = cache.find(KIND, inputs, f"{order.name}.json")
+    if file is None:
+        return None
+    stamp = Stamp(**json.loads(file.read_text()))
+    kept = order.kept(stamp.source)
+    return None if kept is None else order.built("current", kept, stamp.face)
 
 
 def _translated(order: _Order) -> _Translation | None:
@@ -182,23 +184,36 @@ def _translated(order: _Order) -> _Translation | None:
 
 
 def _made(order: _Order, inputs: str, translation: _Translation | None) -> Built:
-    """Compile what was translated, unless that is what the FMU on disk was compiled from, and leave a stamp."""
+    """Compile what was translated, unless it was before, and leave a stamp."""
+    action, file = "built", f"{order.name}.fmu"
     if translation is None:
-        openmodelica.export(order.recipe, order.library, order.path)
-        made, action = Stamp(inputs=inputs, source=inputs, compiler=order.compiler, face={}), "built"
+        stamp = Stamp(source=inputs, face={})
+        with tempfile.TemporaryDirectory() as scratch:
+            content = openmodelica.export(order.recipe, order.library, Path(scratch) / file).read_bytes()
+        kept = cache.keep(KIND, stamp.source, file, content)
     else:
         from fmus.native import package
 
         source, face = translation
-        key = source.digest + toolchain_digest()
-        before = order.stamp()
-        if before is not None and before.compiler == order.compiler and before.source == key:
-            made, action = replace(before, inputs=inputs), "unchanged"
+        stamp = Stamp(source=digest([source.digest, toolchain_digest()]), face=face)
+        kept = order.kept(stamp.source)
+        if kept is None:
+            kept = cache.keep(KIND, stamp.source, file, package.zipped(source))
         else:
-            package.pack(source, order.path)
-            made, action = Stamp(inputs=inputs, source=key, compiler=order.compiler, face=face), "built"
-    order.stamp_file.write_text(json.dumps(asdict(made)))
-    return order.built(action, made.face)
+            action = "unchanged"
+    cache.keep(KIND, inputs, f"{order.name}.json", json.dumps(asdict(stamp)).encode())
+    return order.built(action, kept, stamp.face)
+
+
+def _copied(kept: Path, directory: Path) -> Path:
+    """Return a copy of a kept FMU in a folder, written only where it is not there already."""
+    path, content = directory / kept.name, kept.read_bytes()
+    if not path.is_file() or path.read_bytes() != content:
+        directory.mkdir(parents=True, exist_ok=True)
+        half = path.with_suffix(f".{os.getpid()}.part")  # two processes may copy it at once
+        half.write_bytes(content)
+        half.replace(path)
+    return path
 
 
 def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
@@ -218,14 +233,6 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
     if compiler not in ("openmodelica", "native"):
         raise WrongQuestion(f"there is no compiler '{compiler}'; use auto, openmodelica or native.")
     return compiler
-
-
-def _read_stamp(file: Path) -> Stamp | None:
-    """Return a stamp, or None when there is none that this version can read; then the FMU is built again."""
-    try:
-        return Stamp(**json.loads(file.read_text()))
-    except (FileNotFoundError, json.JSONDecodeError, TypeError):
-        return None
 
 
 def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:

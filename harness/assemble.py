@@ -28,6 +28,7 @@ from fmus.native import Model, lower
 from harness.contact import compiled_contact
 from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
+from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.foreign_controller import foreign_controller
 from harness.instruments import sensors_of
 from harness.loop import compiled_cycle, cycle
@@ -55,9 +56,6 @@ from harness.scenario.track import track_force_of
 from harness.train import brake_groups_of, brake_of
 
 Vector = NDArray[np.float64]
-
-BUILD = Path("build/native")
-"""Where compiled filters and contacts are kept and found again."""
 
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the train's nominal data."""
@@ -196,14 +194,14 @@ def _samples(scenario: Scenario) -> int:
 
 
 @cache
-def _described(path: Path, stamp: tuple[int, int]) -> Description:
-    return describe(path)
+def _described(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
+    return describe(path, limits)
 
 
-def description_of(path: Path) -> Description:
+def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """Return the description of an FMU, read once for each version of the file."""
     status = path.stat() if path.exists() else None
-    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0))
+    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
 
 
 @cache
@@ -215,7 +213,9 @@ def recipe_file(name: str) -> Path:
 def plant_description(scenario: Scenario) -> Description:
     """Return the description of the plant FMU of a scenario."""
     plant = scenario.vehicle.plant
-    return description_of(plant.path if isinstance(plant, NamedFile) else recipe_file(plant))
+    if isinstance(plant, NamedFile):
+        return description_of(plant.path, scenario.limits.fmu.limits())
+    return description_of(recipe_file(plant))
 
 
 def parameters_of(description: Description) -> dict[str, float]:
@@ -308,6 +308,7 @@ def _plant(
         parameters=values,
         trusted=own or vehicle.trust,
         tell=tell,
+        limits=scenario.limits.fmu.limits(),
     )
     with plant as opened:
         yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
@@ -389,7 +390,7 @@ def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Bel
         mean[at["alpha"] + every] = [parameters[f"alpha_start[{g + 1}]"] for g in every]
         first = mean, noise.start_covariance(states)
         if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-            filter_ = CompiledFilter(prediction, *noises, period, gate, directory=BUILD)
+            filter_ = CompiledFilter(prediction, *noises, period, gate)
             filter_.start(*first)
         else:
             plain = ExtendedKalmanFilter(prediction, *noises, period, gate)
@@ -435,7 +436,7 @@ def _controlling(
     if not isinstance(table, ControllerFmu):
         yield controller_of(scenario, groups), actuation_of(scenario, groups)
         return
-    description = description_of(table.file.path)
+    description = description_of(table.file.path, scenario.limits.fmu.limits())
     name = description.file.name
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = _si("[controller.parameters]", table.parameters, _units_of(description))
@@ -497,4 +498,4 @@ def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuatio
 def contact_of(scenario: Scenario) -> Contact:
     """Return adhesion as a function of slip, speed, load and mu0, with the creep curve of a scenario."""
     model = lowered("RailBraking.FMUs.ContactPoint")
-    return compiled_contact(model, scenario.adhesion.polach.plant_parameters(), BUILD)
+    return compiled_contact(model, scenario.adhesion.polach.plant_parameters())

@@ -1,11 +1,9 @@
 """The contact of a scenario as a function of arrays, compiled from the Modelica class that the plant uses."""
 
 import ctypes
-import hashlib
 from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -19,17 +17,16 @@ KERNEL = files("harness") / "kernel" / "contact.c"
 _ORDER = ("slip", "speed", "load", "mu0")
 
 
-def compiled_contact(model: Model, parameters: dict[str, float], directory: Path) -> Contact:
+def compiled_contact(model: Model, parameters: dict[str, float]) -> Contact:
     """Return adhesion as a function of slip, speed [m/s], load [N] and mu0, element by element.
 
     Args:
         model: `RailBraking.FMUs.ContactPoint`: the physics is written once.
         parameters: Of the creep curve, where they are not those of the class.
-        directory: Where the library is compiled and kept.
     """
     values = {variable.name: variable.start for variable in model.parameters} | parameters
     given = np.array([values[variable.name] for variable in model.parameters])
-    run = _library(model, directory)
+    run = _library(model)
 
     def adhesion(slip: Array, speed: Array, load: Array, mu0: Array) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
@@ -41,7 +38,7 @@ def compiled_contact(model: Model, parameters: dict[str, float], directory: Path
 
 
 @cache
-def _library(model: Model, directory: Path) -> Callable[..., None]:
+def _library(model: Model) -> Callable[..., None]:
     point, parameters = ca.SX.sym("point", len(model.inputs)), ca.SX.sym("parameters", len(model.parameters))
     function = ca.Function("contact", [point, parameters], [model.output(0, ca.SX(0, 1), point, parameters)])
     generator = ca.CodeGenerator("contact", {"with_header": False})
@@ -57,8 +54,6 @@ def _library(model: Model, directory: Path) -> Callable[..., None]:
         ]
     )
     sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
-    digest = hashlib.sha256("".join(sources.values()).encode()).hexdigest()[:16]
-    library = shared_library(sources, directory, f"contact_{digest}")
-    run = ctypes.CDLL(str(library.resolve())).contact_at
+    run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
     run.argtypes, run.restype = [ctypes.c_size_t] + [ctypes.c_void_p] * 6, None
     return run

@@ -118,6 +118,7 @@ def foreign_controller(
         parameters=parameters,
         trusted=table.trust,
         tell=tell,
+        limits=scenario.limits.fmu.limits(),
         table="[controller]",
     )
     with opened as fmu:

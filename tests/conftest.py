@@ -4,7 +4,17 @@ import os
 import sys
 from pathlib import Path
 
+import pytest
+
 # Before NumPy is loaded: matrices here are small, and threads that wait for each other on a busy machine take minutes
 # over what one does in a second.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder of a cache that starts empty and is used by nobody else, child processes included."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("RAILGRIP_CACHE", str(folder))
+    return folder

@@ -1,19 +1,16 @@
 """A Modelica class as CasADi functions, for whoever wants its equations without an FMU."""
 
 import json
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fmus import cache
 from fmus.native.digest import compiler_digest, digest
 from fmus.native.library import LIBRARY, library_digest
 
 if TYPE_CHECKING:
     import casadi as ca
-
-KEPT = Path(__file__).parents[2] / "build" / "native" / "models"
-"""Where the classes of libraries are kept once they are lowered: every process of a campaign needs them."""
 
 GROUPS = ("states", "inputs", "parameters", "outputs")
 FUNCTIONS = ("derivative", "output", "initial")
@@ -74,14 +71,11 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     library = LIBRARY if modelica_path is None else Path(modelica_path)
     if not library.is_dir():
         return _lowered(class_name, library)
-    file, key = KEPT / f"{class_name}.json", digest([class_name, library_digest(library), compiler_digest()])
-    model = _kept(file, key)
-    if model is None:
-        _keep(file, key, _lowered(class_name, library))
-        # Also the first time what was written is read, so that every process computes with the same functions.
-        model = _kept(file, key)
-        assert model is not None
-    return model
+    # Kept once it is lowered: every process of a campaign needs it.
+    key = digest([class_name, library_digest(library), compiler_digest()])
+    file = cache.find("models", key, f"{class_name}.json")
+    # Also the first time what was written is read, so that every process computes with the same functions.
+    return _read(file or _keep(key, _lowered(class_name, library)))
 
 
 def _lowered(class_name: str, modelica_path: Path) -> Model:
@@ -91,30 +85,19 @@ def _lowered(class_name: str, modelica_path: Path) -> Model:
     return lowered(class_name, modelica_path)
 
 
-def _keep(file: Path, key: str, model: Model) -> None:
+def _keep(key: str, model: Model) -> Path:
     content = {
-        "key": key,
         "class_name": model.class_name,
         **{group: [asdict(v) for v in getattr(model, group)] for group in GROUPS},
         **{name: getattr(model, name).serialize() for name in FUNCTIONS},
     }
-    file.parent.mkdir(parents=True, exist_ok=True)
-    # Moved into place whole: other processes may be reading it, or writing the same.
-    half = file.with_suffix(f".{os.getpid()}")
-    half.write_text(json.dumps(content))
-    half.replace(file)
+    return cache.keep("models", key, f"{model.class_name}.json", json.dumps(content).encode())
 
 
-def _kept(file: Path, key: str) -> Model | None:
-    """Return the model of a file, or None when there is none that was made from what `key` stands for."""
-    try:
-        content = json.loads(file.read_text())
-    except (FileNotFoundError, json.JSONDecodeError):
-        return None
-    if content["key"] != key:
-        return None
+def _read(file: Path) -> Model:
     import casadi as ca
 
+    content = json.loads(file.read_text())
     states, inputs, parameters, outputs = (tuple(Variable(**v) for v in content[group]) for group in GROUPS)
     derivative, output, initial = (ca.Function.deserialize(content[name]) for name in FUNCTIONS)
     return Model(

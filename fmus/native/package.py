@@ -1,11 +1,11 @@
 """A system as an FMU: C code compiled for this platform, modelDescription.xml, zipped reproducibly."""
 
 import hashlib
+import io
 import os
 import platform
 import re
 import struct
-import tempfile
 import zipfile
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fmus.native import code, description
 from fmus.native.system import System
-from fmus.native.toolchain import FMU_FLAGS, SUFFIX, shared_library
+from fmus.native.toolchain import FMU_FLAGS, SUFFIX, binary
 
 _fmpy = find_spec("fmpy")
 assert _fmpy is not None
@@ -94,23 +94,31 @@ def sources(
 
 
 def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> Path:
-    """Compile and zip an FMU.
+    """Write an FMU to a file.
 
     Raises:
         CompilerMissing, BuildFailed: From the C compiler.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as scratch:
-        library = shared_library(
-            source.files, Path(scratch), source.identifier, units=["model.c"], include=[HEADERS], flags=flags
-        )
-        members = {
-            "modelDescription.xml": source.xml.encode(),
-            f"binaries/{platform_folder()}/{source.identifier}{SUFFIX}": library.read_bytes(),
-        } | {f"sources/{name}": text.encode() for name, text in source.files.items()}
     half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
-    with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in sorted(members.items()):
-            archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
+    half.write_bytes(zipped(source, flags=flags))
     half.replace(path)
     return path
+
+
+def zipped(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS) -> bytes:
+    """Return the content of an FMU, compiled for this platform; the same sources give the same bytes.
+
+    Raises:
+        CompilerMissing, BuildFailed: From the C compiler.
+    """
+    library = binary(source.files, source.identifier, units=["model.c"], include=[HEADERS], flags=flags)
+    members = {
+        "modelDescription.xml": source.xml.encode(),
+        f"binaries/{platform_folder()}/{source.identifier}{SUFFIX}": library,
+    } | {f"sources/{name}": text.encode() for name, text in source.files.items()}
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, member in sorted(members.items()):
+            archive.writestr(zipfile.ZipInfo(name, EPOCH), member, zipfile.ZIP_DEFLATED)
+    return content.getvalue()

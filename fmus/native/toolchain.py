@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from fmus.cache import find, keep
 from fmus.errors import BuildFailed, CompilerMissing
 
 # -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine.
@@ -58,36 +59,46 @@ def compiler() -> Compiler:
 
 def shared_library(
     sources: Mapping[str, str],
-    directory: Path,
     name: str,
     *,
     units: Sequence[str] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
 ) -> Path:
-    """Compile C sources to `directory`/`name`.so (or .dll, .dylib), unless that very build is already there.
+    """Return C sources as a shared library in the user's cache, compiled unless that very build is there.
 
     Args:
         sources: File name to text.
-        units: The files to compile; every `.c` when empty. The others are there to be included.
-        directory: Made when absent; holds the library and beside it `name`.key, what it was built from.
         name: Of the library, without suffix.
+        units: The files to compile; every `.c` when empty. The others are there to be included.
         include: Folders with further headers; they are taken to change only with their path.
         flags: Added after `FLAGS`.
 
     Raises:
         CompilerMissing: There is no C compiler.
         BuildFailed: The compiler reports an error; the message carries its first lines.
+        WrongQuestion: The cache cannot be used.
     """
-    chosen = compiler()
-    options = [*FLAGS, *flags, *(f"-I{folder}" for folder in include)]
+    chosen, file = compiler(), name + SUFFIX
+    options = _options(include, flags)
     key = hashlib.sha256(
         json.dumps([chosen.command, chosen.version, options, [*units], sorted(sources.items())]).encode()
     ).hexdigest()
-    library, stamp = directory / f"{name}{SUFFIX}", directory / f"{name}.key"
-    if library.exists() and stamp.exists() and stamp.read_text() == key:
-        return library
-    directory.mkdir(parents=True, exist_ok=True)
+    return find("libraries", key, file) or keep(
+        "libraries", key, file, binary(sources, name, units=units, include=include, flags=flags)
+    )
+
+
+def binary(
+    sources: Mapping[str, str],
+    name: str,
+    *,
+    units: Sequence[str] = (),
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+) -> bytes:
+    """Return the shared library that C sources compile to; arguments and errors are those of `shared_library`."""
+    chosen = compiler()
     with tempfile.TemporaryDirectory() as scratch:
         for file, text in sources.items():
             (Path(scratch) / file).write_text(text)
@@ -95,18 +106,16 @@ def shared_library(
         made = name + SUFFIX
         compiled = units or sorted(file for file in sources if file.endswith(".c"))
         done = subprocess.run(
-            [*chosen.command, *options, *compiled, "-o", made, *_linking()],
+            [*chosen.command, *_options(include, flags), *compiled, "-o", made, *_linking()],
             cwd=scratch, capture_output=True, text=True, check=False,
         )  # fmt: skip
         if done.returncode:
             raise BuildFailed(f"{' '.join(chosen.command)} could not compile {name}:\n{_head(done.stderr)}")
-        stamp.unlink(missing_ok=True)
-        # Moved into place whole, so that a library already loaded somewhere is not written over.
-        half = directory / f".{name}.{os.getpid()}"
-        shutil.copyfile(Path(scratch) / made, half)
-        half.replace(library)
-    stamp.write_text(key)
-    return library
+        return (Path(scratch) / made).read_bytes()
+
+
+def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:
+    return [*FLAGS, *flags, *(f"-I{folder}" for folder in include)]
 
 
 def _linking() -> tuple[str, ...]:

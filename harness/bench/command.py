@@ -1,7 +1,6 @@
 """The command `bench`; `add_to` puts it on the command line."""
 
 import sys
-from pathlib import Path
 
 import typer
 from rich.console import Console
@@ -32,7 +31,7 @@ def bench() -> None:
         )
         for name in ("TwoPartTrain", "TwoPartTrainPneumatic"):
             status.update(f"steps of {name}")
-            cost = step_cost(fmu(name), cache=Path("build/native"))
+            cost = step_cost(fmu(name))
             table.add_row(f"{name}: set + step of 1 ms + get, ours", f"{cost.ours:.1f} µs", "")
             table.add_row("  the same in a loop in C", f"{cost.c:.1f} µs", "10 µs")
             table.add_row("  FMPy's FMU2Slave over ours", f"{cost.fmpy_over_ours:.2f}", "")

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from statistics import median
 
@@ -44,14 +43,13 @@ class StepCost:
     ours_over_c: float
 
 
-def step_cost(file: Path, *, cache: Path, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> StepCost:
+def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> StepCost:
     """Step an FMU by each way in turn, over and over, and compare.
 
     Every run begins anew from the start values, so that all do the same work, and all must end on the same outputs.
 
     Args:
         file: A co-simulation FMU; its Real inputs are held at their start values.
-        cache: Folder where the loop in C is compiled and kept.
         period: Communication step [s].
         count: Steps of one run.
         rounds: Runs of each way.
@@ -66,7 +64,7 @@ def step_cost(file: Path, *, cache: Path, period: float = 1e-3, count: int = 200
         "ours": seconds_of_ours,
         "fmpy": seconds_of_fmpy,
         "simulate_fmu": seconds_of_simulate_fmu,
-        "c": partial(seconds_in_c, cache=cache),
+        "c": seconds_in_c,
     }
     took: dict[str, list[float]] = {way: [] for way in run}
     last: dict[str, np.ndarray] = {}

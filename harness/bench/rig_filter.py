@@ -1,13 +1,12 @@
 """What a step of the compiled filter of the roller rig costs."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from estimators.compiled import CompiledFilter
-from harness.estimate.run import BUILD, by_name
+from harness.estimate.run import by_name
 from harness.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
 
 
@@ -26,22 +25,19 @@ class FilterCost:
     step: float
 
 
-def rig_filter_cost(
-    *, count: int = 20_000, rounds: int = 7, period: float = 5e-3, directory: Path = BUILD
-) -> FilterCost:
+def rig_filter_cost(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> FilterCost:
     """Step the filter of the rig in place, again and again, from a braked start with readings that fit it.
 
     Args:
         count: Steps of a round.
         rounds: Their median counts.
         period: Of the filter [s].
-        directory: Where the compiled filter is kept.
     """
     specification = load_specification(LIBRARY / "rig_own.toml")
     prediction, settings = prediction_for(specification), settings_for(specification, period)
     process = by_name("process", settings.process, prediction.states)
     readings = by_name("readings", settings.readings, prediction.outputs)
-    running = CompiledFilter(prediction, process, readings, period, settings.gate, directory=directory)
+    running = CompiledFilter(prediction, process, readings, period, settings.gate)
     mean = np.array([70.0, 33.0, 0.35, 0.05])
     first = running.start(mean, by_name("deviation", settings.start_deviation, prediction.states) ** 2)
     held, seen = np.array([20e3]), mean[:2].copy()

@@ -14,7 +14,7 @@ from estimators.compiled import CompiledFilter
 from estimators.ekf import ExtendedKalmanFilter
 from estimators.prediction import CasadiPrediction
 from estimators.tuning import NOISE_SETS
-from harness.assemble import BUILD, contact_of, lowered, run_stop
+from harness.assemble import contact_of, lowered, run_stop
 from harness.engine import Engine
 from harness.scenario.load import load
 
@@ -44,7 +44,7 @@ def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -
     prediction = CasadiPrediction(lowered_model, {v.name: v.start for v in lowered_model.parameters})
     chosen = NOISE_SETS[noise]
     noises = chosen.process_noise(prediction.states), chosen.reading_noise(prediction.outputs)
-    compiled = CompiledFilter(prediction, *noises, 1e-3, directory=BUILD)
+    compiled = CompiledFilter(prediction, *noises, 1e-3)
     plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
     mean = np.array([v.start for v in lowered_model.states])
     spread = chosen.start_covariance(prediction.states)

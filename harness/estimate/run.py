@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Literal
 
 import casadi as ca
@@ -29,7 +28,6 @@ SHOWN = {"v": "speed", "w": "wheelset_speed"}
 AT_ONCE = 10_000
 """Samples between two words of progress: a tenth of a second."""
 
-BUILD = Path("build/estimators")
 """Where compiled filters are kept and found again."""
 
 
@@ -140,7 +138,7 @@ def estimate(
     process = by_name("process", settings.process, states)
     readings = by_name("readings", settings.readings, outputs)
     parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
-    filter_ = CompiledFilter(*parts, directory=BUILD) if compiled else ExtendedKalmanFilter(*parts)
+    filter_ = CompiledFilter(*parts) if compiled else ExtendedKalmanFilter(*parts)
     belief = filter_.start(
         _start(settings.start, states, outputs, seen),
         by_name("start_deviation", settings.start_deviation, states) ** 2,

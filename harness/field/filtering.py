@@ -10,7 +10,7 @@ from estimators.belief import Estimate
 from estimators.compiled import CompiledFilter, Followed
 from estimators.prediction import CasadiPrediction
 from harness.estimate.recording import columns, period_of, truth_of
-from harness.estimate.run import BUILD, by_name
+from harness.estimate.run import by_name
 from harness.estimate.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
 from harness.field.braking import Braking
 from harness.field.noise import GROUPS, PHYSICAL, Noise
@@ -77,7 +77,7 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
 def filter_of(model: CasadiPrediction, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
     """Return a compiled filter for brakings of one period."""
     gate = settings_for(specification(), period).gate
-    return CompiledFilter(model, noise.process, noise.readings, period, gate, directory=BUILD)
+    return CompiledFilter(model, noise.process, noise.readings, period, gate)
 
 
 def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> Followed:

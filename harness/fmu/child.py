@@ -1,16 +1,16 @@
-"""The other end of an isolated plant: owns the FMU, answers one request at a time, ends with its parent.
+"""The other end of an isolated plant: owns the FMU and answers one request at a time.
 
-`main` is started in a new interpreter by `harness.fmu.isolation`, with its end of a socket pair as argument.
+An FMU may write on the line whatever it likes, so that what comes back is never more than numbers and text: vectors of
+doubles, a snapshot's two numbers, a failure as JSON. What is sent to here comes from this program, and is pickled where
+it is a question once asked.
 """
 
-import ctypes
+import json
 import pickle
-import signal
 import socket
 import struct
-import sys
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final, Literal
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from harness.fmu.cosimulation import CoSimulation, Snapshot
 from harness.fmu.description import Description
+from harness.fmu.failure import FmuError, PlantFailed
 from harness.fmu.mapping import Binding
 from harness.fmu.parameters import Values
 
@@ -26,6 +27,10 @@ _CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3, "snapshot
 _REQUESTS: Final = {code: request for request, code in _CODES.items()}
 ANSWER: Final = 0
 FAILED: Final = 255
+REFUSED: Final = 254
+SNAPSHOT: Final = struct.Struct("<qQ")
+"""Sample and handle."""
+_LONGEST: Final = 1 << 24  # bytes of a message
 _HEAD: Final = struct.Struct("<BI")
 _CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
 
@@ -54,6 +59,7 @@ def receive(line: socket.socket) -> tuple[int, bytes]:
 
     Raises:
         ConnectionError: The other end is gone.
+        ValueError: What it sends is no message.
         TimeoutError: The line has a timeout and nothing came.
     """
     got = b""
@@ -65,6 +71,10 @@ def receive(line: socket.socket) -> tuple[int, bytes]:
         got += more
         if len(got) >= _HEAD.size:
             wanted = _HEAD.size + _HEAD.unpack_from(got)[1]
+        if max(wanted, len(got)) > _LONGEST:
+            raise ValueError("no message is that long")
+    if len(got) != wanted:
+        raise ValueError("more than a message")
     return _HEAD.unpack_from(got)[0], got[_HEAD.size :]
 
 
@@ -88,16 +98,20 @@ def serve(line: socket.socket) -> None:
                 elif request == "snapshot":
                     kept = plant.snapshot()
                     snapshots[kept.handle] = kept
-                    answer = pickle.dumps(kept)
+                    answer = SNAPSHOT.pack(kept.sample, kept.handle)
                 elif request == "restore":
-                    answer = plant.restore(snapshots[pickle.loads(payload)]).tobytes()
+                    answer = plant.restore(snapshots[SNAPSHOT.unpack(payload)[1]]).tobytes()
                 elif request == "start":
                     answer = plant.start(np.frombuffer(payload)).tobytes()
                 else:
                     answer = plant.step(np.frombuffer(payload)).tobytes()
+            # Whatever it is belongs to the parent, which raises it where the question was asked.
+            except PlantFailed as failed:
+                send(line, FAILED, json.dumps(asdict(failed.failure)).encode())
+            except FmuError as error:
+                send(line, REFUSED, str(error).encode())
             except Exception as error:
-                # Whatever it is belongs to the parent, which raises it where the question was asked.
-                send(line, FAILED, pickle.dumps(error))
+                send(line, REFUSED, f"{type(error).__name__}: {error}".encode())
             else:
                 send(line, ANSWER, answer)
 
@@ -114,17 +128,8 @@ def _plant(opening: Opening) -> CoSimulation:
     )
 
 
-def _end_with_parent() -> None:
-    """Ask Linux to end this process when its parent dies, even while the FMU loops."""
-    if sys.platform == "linux":
-        set_parent_death_signal = 1  # PR_SET_PDEATHSIG, prctl(2)
-        ctypes.CDLL(None).prctl(set_parent_death_signal, int(signal.SIGKILL))
-
-
-def main() -> None:
-    """Serve on the file descriptor named on the command line."""
-    # Ctrl-C goes to the whole group; the parent decides what becomes of the plant.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _end_with_parent()
-    with socket.socket(fileno=int(sys.argv[1])) as line:
+def serve_on(number: int) -> None:
+    """Say that this process is ready, and serve on the socket of a file descriptor."""
+    with socket.socket(fileno=number) as line:
+        send(line, ANSWER, b"")
         serve(line)

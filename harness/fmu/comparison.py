@@ -3,7 +3,6 @@
 import ctypes
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final, cast
 
 import fmpy
@@ -111,7 +110,7 @@ def seconds_of_simulate_fmu(
 
 
 def seconds_in_c(
-    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int, cache: Path
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
 ) -> tuple[float, Vector]:
     """Return the time of `count` steps in a loop in C, and the last outputs.
 
@@ -121,10 +120,9 @@ def seconds_in_c(
         inputs: Held throughout.
         period: Communication step [s].
         count: Number of steps.
-        cache: Folder where the loop is compiled and kept.
     """
     sent, seen = _only_real(description, binding)
-    library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, cache, "steps", flags=("-fvisibility=default",))))
+    library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))
     u, y = inputs.astype(float), np.zeros(len(seen.references))
     with unpacked(description) as folder:
         fmu = Instance(description, "co-simulation", folder, name="c")

@@ -7,7 +7,6 @@ a dozen such operations, more than the physics of a train behind them.
 import ctypes
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -22,7 +21,6 @@ Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
 
 KERNEL: Final = files("harness.fmu") / "kernel" / "crossing.c"
-BUILD: Final = Path("build/native")
 
 _SET, _STEP, _GET = 1, 2, 4
 _OUTCOMES: Final[tuple[Outcome, ...]] = ("fine", "setting", "stepping", "getting", "not finite")
@@ -158,9 +156,9 @@ def outcome(number: int) -> Outcome:
 
 @cache
 def _library() -> ctypes.CDLL:
-    made = shared_library({"crossing.c": KERNEL.read_text(encoding="utf-8")}, BUILD, "crossing")
+    made = shared_library({"crossing.c": KERNEL.read_text(encoding="utf-8")}, "crossing")
     # The interpreter lock is kept: handing it over and back would cost as much as the rest of the call.
-    library = ctypes.PyDLL(str(made.resolve()))
+    library = ctypes.PyDLL(str(made))
     library.cross.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]
     library.cross.restype = ctypes.c_int
     return library

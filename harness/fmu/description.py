@@ -1,20 +1,19 @@
 """What an FMU file says about itself, read once and checked, as a frozen value."""
 
-import hashlib
-import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from math import isclose
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, cast
-from xml.etree import ElementTree
 
 import fmpy
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
 
+from harness.fmu.archive import digest, members, outline
 from harness.fmu.failure import FmuError
+from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.fmu.unit import BASE, Exponents, Unit, unit
 
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
@@ -81,6 +80,7 @@ class Description:
         log_categories: Names it can log under.
         co_simulation: None when not offered.
         model_exchange: None when not offered.
+        blemishes: What is not as FMI wants it, but changes no result, as a clause; '' when nothing is.
     """
 
     file: Path
@@ -95,6 +95,7 @@ class Description:
     log_categories: tuple[str, ...]
     co_simulation: Interface | None
     model_exchange: Interface | None
+    blemishes: str
 
     def named(self, causality: Causality) -> tuple[str, ...]:
         """Return the names of all variables of one causality, in the FMU's order."""
@@ -118,76 +119,78 @@ class Description:
         raise FmuError(f"{wanted_by}: {self.file.name} has no variable '{name}'{hint}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by reading the file again: the read-only view of the variables does not pickle."""
-        return describe, (self.file,)
+        """Pickle what was read: the read-only view of the variables itself does not pickle."""
+        content = {field.name: getattr(self, field.name) for field in fields(self)}
+        return _restored, (content | {"variables": dict(self.variables)},)
 
 
-def describe(file: Path) -> Description:
+def _restored(content: dict[str, Any]) -> Description:
+    content["variables"] = MappingProxyType(content["variables"])
+    return Description(**content)
+
+
+def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """Read an FMU's own description.
 
     Raises:
-        FmuError: It is missing, not an FMU, not FMI 2.0, invalid, or has no binary for this platform.
+        FmuError: It is missing, not an FMU, beyond the limits, not FMI 2.0, has no binary for this platform, or its
+            description can be understood in two ways or none.
     """
     path = Path(file)
     if not path.is_file():
         raise FmuError(f"{path}: there is no such file; build it (python -m fmus build) or correct the path.")
     try:
-        content = path.read_bytes()
+        content = digest(path)
     except OSError as error:
         raise FmuError(f"{path}: the FMU cannot be read: {error.strerror}.") from error
-    members = _members(path)
-    root = _root(path)
+    inside = members(path, limits)
+    first = outline(path, limits)
+    if first.version != "2.0":
+        found = f"FMI {first.version}" if first.version else "no fmiVersion"
+        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {found}; export it again as FMI 2.0.")
+    for number, line in first.indices:
+        if not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
+            raise FmuError(
+                f"{path}: ModelStructure (line {line} of modelDescription.xml) names variable number '{number}', but "
+                f"there are {first.variables}, from 1; ask the tool that made the FMU."
+            )
+    blemishes = ""
     try:
         read = read_model_description(str(path), validate=True)
     except ValidationError as error:
-        problems = [str(p) for p in cast(list[object], error.problems)]
-        more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
-        raise FmuError(
-            f"{path}: modelDescription.xml is not valid FMI 2.0: {'; '.join(problems[:3])}{more}. "
-            "Correct it or ask the tool that made the FMU."
-        ) from error
+        blemishes, read = _leniently(path, [str(p) for p in cast(list[object], error.problems)])
     except Exception as error:  # FMPy raises bare Exception for what its schema does not catch
         raise FmuError(f"{path}: modelDescription.xml cannot be understood: {error}") from error
-    relative = frozenset(
-        v.get("name", "")
-        for v in root.iterfind("ModelVariables/ScalarVariable")
-        # FMPy looks for this attribute among the children of the element and never finds it.
-        if (real := v.find("Real")) is not None and real.get("relativeQuantity") in ("true", "1")
-    )
-    description = _description(path, hashlib.sha256(content).hexdigest(), read, relative)
-    _require_binary(description, members)
+    description = _description(path, content, read, first.relative, blemishes)
+    _require_binary(description, inside)
     return description
 
 
-def _members(path: Path) -> frozenset[str]:
+def _leniently(path: Path, problems: list[str]) -> tuple[str, ModelDescription]:
+    """Return what is not valid, as a clause, and the description all the same, where it has only one meaning.
+
+    Other tools' FMUs often run well in spite of a missing start value or an attribute that FMI does not know. Where a
+    blemish is about a unit, whoever uses that variable is told when it is bound.
+
+    Raises:
+        FmuError: It cannot be understood, or two variables share a name.
+    """
+    more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
+    clause = f"modelDescription.xml is not valid FMI 2.0: {'; '.join(p.rstrip('.') for p in problems[:3])}{more}"
+    refusal = f"{path}: {clause}. Correct it or ask the tool that made the FMU."
     try:
-        with zipfile.ZipFile(path) as archive:
-            members = frozenset(archive.namelist())
-            broken = archive.testzip()
-    except (zipfile.BadZipFile, OSError, NotImplementedError, RuntimeError) as error:
-        raise FmuError(f"{path}: not an FMU: it is not a zip archive ({error}).") from error
-    if broken is not None:
-        raise FmuError(f"{path}: the archive is damaged, '{broken}' does not match its checksum.")
-    if "modelDescription.xml" not in members:
-        raise FmuError(f"{path}: not an FMU: the archive has no modelDescription.xml.")
-    return members
+        read = read_model_description(str(path), validate=False)
+        known: Any = read
+        names = [v.name for v in known.modelVariables]
+        complete = known.guid and all(names) and len(set(names)) == len(names)
+    except Exception as error:  # without its schema FMPy stumbles in as many ways as there are mistakes
+        raise FmuError(refusal) from error
+    if not complete:
+        raise FmuError(refusal)
+    return clause, read
 
 
-def _root(path: Path) -> ElementTree.Element:
-    """Return the root of an FMI 2.0 modelDescription.xml, not yet validated."""
-    with zipfile.ZipFile(path) as archive:
-        try:
-            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-        except ElementTree.ParseError as error:
-            raise FmuError(f"{path}: modelDescription.xml is not XML: {error}.") from error
-    version = root.get("fmiVersion")
-    if version != "2.0":
-        found = f"FMI {version}" if version else "no fmiVersion"
-        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {found}; export it again as FMI 2.0.")
-    return root
-
-
-def _require_binary(description: Description, members: frozenset[str]) -> None:
+def _require_binary(description: Description, inside: frozenset[str]) -> None:
     """Refuse an FMU whose shared library for this platform is missing."""
     suffix = fmpy.sharedLibraryExtension
     here = cast(str, fmpy.platform)
@@ -195,15 +198,18 @@ def _require_binary(description: Description, members: frozenset[str]) -> None:
         if interface is None:
             continue
         wanted = f"binaries/{here}/{interface.identifier}{suffix}"
-        if wanted not in members:
-            others = sorted({m.split("/")[1] for m in members if m.startswith("binaries/") and m.count("/") > 1})
+        if wanted not in inside:
+            # Files: folders, which may be empty, are not among them.
+            others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
             found = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
             raise FmuError(
                 f"{description.file}: no binary for this platform, {wanted} is missing; {found}. Export it for {here}."
             )
 
 
-def _description(path: Path, digest: str, read: ModelDescription, relative: frozenset[str]) -> Description:
+def _description(
+    path: Path, digest: str, read: ModelDescription, relative: frozenset[str], blemishes: str
+) -> Description:
     known: Any = read  # FMPy's classes annotate their fields loosely
     units = {u.name: _unit(path, u) for u in known.unitDefinitions}
     variables: dict[str, Variable] = {}
@@ -228,6 +234,7 @@ def _description(path: Path, digest: str, read: ModelDescription, relative: froz
         log_categories=tuple(c.name for c in known.logCategories),
         co_simulation=_interface(known.coSimulation),
         model_exchange=_interface(known.modelExchange),
+        blemishes=blemishes,
     )
 
 

@@ -5,6 +5,7 @@ process; one that a user brings is not, unless the scenario says that it may be.
 between processes for each step.
 """
 
+import json
 import os
 import pickle
 import signal
@@ -12,28 +13,35 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack
-from math import isfinite
+from contextlib import ExitStack, suppress
+from dataclasses import asdict
 from pathlib import Path
+from secrets import token_hex
 from types import TracebackType
 from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
 
-from harness.fmu.child import ANSWER, FAILED, Opening, Request, receive, send
+from harness.fmu.child import ANSWER, FAILED, REFUSED, SNAPSHOT, Opening, Request, receive, send
 from harness.fmu.cosimulation import CoSimulation, Snapshot
 from harness.fmu.description import Description
 from harness.fmu.failure import Failure, FmuError, PlantFailed
 from harness.fmu.instance import unpacked
+from harness.fmu.keeper import REPORT
+from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.fmu.mapping import Binding
 from harness.fmu.parameters import Values
 
 Vector = NDArray[np.float64]
 
-PATIENCE: Final = 10.0
-"""Seconds of real time one call of a plant may last; a plant this slow would need hours for a stop anyway."""
-_STARTING: Final = 120.0  # s; a new interpreter on a busy machine, with its imports
+KEEPER: Final = Path(__file__).with_name("keeper.py")
+_FAILURE: Final = TypeAdapter(Failure)
+_READY: Final = 120.0  # s; a new interpreter on a busy machine, with its imports: nothing of the FMU runs yet
+_GOODBYE: Final = 2.0  # s for processes to go once they are killed
+_TOKEN: Final = "RAILGRIP_ISOLATED"
+"""Environment variable by which a process is known as started by an FMU, whatever it did to be nobody's child."""
 
 
 class IsolatedCoSimulation:
@@ -48,7 +56,7 @@ class IsolatedCoSimulation:
         parameters: Values,
         start_time: float = 0.0,
         tolerance: float | None = None,
-        patience: float = PATIENCE,
+        limits: FmuLimits = FMU_LIMITS,
         table: str = "[vehicle]",
     ) -> None:
         """Check the question; no process is started before `with`.
@@ -60,14 +68,12 @@ class IsolatedCoSimulation:
             parameters: Values by FMU variable, in the FMU's units.
             start_time: [s].
             tolerance: Relative tolerance for the FMU's solver; None leaves it to the FMU.
-            patience: Real time [s] that one call may last.
+            limits: Of its process and its patience.
             table: Of the scenario, where it can be trusted; for sentences.
 
         Raises:
             FmuError: A parameter is wrong, or a time is not positive, or this system has no such processes.
         """
-        if not (isfinite(patience) and patience > 0):
-            raise FmuError(f"{description.file.name}: patience is a positive time, got {patience} s.")
         if os.name != "posix":
             raise FmuError(
                 f"{description.file.name}: an FMU cannot have a process of its own on this system; "
@@ -80,12 +86,15 @@ class IsolatedCoSimulation:
         self._parameters = dict(parameters)
         self._start_time = start_time
         self._tolerance = tolerance
-        self._patience = patience
+        self._limits = limits
+        self._patience = limits.patience
         self._stack = ExitStack()
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
+        self._life: socket.socket | None = None
         self._spent: PlantFailed | None = None
         self._sample = -1
+        self._token = token_hex(8)
         self._hurry = False
 
     def __enter__(self) -> Self:
@@ -94,24 +103,29 @@ class IsolatedCoSimulation:
             folder = stack.enter_context(unpacked(self._description))
             ours, theirs = socket.socketpair()
             stack.callback(ours.close)
-            with theirs:
+            life, its_life = socket.socketpair()
+            stack.callback(life.close)
+            with theirs, its_life:
+                # Isolated, -I: neither the current folder nor PYTHONPATH decides what is imported.
                 self._process = subprocess.Popen(
-                    [
-                        sys.executable,
-                        "-c",
-                        "from harness.fmu.child import main; main()",
-                        str(theirs.fileno()),
-                    ],
-                    pass_fds=[theirs.fileno()],
+                    [sys.executable, "-I", str(KEEPER), str(theirs.fileno()), str(its_life.fileno()), self._how()],
+                    pass_fds=[theirs.fileno(), its_life.fileno()],
                     stdin=subprocess.DEVNULL,
                     stdout=2,  # what the FMU prints is no result
-                    env={**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+                    start_new_session=True,
+                    env={**os.environ, "OPENBLAS_NUM_THREADS": "1", _TOKEN: self._token},
                 )
+            self._line, self._life = ours, life
             stack.callback(self._end)
-            self._line = ours
-            self._ask("open", pickle.dumps(self._opening(folder)), patience=_STARTING + self._patience)
+            self._receive("start a process for", _READY)
+            self._ask("open", pickle.dumps(self._opening(folder)))
             self._stack = stack.pop_all()
         return self
+
+    def _how(self) -> str:
+        """Return limits, and where to import from: after Python's own folders this program's, never the current one."""
+        path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
+        return json.dumps({"path": [*path, str(Path(__file__).parents[2])], "limits": asdict(self._limits)})
 
     def _opening(self, folder: Path) -> Opening:
         return Opening(
@@ -132,17 +146,22 @@ class IsolatedCoSimulation:
         self._stack.close()
 
     def _end(self) -> None:
-        process, line = self._process, self._line
-        self._process = self._line = None
-        if process is None:
+        process, line, life = self._process, self._line, self._life
+        self._process = self._line = self._life = None
+        if process is None or line is None or life is None:
             return
-        if line is not None:
-            line.close()  # the child takes the end of the line for goodbye
+        line.close()  # the child takes the end of the line for goodbye
+        if not self._hurry and self._spent is None:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(timeout=self._patience)
+        life.close()  # and its keeper the end of this one for the order to end everything
         try:
-            process.wait(timeout=0 if self._hurry or self._spent is not None else self._patience)
+            process.wait(timeout=_GOODBYE)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+        if process.returncode:  # whoever killed the keeper may have left something behind
+            _sweep(self._token)
 
     @property
     def sample(self) -> int:
@@ -176,22 +195,26 @@ class IsolatedCoSimulation:
 
     def snapshot(self) -> Snapshot:
         """Return the present state, to `restore` later; as `CoSimulation.snapshot`."""
-        kept: Snapshot = pickle.loads(self._ask("snapshot", b""))
-        return Snapshot(sample=kept.sample, handle=kept.handle, owner=id(self))
+        answer = self._ask("snapshot", b"")
+        if len(answer) != SNAPSHOT.size:
+            raise self._nonsense()
+        sample, handle = SNAPSHOT.unpack(answer)
+        return Snapshot(sample=sample, handle=handle, owner=id(self))
 
     def restore(self, snapshot: Snapshot) -> Vector:
         """Return to a snapshot of this plant, and return the outputs there."""
         if snapshot.owner != id(self):
             raise RuntimeError("this snapshot belongs to another plant or to one that is closed")
-        values = self._values(self._ask("restore", pickle.dumps(snapshot.handle)))
+        values = self._values(self._ask("restore", SNAPSHOT.pack(snapshot.sample, snapshot.handle)))
         self._sample = snapshot.sample
         return values
 
-    @staticmethod
-    def _values(payload: bytes) -> Vector:
+    def _values(self, payload: bytes) -> Vector:
+        if len(payload) != 8 * self._binding.outputs.size:
+            raise self._nonsense()
         return np.frombuffer(payload).copy()
 
-    def _ask(self, request: Request, payload: bytes, patience: float | None = None) -> bytes:
+    def _ask(self, request: Request, payload: bytes) -> bytes:
         """Send one request to the child and return its answer.
 
         Raises:
@@ -203,23 +226,35 @@ class IsolatedCoSimulation:
         line = self._line
         if line is None:
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
-        allowed = patience or self._patience
+        with suppress(OSError):  # nobody is there any more: what was last said may still be read
+            send(line, request, payload)
+        return self._receive(request, self._patience)
+
+    def _receive(self, request: str, allowed: float) -> bytes:
+        line = self._line
+        assert line is not None
         if line.gettimeout() != allowed:  # changing it is a call to the system, twice for each step
             line.settimeout(allowed)
         try:
-            send(line, request, payload)
             kind, answer = receive(line)
         except TimeoutError:
             raise self._gone("timeout", f"within {allowed:g} s of real time, it was stopped") from None
-        except OSError:  # ConnectionError and the end of the line: nobody is there any more
+        except OSError:  # ConnectionError and the end of the line
             raise self._gone("crash", self._last_words()) from None
+        except ValueError:
+            raise self._nonsense() from None
         if kind == ANSWER:
             return answer
-        assert kind == FAILED
-        error: Exception = pickle.loads(answer)
-        if isinstance(error, PlantFailed):
-            self._spent = error
-        raise error
+        if kind == REFUSED:
+            raise FmuError(answer.decode(errors="replace"))
+        try:
+            self._spent = PlantFailed(_FAILURE.validate_json(answer if kind == FAILED else b""))
+        except ValidationError:
+            raise self._nonsense() from None
+        raise self._spent
+
+    def _nonsense(self) -> PlantFailed:
+        return self._gone("crash", "its process answered nonsense")
 
     def _gone(self, reason: str, detail: str) -> PlantFailed:
         self._spent = PlantFailed(
@@ -230,20 +265,37 @@ class IsolatedCoSimulation:
                 detail=detail,
             )
         )
-        if self._process is not None:
-            self._process.kill()
+        self._end()
         return self._spent
 
     def _last_words(self) -> str:
-        """Say how the child ended."""
-        assert self._process is not None
-        try:
-            code = self._process.wait(timeout=self._patience)
-        except subprocess.TimeoutExpired:
-            return "its process stopped answering"
-        if code < 0:
-            return f"its process was ended by {signal.Signals(-code).name}"
-        return f"it ended its process with code {code}"
+        """Return how the FMU's process ended."""
+        life = self._life
+        assert life is not None
+        life.settimeout(_GOODBYE)
+        report = b""
+        with suppress(OSError):
+            report = life.recv(REPORT.size)
+        if len(report) != REPORT.size:
+            return "its process is gone, and the one that watched it"
+        status, most = REPORT.unpack(report)
+        code = os.waitstatus_to_exitcode(status)
+        if code >= 0:
+            return f"it ended its process with code {code}"
+        name = signal.Signals(-code).name if -code in {each.value for each in signal.Signals} else f"signal {-code}"
+        ended = f"its process was ended by {name}"
+        if most < self._limits.memory_mib / 2 * 1024:
+            return ended
+        return f"{ended} when it had {most / 1024:.0f} MiB; memory_mib under [limits.fmu] is {self._limits.memory_mib}"
+
+
+def _sweep(token: str) -> None:
+    """End every process that an FMU left behind, known by its environment; on Linux only."""
+    wanted = f"{_TOKEN}={token}".encode()
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if wanted in (process / "environ").read_bytes().split(b"\0"):
+                os.kill(int(process.name), signal.SIGKILL)
 
 
 def open_plant(
@@ -256,7 +308,7 @@ def open_plant(
     tell: Callable[[str], None],
     start_time: float = 0.0,
     tolerance: float | None = None,
-    patience: float = PATIENCE,
+    limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
 ) -> CoSimulation | IsolatedCoSimulation:
     """Return a plant to use in `with`: in this process when it is trusted, else in one of its own.
@@ -270,12 +322,14 @@ def open_plant(
         tell: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
         start_time: [s].
         tolerance: Relative tolerance for the FMU's solver; None leaves it to the FMU.
-        patience: Real time [s] that one call may last in isolation.
+        limits: For an FMU in isolation.
         table: Of the scenario, where it can be trusted; for sentences.
 
     Raises:
         FmuError: A parameter is wrong, or a time is not positive.
     """
+    if description.blemishes:
+        tell(f"{description.file.name}: {description.blemishes}; it runs all the same.")
     if trusted:
         return CoSimulation(
             description,
@@ -293,7 +347,7 @@ def open_plant(
         parameters=parameters,
         start_time=start_time,
         tolerance=tolerance,
-        patience=patience,
+        limits=limits,
         table=table,
     )
 

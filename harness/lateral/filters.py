@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import log
-from pathlib import Path
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -95,21 +94,18 @@ def literal_density(condition: Condition, period: float) -> Vector:
     return np.array(LITERAL_NOISE[condition.name]) / period
 
 
-def party(name: Name, first: Condition, irregularity: Irregularity, directory: Path, period: float = PERIOD) -> Party:
+def party(name: Name, first: Condition, irregularity: Irregularity, period: float = PERIOD) -> Party:
     """Return a filter at its start.
 
     Args:
         name: Which one.
         first: Condition at the start; only the literal filter is told.
         irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
-        directory: Where compiled filters are kept.
         period: Of its steps [s].
     """
     column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
-        filter_ = CompiledFilter(
-            prediction(name), literal_density(first, period), READING_NOISE, period, order=1, directory=directory
-        )
+        filter_ = CompiledFilter(prediction(name), literal_density(first, period), READING_NOISE, period, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.held[:] = 0.0
@@ -127,7 +123,7 @@ def party(name: Name, first: Condition, irregularity: Irregularity, directory: P
             density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
             mean += [0.0, 0.0]
             variance += [1e-5**2, 1e-5**2]
-        filter_ = CompiledFilter(prediction(name), density, READING_NOISE, period, directory=directory)
+        filter_ = CompiledFilter(prediction(name), density, READING_NOISE, period)
         filter_.start(mean, variance)
         sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
     return Party(name=name, filter=filter_, observer=Observer(name=name, filter=filter_, sources=sources))

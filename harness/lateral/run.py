@@ -3,7 +3,6 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -78,20 +77,19 @@ class Trace:
     wall: float
 
 
-def simulate(case: Case, names: Sequence[Name] = NAMES, directory: Path = Path("build")) -> Trace:
+def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     """Run the twin with filters beside it.
 
     Args:
         case: What decides the run.
         names: Of the filters.
-        directory: Where compiled code is kept.
 
     Raises:
         harness.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
     drawn = course(case.test, case.seed, case.irregularity)
     table = np.column_stack([drawn.inputs, drawn.track_rate, np.full(len(drawn.inputs), case.speed)])
-    parties = [party(name, drawn.conditions[0], case.irregularity, directory / "estimators") for name in names]
+    parties = [party(name, drawn.conditions[0], case.irregularity) for name in names]
     records: list[Record] = []
     with wheelset(case.speed, PLANTS[case.plant]) as plant:
         plant.start(drawn.inputs[0])
@@ -108,7 +106,6 @@ def simulate(case: Case, names: Sequence[Name] = NAMES, directory: Path = Path("
                     noise=drawn.noise[first:last],
                     observers=[one.observer for one in parties if _alive(records, one.name)],
                     every=EVERY,
-                    directory=directory / "loop",
                 )
             )
         wall = time.perf_counter() - begin

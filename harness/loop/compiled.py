@@ -8,8 +8,8 @@ most of its time between them. The plant is any co-simulation FMU whose signals 
 import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -184,7 +184,6 @@ def run(
     observers: Sequence[Observer] = (),
     every: int = 1,
     first_reading: Array | None = None,
-    directory: Path = Path("build/loop"),
 ) -> Record:
     """Step a started plant and its observers through a table of inputs; call again to go on.
 
@@ -197,7 +196,6 @@ def run(
         observers: Filters whose outputs are the readings, with the plant's period.
         every: Samples from one row of the record to the next.
         first_reading: Readings at the first sample, shape (m,), wanted when a source is a reading.
-        directory: Where the loop is compiled and kept.
 
     Raises:
         LoopError: Shapes, names or periods do not fit.
@@ -234,7 +232,7 @@ def run(
         inputs=_at(table), noise=_at(added), shown=_at(shown), outputs=_at(last), reading=_at(reading),
         record=_at(kept), filter=ctypes.addressof(filters), first=calls.sample,
     )  # fmt: skip
-    _library(directory).run(ctypes.byref(plan))
+    _library().run(ctypes.byref(plan))
     failed = plan.done < steps
     plant.stepped(plan.done, plan.status if failed else 0, _CALLS[plan.where] if failed else "", last)
     return Record(
@@ -295,9 +293,9 @@ class _Beside:
         )
 
 
-def _library(directory: Path) -> ctypes.CDLL:
-    made = shared_library({"run.c": KERNEL.read_text(encoding="utf-8")}, directory, "run", flags=("-O3",))
-    library = ctypes.CDLL(str(made.resolve()))
+@cache
+def _library() -> ctypes.CDLL:
+    library = ctypes.CDLL(str(shared_library({"run.c": KERNEL.read_text(encoding="utf-8")}, "run", flags=("-O3",))))
     library.run.argtypes, library.run.restype = [ctypes.c_void_p], ctypes.c_int
     return library
 

@@ -1,10 +1,8 @@
 """The loop's own code in C, and formulas as functions in C: compiled once on a machine."""
 
 import ctypes
-import hashlib
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Final
 
 import casadi as ca
@@ -14,7 +12,6 @@ from harness.loop.edge import INPUTS, OUTPUT, OUTPUTS
 from harness.loop.reading import READING, READINGS
 from harness.record.signals import GROUPS, WHEELSETS
 
-BUILD: Final = Path("build/native")
 KERNEL: Final = files("harness.loop") / "kernel"
 _PARTS: Final = ("sensors.h", "sensors.c", "cycle.c")
 
@@ -27,8 +24,8 @@ def kernel() -> ctypes.CDLL:
         fmus.errors.CompilerMissing: There is no C compiler.
     """
     sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in _PARTS}
-    made = shared_library(sources | {"edge.h": _edge()}, BUILD, "cycle")
-    library = ctypes.CDLL(str(made.resolve()))
+    made = shared_library(sources | {"edge.h": _edge()}, "cycle")
+    library = ctypes.CDLL(str(made))
     library.read_encoder.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double]
     library.read_encoder.restype = ctypes.c_double
     library.read_service.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p, ctypes.c_void_p]
@@ -68,6 +65,5 @@ def compiled(step: ca.Function) -> int:
         ]
     )
     sources = {"step.h": header, "formula.c": (KERNEL / "formula.c").read_text(encoding="utf-8")}
-    digest = hashlib.sha256("".join(sources.values()).encode()).hexdigest()[:16]
-    library = ctypes.CDLL(str(shared_library(sources, BUILD, f"formula_{digest}").resolve()))
+    library = ctypes.CDLL(str(shared_library(sources, "formula")))
     return ctypes.cast(library.call, ctypes.c_void_p).value or 0

@@ -14,7 +14,7 @@ from estimators.prediction import CasadiPrediction
 from estimators.tuning import pressure_spread
 from harness.estimate.error import EstimationError
 from harness.estimate.recording import columns, period_of
-from harness.estimate.run import BUILD, model_of, prediction_of, units_of
+from harness.estimate.run import model_of, prediction_of, units_of
 from harness.monitor.nominal import NOMINAL, nominal_friction
 from harness.monitor.transducers import PRESSURE_OFFSET
 
@@ -166,7 +166,7 @@ def _filter(period: float) -> tuple[CasadiPrediction, CompiledFilter]:
         return np.array([deviations[name.partition("[")[0]] for name in names]) ** 2
 
     noises = squares(_PROCESS, prediction.states), squares(_READINGS, prediction.outputs)
-    return prediction, CompiledFilter(prediction, *noises, period, directory=BUILD)
+    return prediction, CompiledFilter(prediction, *noises, period)
 
 
 def _filtered(

@@ -3,8 +3,9 @@
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, field_validator, model_validator
+from pydantic import Field, StrictBool, StrictInt, field_validator, model_validator
 
+from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.scenario.file import NamedFile
 from harness.scenario.mapped import MapEntry
 from harness.scenario.quantity import Unit
@@ -79,6 +80,28 @@ Controller = Annotated[Law | ControllerFmu, Field(discriminator="kind")]
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 
 
+Count = Annotated[StrictInt, Field(gt=0)]
+
+
+class ForeignFmus(Table):
+    """What an FMU from outside may take of this machine: `harness.fmu.limits` says what each means."""
+
+    files: Count = FMU_LIMITS.files
+    unpacked_mib: Count = FMU_LIMITS.unpacked_mib
+    member_mib: Count = FMU_LIMITS.member_mib
+    ratio: Count = FMU_LIMITS.ratio
+    description_mib: Count = FMU_LIMITS.description_mib
+    variables: Count = FMU_LIMITS.variables
+    memory_mib: Count = FMU_LIMITS.memory_mib
+    processes: Count = FMU_LIMITS.processes
+    open_files: Count = FMU_LIMITS.open_files
+    patience: Duration = FMU_LIMITS.patience
+
+    def limits(self) -> FmuLimits:
+        """Return them as whoever opens FMUs takes them."""
+        return FmuLimits(**self.model_dump())
+
+
 class Limits(Table):
     """Where a stop ends and what adhesion may be used."""
 
@@ -88,6 +111,7 @@ class Limits(Table):
         description="most adhesion that may be used: a number, 'tsi' (0.15) or 'tsi_short_formation' (0.13); "
         "LOC&PAS TSI 4.2.4.6.1"
     )
+    fmu: ForeignFmus = ForeignFmus()
 
     @field_validator("alpha_max", mode="before")
     @classmethod

@@ -25,11 +25,6 @@ def rolling():
     return CasadiPrediction(wheelset(), WHEELSET)
 
 
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory):
-    return tmp_path_factory.mktemp("filters")
-
-
 def assert_same(one, other, tolerance):
     """Means in units of the states' spread or size, covariances as correlations."""
     size = np.maximum(np.abs(one.mean), one.deviation)
@@ -38,10 +33,10 @@ def assert_same(one, other, tolerance):
     assert np.max(np.abs(one.covariance - other.covariance) / spread) < tolerance
 
 
-def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling, kept):
+def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling):
     """The two filters are compared all along; neither sees the other's belief."""
     parts = (rolling, DENSITY, READING, PERIOD, GATE, 5.0)
-    plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts, directory=kept)
+    plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts)
     one = two = plain.start(FIRST_MEAN, FIRST_VARIANCE)
     random = np.random.default_rng(7)
     left_out = 0
@@ -61,14 +56,14 @@ def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling, kept):
 
 
 @pytest.mark.parametrize("correlated", [False, True])
-def test_compiled_equals_python_with_full_noise_matrices(kept, correlated):
+def test_compiled_equals_python_with_full_noise_matrices(correlated):
     prediction = CasadiPrediction(oscillator(), OSCILLATOR)
     density, reading = np.diag([0.0, 0.0, 1e-2, 1e-2]), np.diag([1e-8, 1e-3])
     if correlated:
         density[2, 3] = density[3, 2] = 6e-3
         reading[0, 1] = reading[1, 0] = -2e-6
     parts = (prediction, density, reading, PERIOD)
-    plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts, directory=kept)
+    plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts)
     one = two = plain.start(np.zeros(4), np.array([1e-6, 1e-6, 1e-2, 1e-2]))
     random = np.random.default_rng(8)
     for _ in range(500):
@@ -77,9 +72,9 @@ def test_compiled_equals_python_with_full_noise_matrices(kept, correlated):
         assert_same(one, two, 1e-9)
 
 
-def test_normalised_innovation_is_that_of_the_reference(rolling, kept):
+def test_normalised_innovation_is_that_of_the_reference(rolling):
     plain = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first, held = plain.start(FIRST_MEAN, FIRST_VARIANCE), np.array([1e4, 0.0])
     seen = np.array([22.1, np.nan, -0.7])
     expected = plain.innovation(plain.predict(first, held), held, seen)
@@ -88,9 +83,9 @@ def test_normalised_innovation_is_that_of_the_reference(rolling, kept):
     assert fast.used.tolist() == [1.0, 0.0, 1.0]
 
 
-def test_it_goes_on_from_whatever_belief_it_is_given(rolling, kept):
+def test_it_goes_on_from_whatever_belief_it_is_given(rolling):
     """Beliefs are values: a step is a function of its arguments, not of the steps before it."""
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
     once = fast.step(first, held, seen)
@@ -102,8 +97,8 @@ def test_it_goes_on_from_whatever_belief_it_is_given(rolling, kept):
         once.mean[0] = 0.0
 
 
-def test_advance_in_place_is_step(rolling, kept):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+def test_advance_in_place_is_step(rolling):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
     belief = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     for _ in range(3):
@@ -116,12 +111,12 @@ def test_advance_in_place_is_step(rolling, kept):
     assert np.array_equal(fast.covariance, belief.covariance)
 
 
-def test_parameters_change_without_compiling_again(rolling, kept):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+def test_parameters_change_without_compiling_again(rolling, own_cache):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     worn = CasadiPrediction(wheelset(), WHEELSET | {"r_wheel": 0.36})
-    built = sorted(kept.iterdir())
-    other = CompiledFilter(worn, DENSITY, READING, PERIOD, directory=kept)
-    assert sorted(kept.iterdir()) == built
+    built = sorted(own_cache.rglob("*.*"))
+    other = CompiledFilter(worn, DENSITY, READING, PERIOD)
+    assert sorted(own_cache.rglob("*.*")) == built
     held, seen = np.array([1e4, 0.0]), np.array([22.1, 58.0, -0.7])
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     expected = ExtendedKalmanFilter(worn, DENSITY, READING, PERIOD).step(first, held, seen)
@@ -130,8 +125,8 @@ def test_parameters_change_without_compiling_again(rolling, kept):
     assert np.array_equal(fast.step(first, held, seen).mean, other.step(first, held, seen).mean)
 
 
-def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling, kept):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     with pytest.raises(FilterDiverged, match="predicted"):
         fast.step(first, np.array([np.nan, np.nan]), np.zeros(3))
@@ -142,26 +137,26 @@ def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling, kept)
     assert np.array_equal(fast.covariance, np.diag(FIRST_VARIANCE))
 
 
-def test_wrong_shapes_get_the_sentences_of_the_reference(rolling, kept):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, directory=kept)
+def test_wrong_shapes_get_the_sentences_of_the_reference(rolling):
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
     with pytest.raises(EstimatorError, match="held wants 2 inputs"):
         fast.step(first, np.zeros(3), np.zeros(3))
     with pytest.raises(EstimatorError, match="seen wants 3 readings"):
         fast.step(first, np.zeros(2), np.zeros(2))
     with pytest.raises(EstimatorError, match="process_noise wants shape"):
-        CompiledFilter(rolling, np.ones(3), READING, PERIOD, directory=kept)
+        CompiledFilter(rolling, np.ones(3), READING, PERIOD)
 
 
-def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling, kept):
+def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):
     """The step for any machine, called directly, against whatever this machine takes."""
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE, directory=kept)
+    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE)
     code = generate(rolling, fast.design)
     plain = "int step_plain(double *block);\n" + (
         "int dispatch(double *block) { return step_plain(block); }\n"
         '__attribute__((visibility("default"))) int step(double *block) { return dispatch(block); }\n'
     )
-    library = shared_library(code.sources | {"dispatch.c": plain}, kept, "plain", flags=("-O3",))
+    library = shared_library(code.sources | {"dispatch.c": plain}, "plain", flags=("-O3",))
     step_plain = ctypes.CDLL(str(library)).step
     step_plain.argtypes = [ctypes.c_void_p]
     fast.start(FIRST_MEAN, FIRST_VARIANCE)

@@ -176,11 +176,11 @@ class Check:
 
 
 def checks(
-    tuning: Tuned, true: Truth, kept, *, process: float = 1.0, reading: float = 1.0
+    tuning: Tuned, true: Truth, *, process: float = 1.0, reading: float = 1.0
 ) -> tuple[list[Check], Check, Check]:
     """NEES at each instant, NIS and whiteness of a filter that takes noises for `process`, `reading` times theirs."""
     prediction = tuning.prediction
-    ours = CompiledFilter(prediction, process * tuning.process, reading * tuning.reading, PERIOD, GATE, directory=kept)
+    ours = CompiledFilter(prediction, process * tuning.process, reading * tuning.reading, PERIOD, GATE)
     n, m = len(prediction.states), len(prediction.outputs)
     errors, squares = np.empty((len(INSTANTS), RUNS)), np.empty((STEPS, RUNS))
     innovations = np.empty((STEPS, RUNS, m))
@@ -213,15 +213,10 @@ def portmanteau(innovations: np.ndarray) -> float:
     return float(sum(np.sum(products**2) / (runs * count) for products, count in lagged))
 
 
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory):
-    return tmp_path_factory.mktemp("filters")
-
-
 @pytest.mark.parametrize("braking", BRAKING)
 @pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(kept, model, sensors, braking):
-    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, braking), kept)
+def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(model, sensors, braking):
+    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, braking))
     assert all(error.inside for error in errors), errors
     assert innovation.inside, innovation
     assert white.inside, white
@@ -229,12 +224,12 @@ def test_mean_nees_nis_and_whiteness_lie_in_their_chi_square_bounds(kept, model,
 
 @pytest.mark.parametrize("wrong", ["process", "reading"])
 @pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_a_filter_that_takes_noise_for_a_tenth_fails_every_check(kept, model, sensors, wrong):
+def test_a_filter_that_takes_noise_for_a_tenth_fails_every_check(model, sensors, wrong):
     """Each check can fail: with either noise ten times too small it errs more than it says, and surprises repeat.
 
     But for the first instant, when what the start left still hides the noise.
     """
-    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), kept, **{wrong: 0.1})
+    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), **{wrong: 0.1})
     assert all(error.figure > error.high for error in errors[1:]), errors
     assert innovation.figure > innovation.high
     assert white.figure > white.high
@@ -242,20 +237,20 @@ def test_a_filter_that_takes_noise_for_a_tenth_fails_every_check(kept, model, se
 
 @pytest.mark.parametrize("wrong", ["process", "reading"])
 @pytest.mark.parametrize(("model", "sensors"), TUNINGS)
-def test_a_filter_that_takes_noise_for_ten_times_as_much_fails_every_check(kept, model, sensors, wrong):
+def test_a_filter_that_takes_noise_for_ten_times_as_much_fails_every_check(model, sensors, wrong):
     """The other side: it errs less than it says; its surprises repeat, too, because it weighs readings wrongly."""
-    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), kept, **{wrong: 10.0})
+    errors, innovation, white = checks(tuned(model, sensors), truth(model, sensors, "held"), **{wrong: 10.0})
     assert all(error.figure < error.low for error in errors[1:]), errors
     assert innovation.figure < innovation.low
     assert white.figure > white.high
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_the_filter_in_numpy_errs_as_the_compiled_one(kept, model):
+def test_the_filter_in_numpy_errs_as_the_compiled_one(model):
     """What was shown of the one holds for the other, held in place as loops do: 1e-6 of NEES on the same readings."""
     tuning, true = tuned(model, "service"), truth(model, "service", "one group released")
     arguments = (tuning.prediction, tuning.process, tuning.reading, PERIOD, GATE)
-    plain, fast = ExtendedKalmanFilter(*arguments), CompiledFilter(*arguments, directory=kept)
+    plain, fast = ExtendedKalmanFilter(*arguments), CompiledFilter(*arguments)
     first = plain.start(tuning.mean, tuning.start)
     running = Running(plain, first, inputs=true.held.shape[1], outputs=true.seen.shape[2])
     fast.hold(first)

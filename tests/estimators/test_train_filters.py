@@ -26,11 +26,6 @@ def prediction(request):
     return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
 
 
-@pytest.fixture(scope="module")
-def kept(tmp_path_factory):
-    return tmp_path_factory.mktemp("filters")
-
-
 def sizes(prediction):
     return np.array([SIZES[name.partition("[")[0]] for name in prediction.states])
 
@@ -74,7 +69,7 @@ def test_pad_gate_is_the_pressure_that_makes_the_pad_force():
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
-def test_compiled_equals_python_while_brakes_come_and_go(prediction, kept, sensors):
+def test_compiled_equals_python_while_brakes_come_and_go(prediction, sensors):
     """Brakes applied and released by slip control, readings with dropouts, each filter on its own belief.
 
     The 25 states with ideal sensors, the worst conditioned of all, go through 10 s in steps of 1 ms; through a whole
@@ -82,7 +77,7 @@ def test_compiled_equals_python_while_brakes_come_and_go(prediction, kept, senso
     """
     arguments, start = parts(prediction, sensors)
     steps = 10_000 if len(prediction.states) == 25 and sensors == "ideal" else 3_000
-    plain, fast = ExtendedKalmanFilter(*arguments), CompiledFilter(*arguments, directory=kept)
+    plain, fast = ExtendedKalmanFilter(*arguments), CompiledFilter(*arguments)
     one = two = plain.start(rolling(prediction), start)
     random = np.random.default_rng(11)
     noise = np.sqrt(arguments[2])
@@ -105,10 +100,10 @@ def test_compiled_equals_python_while_brakes_come_and_go(prediction, kept, senso
 
 
 @pytest.mark.parametrize("sensors", ["ideal", "service"])
-def test_a_step_of_adhesion_is_followed_within_a_tenth_of_a_second(prediction, kept, sensors):
+def test_a_step_of_adhesion_is_followed_within_a_tenth_of_a_second(prediction, sensors):
     """All groups lose half their adhesion; truth is the prediction, its readings noisy as claimed."""
     arguments, start = parts(prediction, sensors)
-    ours = CompiledFilter(*arguments, directory=kept)
+    ours = CompiledFilter(*arguments)
     truth = rolling(prediction, adhesion=0.12)
     ours.start(rolling(prediction, adhesion=0.11), start)
     groups = [prediction.states.index(f"alpha[{i}]") for i in range(1, 5)]

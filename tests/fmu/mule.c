@@ -3,8 +3,14 @@
  *
  * Value references: 0-3 pressure_command, 4-9 mu0, 10 speed_start, 11 distance, 12 speed, 13 acceleration,
  * 14-17 wheelset_speed, 18-21 cylinder_pressure.                                                                */
+#define _GNU_SOURCE
+#include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 #include "quiet.h"
 
 #define WELL 0
@@ -15,7 +21,13 @@
 #define NEVER_HALTS 5
 #define CRASH 6
 #define NEVER_STARTS 7
-#define TALKS 8 /* as OpenModelica's FMUs do of their solver */
+#define NEVER_INSTANTIATES 8
+#define FORKS 9             /* processes that leave group and session and never end */
+#define KILLS_PARENT 10     /* having left such a process behind, and refusing to go with its parent */
+#define ALLOCATES 11
+#define OPENS_FILES 12
+#define FORGES 13           /* an answer of its own, on every socket it has */
+#define TALKS 14            /* as OpenModelica's FMUs do of their solver */
 
 #define RADIUS 0.38
 #define SOON 0.1 /* s */
@@ -26,9 +38,25 @@ typedef struct {
     double t, v[22];
 } Mule;
 
+/* A process that belongs to nobody; its number goes to a file that the test reads. */
+static void leave_one_behind(void) {
+    if (fork() == 0) {
+        setsid();
+        if (fork() == 0) {
+            FILE *f = fopen(getenv("MULE_LEFT_BEHIND"), "a");
+            fprintf(f, "%d\n", (int)getpid());
+            fclose(f);
+            for (;;) pause();
+        }
+        _exit(0);
+    }
+    usleep(200000);
+}
+
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *call, fmi2Boolean visible, fmi2Boolean logging) {
     (void)name; (void)type; (void)guid; (void)resources; (void)visible; (void)logging;
+    if (MISBEHAVIOUR == NEVER_INSTANTIATES) for (volatile int k = 0;; k = 0) { (void)k; }
     Mule *m = call->allocateMemory(1, sizeof *m);
     m->call = call;
     m->v[10] = 20;
@@ -72,6 +100,30 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
         case DISCARD: return fmi2Discard;
         case NEVER_RETURNS: for (volatile int k = 0;; k = 0) { (void)k; }
         case CRASH: { volatile int *nowhere = NULL; *nowhere = 1; break; }
+        case FORKS:
+            for (int k = 0; k < 3; k++) leave_one_behind();
+            return fmi2Error;
+        case KILLS_PARENT:
+            leave_one_behind();
+            prctl(PR_SET_PDEATHSIG, 0);
+            kill(getppid(), SIGKILL);
+            for (;;) pause();
+        case ALLOCATES:
+            for (;;) { volatile char *more = malloc(1 << 24); for (size_t k = 0; k < 1 << 24; k += 4096) more[k] = 1; }
+        case OPENS_FILES: {
+            char text[64];
+            int count = 0;
+            while (open("/dev/null", O_RDONLY) >= 0 && count < 100000) count++;
+            snprintf(text, sizeof text, "%s", count < 1000 ? "no more files" : "as many files as it likes");
+            m->call->logger(m->call->componentEnvironment, "mule", fmi2Error, "logStatusError", text);
+            return fmi2Error;
+        }
+        case FORGES: {
+            /* FAILED, five bytes long, and as a pickle: call exit. */
+            const unsigned char answer[] = { FORGED };
+            for (int k = 3; k < 64; k++) if (write(k, answer, sizeof answer) < 0) continue;
+            for (;;) pause();
+        }
         default: break;
     }
     m->v[13] = MISBEHAVIOUR == NEVER_HALTS ? 0 : -RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4;

@@ -30,23 +30,24 @@ def mule(
     platform: str = fmpy.platform,
     names: Mapping[str, str] = MappingProxyType({}),
     tool: str = "a hand",
+    forged: bytes = b"",
 ) -> Path:
     """Build the FMU in `folder` and return its file.
 
     Args:
-        folder: Where the library is compiled (and kept) and the FMU written.
+        folder: Where the FMU is written.
         misbehaviour: A name defined in mule.c.
         speed_unit: What it says the unit of its speed is.
         platform: Folder of the binary inside the FMU.
+        forged: What FORGES writes.
         names: Our name → the name it gives to that variable.
         tool: That it says it was made by.
     """
     library = shared_library(
         SOURCES,
-        folder / "libraries",
         f"mule_{misbehaviour.lower()}",
         include=(HEADERS,),
-        flags=(f"-DMISBEHAVIOUR={misbehaviour}",),
+        flags=(f"-DMISBEHAVIOUR={misbehaviour}", f"-DFORGED={','.join(map(str, forged or b'0'))}"),
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:

@@ -19,8 +19,10 @@ from harness.fmu import (
     describe,
     open_plant,
 )
+from harness.fmu.limits import FmuLimits
 
 PERIOD = 1e-3
+AT_LEISURE = FmuLimits(patience=100.0)
 SOON = 0.5  # s of real time; only an FMU that never returns waits this long
 
 
@@ -33,9 +35,9 @@ def edge(description: Description) -> Binding:
     )
 
 
-def isolated(file: Path, patience: float = 100.0, **parameters: object) -> IsolatedCoSimulation:
+def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -> IsolatedCoSimulation:
     description = describe(file)
-    return IsolatedCoSimulation(description, edge(description), period=PERIOD, parameters=parameters, patience=patience)
+    return IsolatedCoSimulation(description, edge(description), period=PERIOD, parameters=parameters, limits=limits)
 
 
 def test_the_numbers_are_those_of_the_same_process(foundry: Path):

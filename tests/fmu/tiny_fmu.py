@@ -109,7 +109,7 @@ def tiny(
     """Build the FMU in `folder` and return its file.
 
     Args:
-        folder: Where the library is compiled (and kept) and the FMU written.
+        folder: Where the FMU is written.
         misbehaviour: A name defined in tiny.c.
         description: Its modelDescription.xml; None for the plain one.
         guid: Compiled into the binary.
@@ -117,7 +117,6 @@ def tiny(
     """
     library = shared_library(
         {"tiny.c": SOURCES["tiny.c"], "quiet.h": SOURCES["quiet.h"]},
-        folder / "libraries",
         f"tiny_{misbehaviour.lower()}",
         include=(HEADERS,),
         flags=(f"-DMISBEHAVIOUR={misbehaviour}", f'-DTINY_GUID="{guid}"', "-D_POSIX_C_SOURCE=200809L"),
@@ -137,7 +136,6 @@ def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forg
     """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there."""
     library = shared_library(
         {"curved.c": SOURCES["curved.c"], "quiet.h": SOURCES["quiet.h"]},
-        folder / "libraries",
         f"curved_{forgets}",
         include=(HEADERS,),
         flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),

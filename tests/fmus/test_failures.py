@@ -67,3 +67,20 @@ def test_calls_out_of_order_are_refused_with_a_sentence(feature, run):
         instance.set(x=1.0)
     with pytest.raises(FMICallException):
         instance.set(_tolerance=-1.0)
+
+
+def test_a_model_that_chatters_ends_the_step_instead_of_never_returning(modelica, run):
+    """It swings to and fro between two events 0.2 µs apart: five million in a second."""
+    fmu = modelica(
+        "model M parameter Real d=1e-7; Real x(start=0,fixed=true); discrete Real s(start=1,fixed=true);"
+        " equation der(x) = s; when x > d or x < -d then s = if x > 0 then -1 else 1; end when; end M;"
+    )
+    instance = run(fmu)
+    with pytest.raises(FMICallException):
+        instance.steps(1000, 1e-3)
+    assert any("it takes more internal steps than make sense, 300000 in a second, at time = " in m
+               for m in instance.messages)  # fmt: skip
+    # Five thousand in a second are a model one may have.
+    patient = run(fmu, start={"d": 1e-4})
+    patient.steps(1000, 1e-3)
+    assert patient.get("time")[0] == pytest.approx(1.0)

@@ -56,7 +56,7 @@ def at(values):
     return values.ctypes.data_as(POINTER)
 
 
-def elimination_library(n, pattern, directory):
+def elimination_library(n, pattern):
     """Return the compiled elimination of a pattern, and room for its factors."""
     elimination = eliminate(n, pattern)
     sizes = {"NX": n, "NJ": len(pattern), "NLU": elimination.entries}
@@ -71,14 +71,14 @@ def elimination_library(n, pattern, directory):
             f"{EXPORTED} void solve(const double *a, double *b) {{ sparse_solve(a, b); }}",
         ]
     )
-    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": code}, directory, "lu")))
+    library = ctypes.CDLL(str(toolchain.shared_library({"lu.c": code}, "lu")))
     library.factor.argtypes = [POINTER, ctypes.c_double, POINTER]
     library.solve.argtypes = [POINTER, POINTER]
     return library, np.zeros(elimination.entries)
 
 
 @pytest.mark.parametrize(("seed", "n"), [(0, 17), (1, 17), (2, 17), (3, 60)])
-def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed, n):
+def test_sparse_elimination_solves_what_numpy_solves(seed, n):
     """Random sparse J, shifted so far that no pivot is needed; condition below 100, so 1e-11 is ample.
 
     With 60 unknowns the solution has more lines than one part of it holds.
@@ -87,7 +87,7 @@ def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed, n):
     dense = np.where(rng.random((n, n)) < 0.15, rng.normal(size=(n, n)), 0.0)
     columns, rows = np.nonzero(dense.T)
     pattern = list(zip(rows.tolist(), columns.tolist(), strict=True))
-    library, factors = elimination_library(n, pattern, tmp_path)
+    library, factors = elimination_library(n, pattern)
     values = np.array([dense[i, j] for i, j in pattern])
     shift, right = float(n), rng.normal(size=n)
     solution = right.copy()
@@ -96,26 +96,26 @@ def test_sparse_elimination_solves_what_numpy_solves(tmp_path, seed, n):
     assert solution == pytest.approx(np.linalg.solve(shift * np.eye(n) - dense, right), abs=1e-11)
 
 
-def test_a_cancelled_pivot_is_reported(tmp_path):
-    library, factors = elimination_library(1, [(0, 0)], tmp_path)
+def test_a_cancelled_pivot_is_reported():
+    library, factors = elimination_library(1, [(0, 0)])
     jacobian = np.array([5.0])
     assert library.factor(at(jacobian), 5.0, at(factors)) == 1
     assert library.factor(at(jacobian), 6.0, at(factors)) == 0
 
 
-def test_elimination_with_too_many_entries_is_left_to_pivoting(tmp_path):
+def test_elimination_with_too_many_entries_is_left_to_pivoting():
     n = math.isqrt(MOST_ENTRIES) + 1
-    library, factors = elimination_library(n, [(i, j) for j in range(n) for i in range(n)], tmp_path)
+    library, factors = elimination_library(n, [(i, j) for j in range(n) for i in range(n)])
     assert factors.size == 0
     assert library.factor(at(np.zeros(n * n)), 1.0, at(factors)) == 1
 
 
-def played(function, prelude, code, given, directory):
+def played(function, prelude, code, given):
     """Return the results of a function as our C computes them."""
     run = f"{EXPORTED} void run(const double **a, double **r) {{ {function.name()}(a, r); }}"
     text = "\n".join(["#include <math.h>", *prelude, code, run])
     sources = {"model.c": text, "tape.c": (RUNTIME / "tape.c").read_text()}
-    library = ctypes.CDLL(str(toolchain.shared_library(sources, directory, "model", units=["model.c"])))
+    library = ctypes.CDLL(str(toolchain.shared_library(sources, "model", units=["model.c"])))
     found = [np.zeros(function.nnz_out(k)) for k in range(function.n_out())]
     library.run((POINTER * len(given))(*map(at, given)), (POINTER * len(found))(*map(at, found)))
     return found
@@ -123,7 +123,7 @@ def played(function, prelude, code, given, directory):
 
 @pytest.mark.parametrize("values", [(2.5, 1.75), (1.75, 2.5), (0.5, -1.25)])
 @pytest.mark.parametrize(("prelude", "write"), [(interpreter(), tape), ([], straight)], ids=["tape", "straight"])
-def test_our_c_computes_what_casadi_computes(tmp_path, prelude, write, values):
+def test_our_c_computes_what_casadi_computes(prelude, write, values):
     """Every operation on both sides of its branches, against CasADi's own evaluation, to the last bit."""
     x, y = ca.SX.sym("x", 2), ca.SX.sym("y")
     a, b = x[0], x[1]
@@ -137,12 +137,12 @@ def test_our_c_computes_what_casadi_computes(tmp_path, prelude, write, values):
     ]  # fmt: skip
     function = ca.Function("f_every", [x, y], [ca.vertcat(*every), a + y])
     given = [np.array(values), np.array([-7.5])]
-    found = played(function, prelude, write(function), given, tmp_path)
+    found = played(function, prelude, write(function), given)
     for result, wanted in zip(found, function(*given), strict=True):
         np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
 
 
-def test_a_long_function_is_many_parts_that_hand_on_their_values(tmp_path):
+def test_a_long_function_is_many_parts_that_hand_on_their_values():
     """A chaotic map, whose every step would show a value that went astray between two parts."""
     x = ca.SX.sym("x")
     orbit = [x]
@@ -151,7 +151,7 @@ def test_a_long_function_is_many_parts_that_hand_on_their_values(tmp_path):
     function = ca.Function("f_orbit", [x], [ca.vertcat(*orbit), orbit[LONGEST // 3] + orbit[-1]])
     code = straight(function)
     assert code.count("static void f_orbit") > function.n_instructions() // LONGEST
-    found = played(function, [], code, [np.array([0.3])], tmp_path)
+    found = played(function, [], code, [np.array([0.3])])
     for result, wanted in zip(found, function(0.3), strict=True):
         np.testing.assert_array_equal(result, np.asarray(wanted).ravel())
 
@@ -174,10 +174,9 @@ def test_a_lowered_class_is_its_equations(tmp_path):
     assert float(model.initial([7, 1])) == 7
 
 
-def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes(tmp_path, monkeypatch):
+def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes(tmp_path, own_cache, monkeypatch):
     library = tmp_path / "Features"
     shutil.copytree(FEATURES, library)
-    monkeypatch.setattr(model, "KEPT", tmp_path / "kept")
 
     def pull():
         """der(v) = −4 x + 3 cos t at x = 1 and t = 0."""
@@ -190,7 +189,8 @@ def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes
     file = library / "Oscillator.mo"
     file.write_text(file.read_text().replace("-4*x", "-9*x"))
     assert pull() == -6
-    (tmp_path / "kept" / "Features.Oscillator.json").write_text("not a model")
+    for written in own_cache.rglob("Features.Oscillator.json"):
+        written.write_text("not a model")
     assert pull() == -6
 
 
@@ -208,13 +208,15 @@ def test_without_a_system_compiler_zig_is_taken(monkeypatch):
     assert toolchain.compiler().command[1:] == ("-m", "ziglang", "cc")
 
 
-def test_a_c_error_is_shown(tmp_path):
+def test_a_c_error_is_shown():
     with pytest.raises(BuildFailed, match=r"(?s)could not compile wrong.*wrong\.c"):
-        toolchain.shared_library({"wrong.c": "int f(void) { return }"}, tmp_path, "wrong")
+        toolchain.shared_library({"wrong.c": "int f(void) { return }"}, "wrong")
 
 
-def test_a_library_is_compiled_once(tmp_path):
-    first = toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, tmp_path, "a")
+def test_a_library_is_compiled_once(own_cache):
+    first = toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, "a")
     made = first.stat().st_mtime_ns
-    assert toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, tmp_path, "a").stat().st_mtime_ns == made
-    assert toolchain.shared_library({"a.c": "int f(void) { return 2; }"}, tmp_path, "a").stat().st_mtime_ns != made
+    assert toolchain.shared_library({"a.c": "int f(void) { return 1; }"}, "a").stat().st_mtime_ns == made
+    other = toolchain.shared_library({"a.c": "int f(void) { return 2; }"}, "a")
+    assert other != first
+    assert other.read_bytes() != first.read_bytes()

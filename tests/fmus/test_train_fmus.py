@@ -101,7 +101,7 @@ def test_the_fmu_is_valid(train, name):
 
 
 @pytest.mark.parametrize("name", ["TwoPartTrainPneumatic", "TrainPrediction"])
-def test_building_it_elsewhere_gives_the_same_bytes(made, name, tmp_path):
+def test_building_it_elsewhere_gives_the_same_bytes(made, name, tmp_path, own_cache):
     """Another folder, another hour, another process than built the first: neither paths nor times are inside."""
     (again,) = build([name], "native", tmp_path)
     assert again.action == "built"

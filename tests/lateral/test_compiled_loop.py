@@ -21,24 +21,24 @@ def table(drawn):
     return np.column_stack([drawn.inputs, drawn.track_rate, np.full(STEPS, SPEED)])
 
 
-def parties(kept):
+def parties():
     names = ("literal", "known_track", "unknown_track")
-    return [party(name, DRY, Irregularity(), kept / "estimators") for name in names]
+    return [party(name, DRY, Irregularity()) for name in names]
 
 
-def in_c(table, noise, observers, kept, pieces=((0, STEPS),), **options):
+def in_c(table, noise, observers, pieces=((0, STEPS),), **options):
     with wheelset(SPEED, {"rolling_creep": 0.0}) as plant:
         plant.start(table[0, :5])
         return [
             run(plant, table[a:b], further=FURTHER, readings=tuple(READINGS), noise=noise[a:b], observers=observers,
-                directory=kept / "loop", **options)
+                **options)
             for a, b in pieces
         ]  # fmt: skip
 
 
-def test_c_and_python_agree_to_the_last_bit(drawn, table, kept):
-    (record,) = in_c(table, drawn.noise, [one.observer for one in parties(kept)], kept)
-    others = parties(kept)
+def test_c_and_python_agree_to_the_last_bit(drawn, table):
+    (record,) = in_c(table, drawn.noise, [one.observer for one in parties()])
+    others = parties()
     beliefs = [None] * 3
     with wheelset(SPEED, {"rolling_creep": 0.0}) as plant:
         plant.start(table[0, :5])
@@ -63,21 +63,21 @@ def test_c_and_python_agree_to_the_last_bit(drawn, table, kept):
                 assert np.array_equal(beliefs[i], record.beliefs[one.name].mean[k]), (one.name, k)
 
 
-def test_a_run_in_pieces_is_the_run(drawn, table, kept):
-    (whole,) = in_c(table, drawn.noise, [one.observer for one in parties(kept)], kept, every=10)
-    pieces = in_c(table, drawn.noise, [one.observer for one in parties(kept)], kept, ((0, 120), (120, STEPS)), every=10)
+def test_a_run_in_pieces_is_the_run(drawn, table):
+    (whole,) = in_c(table, drawn.noise, [one.observer for one in parties()], every=10)
+    pieces = in_c(table, drawn.noise, [one.observer for one in parties()], ((0, 120), (120, STEPS)), every=10)
     assert np.array_equal(whole.sample, np.concatenate([piece.sample for piece in pieces]))
     assert np.array_equal(whole.outputs, np.concatenate([piece.outputs for piece in pieces]))
     for name, belief in whole.beliefs.items():
         assert np.array_equal(belief.covariance, np.concatenate([piece.beliefs[name].covariance for piece in pieces]))
 
 
-def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table, kept):
+def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table):
     noise = drawn.noise.copy()
     noise[100, 1] = np.inf
-    two = parties(kept)[1:]
-    clean = Observer(name="again", filter=parties(kept)[1].filter, sources=two[0].observer.sources)
-    (record,) = in_c(table, noise, [two[0].observer], kept)
+    two = parties()[1:]
+    clean = Observer(name="again", filter=parties()[1].filter, sources=two[0].observer.sources)
+    (record,) = in_c(table, noise, [two[0].observer])
     belief = record.beliefs["known_track"]
     assert belief.diverged == 3
     assert belief.diverged_at == 101
@@ -87,12 +87,12 @@ def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table, k
     assert clean.name == "again"
 
 
-def test_a_reading_may_feed_a_filter(drawn, table, kept):
+def test_a_reading_may_feed_a_filter(drawn, table):
     """Fed the yaw rate in place of the speed, as nonsense, the filter holds the reading of the sample before."""
-    one = parties(kept)[1]
+    one = parties()[1]
     fed = {"speed": one.observer.sources["speed"], "track": Source(kind="reading", name="yaw_rate")}
     first = np.array([0.0, 3e-3])
-    in_c(table[:1], drawn.noise[:1], [Observer(name="fed", filter=one.filter, sources=fed)], kept, ((0, 1),),
+    in_c(table[:1], drawn.noise[:1], [Observer(name="fed", filter=one.filter, sources=fed)], ((0, 1),),
          first_reading=first)  # fmt: skip
     assert one.filter.held[one.filter.design.inputs.index("track")] == 3e-3
 
@@ -105,17 +105,17 @@ def test_a_reading_may_feed_a_filter(drawn, table, kept):
         (lambda s: {**s, "track": Source(kind="reading", name="yaw_rate")}, "give first_reading"),
     ],
 )
-def test_a_source_that_is_none_is_refused(drawn, table, kept, change, sentence):
-    one = parties(kept)[1]
+def test_a_source_that_is_none_is_refused(drawn, table, change, sentence):
+    one = parties()[1]
     wrong = Observer(name="wrong", filter=one.filter, sources=change(dict(one.observer.sources)))
     with pytest.raises(LoopError, match=sentence):
-        in_c(table, drawn.noise, [wrong], kept)
+        in_c(table, drawn.noise, [wrong])
 
 
-def test_tables_that_do_not_fit_are_refused(drawn, table, kept):
+def test_tables_that_do_not_fit_are_refused(drawn, table):
     with pytest.raises(LoopError, match="inputs of shape"):
-        in_c(table[:, :-1], drawn.noise, [], kept)
+        in_c(table[:, :-1], drawn.noise, [])
     with pytest.raises(LoopError, match="not a finite number"):
-        in_c(np.where(table == SPEED, np.nan, table), drawn.noise, [], kept)
+        in_c(np.where(table == SPEED, np.nan, table), drawn.noise, [])
     with pytest.raises(LoopError, match="1 or more"):
-        in_c(table, drawn.noise, [], kept, every=0)
+        in_c(table, drawn.noise, [], every=0)

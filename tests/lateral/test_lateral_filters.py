@@ -15,12 +15,11 @@ from harness.lateral.run import Case, simulate
 from harness.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
 
 
-def test_the_literal_filter_is_equations_25_to_36(kept):
+def test_the_literal_filter_is_equations_25_to_36():
     """Step by step beside a transcription with (I − KH)P and Jacobians by complex steps."""
     speed, rail = 25.0, mal.Rail(DRY.mu0, DRY.A, DRY.B)
     ours = CompiledFilter(
         prediction("literal"), literal_density(DRY, PERIOD), READING_NOISE, PERIOD, order=1,
-        directory=kept / "estimators",
     )  # fmt: skip
     x, P = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]), np.diag([1e-6, 1e-8, 1e-10, 1e-4, 1e2])
     belief = ours.start(x, P)
@@ -42,10 +41,10 @@ def test_the_literal_filter_is_equations_25_to_36(kept):
     assert belief.deviation == pytest.approx(np.sqrt(np.diag(P)), rel=1e-4)
 
 
-def test_euler_is_the_same_in_both_filters_and_is_euler(kept):
+def test_euler_is_the_same_in_both_filters_and_is_euler():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
     plain = ExtendedKalmanFilter(*arguments, order=1)
-    fast = CompiledFilter(*arguments, order=1, directory=kept / "estimators")
+    fast = CompiledFilter(*arguments, order=1)
     first, covariance = np.array([1e-3, 0.02, 1e-4, 0.01, -1.2]), np.full(5, 1e-6)
     held, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
     assert prediction("known_track").inputs == ("speed", "track")
@@ -65,9 +64,9 @@ def test_an_order_that_does_not_exist_is_refused():
         ExtendedKalmanFilter(prediction("known_track"), np.ones(5), READING_NOISE, PERIOD, order=2)  # pyright: ignore
 
 
-def test_a_filter_told_of_another_process_noise_uses_it(kept):
+def test_a_filter_told_of_another_process_noise_uses_it():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
-    told, fresh = (CompiledFilter(*arguments, directory=kept / "estimators") for _ in range(2))
+    told, fresh = (CompiledFilter(*arguments) for _ in range(2))
     told.change_process_noise(np.full(5, 4e-6))
     held, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
     grown = [one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), held, nothing).covariance for one in (told, fresh)]
@@ -91,10 +90,10 @@ def test_partial_derivatives_of_the_force_are_those_of_the_force():
     assert rates[4] == pytest.approx(expected, rel=1e-5)  # h² of central differences, some ten times over
 
 
-def test_friction_of_the_worst_rail_is_found_without_being_told(kept):
+def test_friction_of_the_worst_rail_is_found_without_being_told():
     """From 0.25 to 0.10 within a second, track known; and a filter with a perfect model knows its errors."""
     worst = Trial(name="worst", changes=((0.0, WORST),), duration=1.0)
-    trace = simulate(Case(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",), kept)
+    trace = simulate(Case(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",))
     said = beliefs_about(trace, "known_track")
     late = trace.time > 0.5
     assert np.abs(said["friction"].mean - trace.truth["friction"])[late].max() < 0.02
@@ -104,16 +103,16 @@ def test_friction_of_the_worst_rail_is_found_without_being_told(kept):
         assert share > 0.97, quantity
 
 
-def test_the_literal_filter_keeps_its_friction_when_the_rail_changes(kept):
+def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
     """Its friction moves with the creep only: told of a new condition, it does not take it over."""
     change = Trial(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
-    trace = simulate(Case(test=change, speed=25.0, plant="paper", seed=1), ("literal",), kept)
+    trace = simulate(Case(test=change, speed=25.0, plant="paper", seed=1), ("literal",))
     said = beliefs_about(trace, "literal")["friction"].mean
     assert said[-1] > 0.4
     assert trace.truth["friction"][-1] < 0.11
 
 
-def test_each_filter_is_fed_everything_it_wants(kept):
+def test_each_filter_is_fed_everything_it_wants():
     for name in ("literal", "known_track", "unknown_track"):
-        made = party(name, DRY, Irregularity(), kept / "estimators")
+        made = party(name, DRY, Irregularity())
         assert set(made.observer.sources) == set(made.filter.design.inputs)

@@ -25,7 +25,7 @@ SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "edge.h": library._
         ("run.c", "Run", compiled._Run),
     ],
 )
-def test_members_stand_where_c_puts_them(source, name, mirror, tmp_path):
+def test_members_stand_where_c_puts_them(source, name, mirror):
     """What the C compiler says of every member, by name, and of the whole."""
     members = [member for member, _ in mirror._fields_]
     places = ", ".join(f"offsetof({name}, {member.rstrip('_')})" for member in members)
@@ -35,7 +35,7 @@ def test_members_stand_where_c_puts_them(source, name, mirror, tmp_path):
         "    return (long long)at[which];\n}\n"
     )
     units = ("probe.c", "sensors.c") if source == "cycle.c" else ("probe.c",)
-    built = ctypes.CDLL(str(shared_library(SOURCES | {"probe.c": probe}, tmp_path, "probe", units=units)))
+    built = ctypes.CDLL(str(shared_library(SOURCES | {"probe.c": probe}, "probe", units=units)))
     built.place.restype = ctypes.c_longlong
     assert [built.place(k) for k in range(len(members))] == [getattr(mirror, member).offset for member in members]
     assert built.place(len(members)) == ctypes.sizeof(mirror)

@@ -112,11 +112,21 @@ static int input_event(Instance *m) {
     return crossed(s, z);
 }
 
+/* Whether so many internal steps were taken that this may never end: the model chatters, or is far too stiff. */
+static int endless(Instance *m) {
+    if (m->attempts > 0) return 0;
+    return failure(m, "it takes more internal steps than make sense, %g in a second, at time = %.9g s: check the parameters",
+                   (double)ATTEMPTS_PER_SECOND, m->s.v[TIME]);
+}
+
 /* Advance to time `end`. */
 static int advance(Instance *m, double end) {
     State *s = &m->s;
     int jumped, crowd = 0, now;
     double last = -INFINITY;
+    double more = ATTEMPTS_PER_SECOND * (end - s->v[TIME]);
+    more = more > ATTEMPTS_AT_LEAST ? more : ATTEMPTS_AT_LEAST;
+    m->attempts = (m->attempts < ATTEMPTS_SAVED ? m->attempts : ATTEMPTS_SAVED) + more;
     if (s->stale_parameters) {
         dependent_parameters(s);
         s->hi = next_time_event(s);
@@ -127,9 +137,11 @@ static int advance(Instance *m, double end) {
         int event = 0;
         if (NX) {
             while (!event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target))
-                if (internal_step(m, target, &event)) return 1;
+                if (endless(m) || internal_step(m, target, &event)) return 1;
         } else {
             double z[NZ + 1];
+            m->attempts--;
+            if (endless(m)) return 1;
             s->v[TIME] = target;
             stale(s);
             if (NZ) {

@@ -39,6 +39,11 @@ enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 #define LOOP_TOLERANCE 1e-10
 #define LOOP_ITERATIONS 50
 #define EVENT_ITERATIONS 200
+/* Internal steps, rejected ones and those that locate events too, that a communication step may take: so many for each
+ * second, or at the least, and besides so many that were saved up before. Stops take three to thirty in a millisecond. */
+#define ATTEMPTS_PER_SECOND 300000
+#define ATTEMPTS_AT_LEAST 300
+#define ATTEMPTS_SAVED 20000
 
 /* Everything that is model state, so that get, set and serialise FMU state are one copy. */
 typedef struct {
@@ -74,6 +79,7 @@ typedef struct {
     fmi2CallbackFunctions callbacks;
     fmi2Boolean logging;
     int co_simulation;
+    double attempts;   /* internal steps that may still be tried */
     char failure[512]; /* sentence of the last failure inside a step */
     char name[1];      /* rest follows */
 } Instance;

@@ -139,6 +139,7 @@ static int rodas4(Instance *m, double t, double h) {
 
 /* One step of size h from work.x0 with the derivatives and Jacobian found there; the result is in work.x1. */
 static int try_step(Instance *m, double t, double h) {
+    m->attempts--;
     return m->s.v[SOLVER] == 3 ? rodas3(m, t, h) : rodas4(m, t, h);
 }
 

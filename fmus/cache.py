@@ -1,0 +1,105 @@
+"""What is compiled once for a user: kept where only that user can write, checked before it is used.
+
+A library or an FMU that is found is loaded into the process, so it must be what this project put there. Every file lies
+under kind/key/digest/name: the key stands for all that it was made from, the digest for its content. The folder may be
+removed at any time.
+"""
+
+import hashlib
+import os
+import stat
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from fmus.errors import WrongQuestion
+
+VARIABLE = "RAILGRIP_CACHE"
+"""Environment variable with another folder, absolute."""
+
+_OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+
+
+def folder() -> Path:
+    """Return the folder of the cache, which need not exist.
+
+    Raises:
+        WrongQuestion: It is relative: a folder somebody sent could then bring what is loaded.
+    """
+    named = os.environ.get(VARIABLE)
+    chosen = Path(named) if named else user_cache_path("railgrip", appauthor=False)
+    if not chosen.is_absolute():
+        raise WrongQuestion(f"the cache folder must be an absolute path, got '{chosen}'; correct {VARIABLE}.")
+    return chosen.resolve()
+
+
+def find(kind: str, key: str, name: str) -> Path | None:
+    """Return a kept file, or None where there is none that is whole and this user's own.
+
+    Raises:
+        WrongQuestion: Others can write in the cache.
+    """
+    place = folder() / kind / key
+    if not place.is_dir():
+        return None
+    for file in sorted(place.glob(f"*/{name}")):
+        for above in _down_to(file.parent):
+            _require_private(above)
+        if _is_private(file, stat.S_ISREG) and _digest(file.read_bytes()) == file.parent.name:
+            return file
+    return None
+
+
+def keep(kind: str, key: str, name: str, content: bytes) -> Path:
+    """Keep a file and return where; safe for processes that keep the same at once.
+
+    Raises:
+        WrongQuestion: The cache cannot be written, or others can write in it.
+    """
+    place = folder() / kind / key / _digest(content)
+    try:
+        folder().parent.mkdir(parents=True, exist_ok=True)
+        for above in _down_to(place):
+            above.mkdir(mode=0o700, exist_ok=True)
+            _require_private(above)
+        # Moved into place whole: others may be reading it, or have loaded the one that is replaced.
+        number, half = tempfile.mkstemp(dir=place)
+        try:
+            with os.fdopen(number, "wb") as stream:
+                stream.write(content)
+            Path(half).replace(place / name)
+        except BaseException:
+            Path(half).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise WrongQuestion(
+            f"{place}: the cache cannot be written ({error.strerror}); make room or name another folder in {VARIABLE}."
+        ) from error
+    return place / name
+
+
+def _down_to(place: Path) -> tuple[Path, ...]:
+    """Return the folders from that of the cache down to kind/key/digest, a `place` in it."""
+    return (*reversed(place.parents[:3]), place)
+
+
+def _require_private(place: Path) -> None:
+    if not _is_private(place, stat.S_ISDIR):
+        raise WrongQuestion(
+            f"{place}: compiled code is kept here, but the folder is not yours or others can write in it; "
+            f"remove it, or name another folder in {VARIABLE}."
+        )
+
+
+def _is_private(place: Path, of_kind: Callable[[int], bool]) -> bool:
+    status = place.lstat()
+    if not of_kind(status.st_mode):
+        return False
+    # Windows keeps a user's cache folder to that user by other means.
+    return os.name != "posix" or (status.st_uid == os.geteuid() and not status.st_mode & _OTHERS_WRITE)
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

@@ -1,0 +1,130 @@
+"""The process between this program and a foreign FMU: starts the FMU's, and ends whatever comes of it.
+
+It is started as a file in an isolated interpreter: nothing is imported from the current folder. It needs the
+standard library only. The FMU's process is forked from it and has a session of its own. On Linux processes that
+lose their parent come back to this one: an FMU that forks, or leaves its session, leaves nobody behind.
+"""
+
+import ctypes
+import json
+import os
+import select
+import signal
+import struct
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Final
+
+REPORT: Final = struct.Struct("<iq")
+"""Wait status of the FMU's process, and the most memory it had [KiB]; sent on the life line."""
+
+_LINUX: Final = sys.platform == "linux"
+_PARENT_DEATH_SIGNAL: Final = 1  # prctl(2)
+_CHILD_SUBREAPER: Final = 36
+
+
+def main() -> None:
+    """Serve on two sockets, the line and the life line; the third argument says how, as JSON."""
+    line, life, how = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
+    if _LINUX:
+        ctypes.CDLL(None).prctl(_CHILD_SUBREAPER, 1)
+    woken, wake = os.pipe()
+    os.set_blocking(wake, False)
+    os.set_blocking(woken, False)
+    signal.set_wakeup_fd(wake)
+    signal.signal(signal.SIGCHLD, lambda number, frame: None)
+    server = os.fork()
+    if server == 0:
+        for number in (life, woken, wake):
+            os.close(number)
+        _serve(line, how)
+    os.close(line)
+    ended = _watched(server, life, woken)
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(server, signal.SIGKILL)  # its session, at one stroke
+    _, status, usage = os.wait4(server, 0)
+    _end_the_rest()
+    if ended:
+        with suppress(OSError):
+            os.write(life, REPORT.pack(status, usage.ru_maxrss))
+
+
+def _serve(line: int, how: dict[str, Any]) -> None:
+    """Become the FMU's process."""
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    os.setsid()  # Ctrl-C goes to others; the program decides what becomes of the plant
+    if _LINUX:
+        ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
+    _limit(how["limits"])
+    sys.path += [folder for folder in how["path"] if folder not in sys.path]
+    from harness.fmu.child import serve_on
+
+    serve_on(line)
+    os._exit(0)
+
+
+def _limit(limits: dict[str, int]) -> None:
+    import resource
+
+    for what, wanted in (
+        (resource.RLIMIT_AS, limits["memory_mib"] << 20),
+        (resource.RLIMIT_NOFILE, limits["open_files"]),
+        # Of all the user's processes and threads, so that those there are already are added.
+        *(((resource.RLIMIT_NPROC, limits["processes"] + _tasks()),) if _LINUX else ()),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _, most = resource.getrlimit(what)
+        value = wanted if most == resource.RLIM_INFINITY else min(wanted, most)
+        with suppress(OSError, ValueError):  # a system that does not know this limit
+            resource.setrlimit(what, (value, value))
+
+
+def _tasks() -> int:
+    """Return how many processes and threads this user has."""
+    count = 0
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if process.stat().st_uid == os.getuid():
+                count += len(list((process / "task").iterdir()))
+    return count
+
+
+def _watched(server: int, life: int, woken: int) -> bool:
+    """Wait until the FMU's process has ended, or the program wants an end; return whether it was the former."""
+    while True:
+        ready, _, _ = select.select([life, woken], [], [])
+        with suppress(BlockingIOError):
+            os.read(woken, 512)
+        # Looked at before it is reaped: until then nobody else can be given its number.
+        while ended := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            if ended.si_pid == server:
+                return True
+            os.waitpid(ended.si_pid, 0)
+        if life in ready:
+            return False
+
+
+def _end_the_rest() -> None:
+    """End what left the session; on Linux it has come back to this process."""
+    with suppress(ChildProcessError):
+        while True:
+            for child in _children():
+                with suppress(ProcessLookupError):
+                    os.kill(child, signal.SIGKILL)
+            os.waitpid(-1, 0)
+
+
+def _children() -> list[int]:
+    found: list[int] = []
+    for process in Path("/proc").glob("[0-9]*") if _LINUX else ():
+        with suppress(OSError):
+            # pid (name) state parent …; a name may hold blanks and brackets.
+            if int((process / "stat").read_bytes().rpartition(b")")[2].split()[1]) == os.getpid():
+                found.append(int(process.name))
+    return found
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+"""Whatever an FMU in a process of its own does to this machine, the run ends in a sentence and nothing of it stays."""
+
+import os
+import pickle
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mule_fmu import mule
+
+from harness.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe, instance
+from harness.fmu.child import ANSWER, FAILED
+from harness.fmu.isolation import KEEPER
+from harness.fmu.limits import FMU_LIMITS, FmuLimits
+from harness.record.signals import GROUPS, PLANT
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes of FMUs are held on Linux")
+
+SIGNALS = [signal for signal in PLANT if signal.name in ("speed", "distance")]
+
+
+def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
+    """Step a plant in a process of its own until it fails, and return the sentence."""
+    description = describe(plant, limits)
+    binding = bind(
+        description,
+        inputs=[Signal(name="pressure_command", unit="Pa", size=GROUPS, needed=True)],
+        outputs=[Signal(name=s.name, unit=s.unit, size=0, needed=True) for s in SIGNALS],
+    )
+    plant_in_its_own = IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits)
+    try:
+        with plant_in_its_own as opened:
+            opened.start(np.zeros(GROUPS))
+            for _ in range(20):
+                opened.step(np.zeros(GROUPS))
+    except PlantFailed as failed:
+        return str(failed)
+    pytest.fail("it did not fail")
+
+
+@pytest.fixture
+def left_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], list[int]]]:
+    """Return the numbers of processes that FMUs started, as they wrote them down; they are ended after the test."""
+    file = tmp_path / "left_behind.txt"
+    file.write_text("")
+    monkeypatch.setenv("MULE_LEFT_BEHIND", str(file))
+
+    def numbers() -> list[int]:
+        return [int(line) for line in file.read_text().split()]
+
+    yield numbers
+    for number in filter(alive, numbers()):
+        os.kill(number, 9)
+
+
+def alive(number: int) -> bool:
+    try:
+        return (Path("/proc") / str(number) / "stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(("misbehaviour", "count"), [("FORKS", 3), ("KILLS_PARENT", 1)])
+def test_processes_that_leave_their_session_are_ended(
+    foundry: Path, left_behind: Callable[[], list[int]], scratch: Path, misbehaviour: str, count: int
+):
+    sentence = stopped(mule(foundry, misbehaviour))
+    assert sentence.startswith(f"{misbehaviour.lower()}.fmu: at 0.1 s ")
+    assert len(left_behind()) == count, "it did start them"
+    deadline = time.monotonic() + 5  # killed they are; a busy machine may need a moment to see to it
+    while any(map(alive, left_behind())):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert list(scratch.iterdir()) == [], "its files are gone"
+
+
+def test_memory_is_limited(foundry: Path):
+    sentence = stopped(mule(foundry, "ALLOCATES"), FmuLimits(memory_mib=700))
+    assert "its process was ended by SIGSEGV when it had " in sentence
+    assert "MiB; memory_mib under [limits.fmu] is 700)" in sentence
+
+
+def test_open_files_are_limited(foundry: Path):
+    assert stopped(mule(foundry, "OPENS_FILES")).endswith("it says: error: no more files.")
+
+
+def test_a_start_that_does_not_return_is_waited_for_as_long_as_a_step(foundry: Path, scratch: Path):
+    sentence = stopped(mule(foundry, "NEVER_INSTANTIATES"), FmuLimits(patience=1.0))
+    assert sentence.endswith("at 0 s the FMU did not return (within 1 s of real time, it was stopped).")
+    assert list(scratch.iterdir()) == []
+
+
+class Exploit:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Path.touch, (self.file,)
+
+
+def test_an_answer_that_the_fmu_forges_runs_no_code(foundry: Path, tmp_path: Path):
+    mark = tmp_path / "ran"
+    payload = pickle.dumps(Exploit(mark))
+    pickle.loads(payload)
+    assert mark.exists(), "that is what it does where it is unpickled"
+    mark.unlink()
+    sentence = stopped(mule(foundry, "FORGES", forged=struct.pack("<BI", FAILED, len(payload)) + payload))
+    assert sentence.endswith("the FMU crashed (its process answered nonsense).")
+    assert not mark.exists()
+
+
+@pytest.mark.parametrize("length", [3, 1 << 31])
+def test_an_answer_of_the_wrong_length_is_nonsense(foundry: Path, length: int):
+    sentence = stopped(mule(foundry, "FORGES", forged=struct.pack("<BI", ANSWER, length) + b"abc"))
+    assert sentence.endswith("the FMU crashed (its process answered nonsense).")
+
+
+def test_the_fmus_process_imports_nothing_from_the_current_folder(
+    foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """As a downloaded folder may hold; it was executed, and the FMU blamed for it."""
+    mark = tmp_path / "ran"
+    for name in ("random", "numpy", "fmpy", "harness", "struct"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(mark)!r}, 'w').close()\nraise ImportError('a trap')\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    assert stopped(mule(foundry, "ERROR_STATUS")).endswith("the wheel came off.")
+    assert not mark.exists()
+
+
+def test_the_keeper_needs_the_standard_library_only():
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", f"import runpy; runpy.run_path({str(KEEPER)!r})"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_a_killed_run_left_is_removed_by_the_next(scratch: Path, foundry: Path):
+    """A folder in use, here by this very process, stays."""
+    stale, used = (scratch / f"railgrip-fmu-{number}-x" for number in (1, os.getpid()))
+    for folder in (stale, used):
+        (folder / "binaries").mkdir(parents=True)
+        os.utime(folder, (0, 0))
+    with instance._locked(used), instance.unpacked(describe(mule(foundry))) as mine:
+        assert sorted(scratch.iterdir()) == sorted([used, mine])
+    assert list(scratch.iterdir()) == [used]

@@ -1,0 +1,112 @@
+"""What is compiled is loaded only from where its user alone can have put it, and only as it was put there."""
+
+import ctypes
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from fmus import cache
+from fmus.errors import WrongQuestion
+from fmus.native.toolchain import shared_library
+
+ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1; }'}
+posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
+
+
+def test_what_is_kept_is_found_as_it_was(own_cache):
+    assert cache.find("libraries", "key", "a.so") is None
+    kept = cache.keep("libraries", "key", "a.so", b"content")
+    assert kept.is_relative_to(own_cache)
+    assert cache.find("libraries", "key", "a.so") == kept
+    assert kept.read_bytes() == b"content"
+    assert cache.find("libraries", "key", "b.so") is None
+    assert cache.find("libraries", "other", "a.so") is None
+
+
+def test_a_library_that_was_changed_is_compiled_again_and_not_loaded(own_cache):
+    first = shared_library(ONE, "one")
+    first.write_bytes(first.read_bytes()[:-1] + b"x")
+    again = shared_library(ONE, "one")
+    assert again == first
+    assert ctypes.CDLL(str(again)).one() == 1
+
+
+@posix
+@pytest.mark.parametrize("mode", [0o620, 0o602, 0o666])
+def test_a_file_that_others_can_write_is_not_loaded(own_cache, mode):
+    cache.keep("libraries", "key", "a.so", b"content").chmod(mode)
+    assert cache.find("libraries", "key", "a.so") is None
+
+
+@posix
+@pytest.mark.parametrize("depth", range(4))
+def test_a_folder_that_others_can_write_ends_in_a_sentence(own_cache, depth):
+    kept = cache.keep("libraries", "key", "a.so", b"content")
+    kept.parents[depth].chmod(0o777)
+    for use in (cache.find, lambda *where: cache.keep(*where, b"content")):
+        with pytest.raises(WrongQuestion, match="others can write in it; remove it, or name another"):
+            use("libraries", "key", "a.so")
+
+
+@posix
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root can give a file away")
+def test_a_file_of_another_user_is_not_loaded(own_cache):
+    os.chown(cache.keep("libraries", "key", "a.so", b"content"), 12345, 12345)
+    assert cache.find("libraries", "key", "a.so") is None
+    os.chown(own_cache, 12345, 12345)
+    with pytest.raises(WrongQuestion, match="is not yours"):
+        cache.find("libraries", "key", "a.so")
+
+
+def test_a_link_is_not_followed(own_cache, tmp_path):
+    kept = cache.keep("libraries", "key", "a.so", b"content")
+    elsewhere = tmp_path / "elsewhere"
+    kept.rename(elsewhere)
+    kept.symlink_to(elsewhere)
+    assert cache.find("libraries", "key", "a.so") is None
+
+
+def test_a_relative_cache_is_refused(monkeypatch):
+    monkeypatch.setenv("RAILGRIP_CACHE", "build/cache")
+    with pytest.raises(WrongQuestion, match="must be an absolute path, got 'build/cache'; correct RAILGRIP_CACHE"):
+        cache.folder()
+
+
+def test_a_cache_that_cannot_be_made_ends_in_a_sentence(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(WrongQuestion, match=r"the cache cannot be written \(.+\); make room or name another"):
+        cache.keep("libraries", "key", "a.so", b"content")
+
+
+def test_many_may_keep_the_same_at_once(own_cache):
+    with ThreadPoolExecutor(8) as pool:
+        kept = set(pool.map(lambda _: cache.keep("libraries", "key", "a.so", b"content" * 10000), range(64)))
+    assert kept == {cache.find("libraries", "key", "a.so")}
+    assert [file.name for file in kept.pop().parent.iterdir()] == ["a.so"]
+
+
+def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
+    """Where caches were before: whoever unpacks somebody's folder and works in it would run what is there."""
+    mark = tmp_path / "ran"
+    evil = {
+        "evil.c": "#include <stdio.h>\n"
+        f'__attribute__((constructor)) static void run(void) {{ fclose(fopen("{mark}", "w")); }}'
+    }
+    content = shared_library(evil, "evil").read_bytes()
+    for name in ("cycle", "crossing", "run", "contact"):
+        for place in ("build/native", "build/estimators", "build/loop"):
+            (tmp_path / place).mkdir(parents=True, exist_ok=True)
+            (tmp_path / place / f"{name}.so").write_bytes(content)
+    code = "from harness.loop.library import kernel; from harness.fmu.crossing import _library; kernel(); _library()"
+    root = str(Path(cache.__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"PYTHONPATH": root}, capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert not mark.exists()
