@@ -40,13 +40,12 @@ from pydantic import Field, StrictInt, model_validator
 from estimators.gate import Gate
 from estimators.prediction import CasadiPrediction
 from harness.estimate.error import EstimationError
-from harness.estimate.magnitudes import in_units
 from harness.estimate.recorded.table import DataTable
 from harness.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
 from harness.estimate.selection import prediction_seeing
 from harness.scenario.load import read_toml, validated
 from harness.scenario.merge import merged, read_overrides
-from harness.scenario.quantity import Magnitude, Unit
+from harness.scenario.quantity import Magnitude, Unit, in_units
 from harness.scenario.table import Duration, Length, Table, broken
 from harness.scenario.track import CurveLaw
 
@@ -198,7 +197,7 @@ def prediction_for(specification: Specification) -> CasadiPrediction:
     """Return the prediction of an estimation, its parameters converted to the units of the model.
 
     Raises:
-        EstimationError: There is no such parameter, or its unit has another dimension.
+        ScenarioError: There is no such parameter, or its unit has another dimension.
     """
     model = specification.model
     units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
@@ -212,7 +211,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
     """Return the settings of an estimation on a grid of `period` [s].
 
     Raises:
-        EstimationError: The threshold of the gate is in another unit than its inputs.
+        ScenarioError: The threshold of the gate is in another unit than its inputs.
     """
     noise, gate = specification.noise, specification.gate
     process = per_step(noise.process, period) if noise.kind == "per_step" else dict(noise.process)

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from harness.estimate.error import EstimationError
 from harness.estimate.recorded.table import DataTable
+from harness.units import UnitError, conversion, unit
 
 Vector = NDArray[np.float64]
 
 FORMATS = (".csv", ".parquet", ".mat", ".mf4")
 
 _UNIT_IN_NAME = re.compile(r".*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*")
-_UNITS_OF_TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,19 +172,20 @@ def _numbers(path: Path, name: str, found: Any, table: DataTable) -> Vector:
 
 def _instants(path: Path, found: Any, table: DataTable) -> Vector:
     """Return a column of time in seconds; time stamps count from the first."""
-    unit = table.time.unit
-    if unit == "timestamp":
+    if table.time.unit == "timestamp":
         try:
             stamps: Any = pd.to_datetime(pd.Series(found), utc=True)
         except (ValueError, TypeError) as problem:
             raise EstimationError(f"{path.name}: column '{table.time.column}' has no time stamps: {problem}") from None
         seconds = (stamps - stamps.dropna().iloc[0]).dt.total_seconds()
         return np.asarray(seconds, dtype=np.float64)
-    if unit not in _UNITS_OF_TIME:
-        raise EstimationError(f"[data.time] unit is '{unit}'; there is {', '.join(_UNITS_OF_TIME)}, timestamp.")
+    try:
+        gain, _ = conversion(unit(table.time.unit), unit("s"))
+    except UnitError as problem:
+        raise EstimationError(f"[data.time] unit: {problem} Time stamps have the unit 'timestamp'.") from problem
     if np.asarray(found).dtype.kind == "M":
         raise EstimationError(f"{path.name}: column '{table.time.column}' holds time stamps; write unit = 'timestamp'.")
-    return _numbers(path, table.time.column, found, table) * _UNITS_OF_TIME[unit]
+    return _numbers(path, table.time.column, found, table) * gain
 
 
 # ---- measurement data format ------------------------------------------------------------------------------------
