@@ -254,8 +254,15 @@ def to_si(text: str, wanted: str | Unit) -> float:
 
 def short(written: object) -> str:
     """Return what was written as a sentence may repeat it: its representation, cut to a line."""
-    spelled = repr(written)
-    return spelled if len(spelled) <= 80 else f"{spelled[:60]}… ({len(spelled)} characters)"
+    try:
+        return cut(repr(written))
+    except ValueError:  # Python writes out no integer of more than 4300 digits
+        return "a number of thousands of digits"
+
+
+def cut(text: str) -> str:
+    """Return a text as it stands, or its beginning and length where it is longer than a line."""
+    return text if len(text) <= 80 else f"{text[:60]}… ({len(text)} characters)"
 
 
 @cache

@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, field_validator, model_validator
 from harness.scenario.file import NamedFile
 from harness.scenario.mapped import MapEntry
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Duration, Friction, Parameters, Table, broken, scalars
+from harness.scenario.table import Duration, Friction, Parameters, Period, Table, broken, scalars
 
 
 class Actuation(Table):
@@ -98,10 +98,10 @@ class Limits(Table):
 class Periods(Table):
     """Sampling periods; each is a whole multiple of `communication`."""
 
-    communication: Duration = Field(description="of the plant")
-    estimator: Duration
-    controller: Duration
-    trace: Duration = Field(description="of the rows that are kept")
+    communication: Period = Field(description="of the plant")
+    estimator: Period
+    controller: Period
+    trace: Period = Field(description="of the rows that are kept")
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> Self:

@@ -78,8 +78,10 @@ class Unit:
             raise _refusal(f"is {_spell(written)}, but a finite number is wanted")
         limit = self.range.broken(value)
         if limit is not None:
+            # That a speed is above zero needs no reason.
+            reason = "" if limit.endswith(" 0") else self.because
             suffix = "" if self.unit == "1" else f" {self.unit}"
-            raise _refusal(f"must be {limit}{suffix}, got {_spell(written)}{self.because}")
+            raise _refusal(f"must be {limit}{suffix}, got {_spell(written)}{reason}")
         return value
 
     @property
