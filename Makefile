@@ -5,7 +5,7 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc check estimate tune lateral learn \
+.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc fuzz check estimate tune lateral learn \
         monitor clean
 .DEFAULT_GOAL := help
 
@@ -66,6 +66,9 @@ test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(RUN) -m harness monitor-study
+
+fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz
 
 check: $(DEV)
 	$(RUN) -m ruff check .

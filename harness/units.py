@@ -41,7 +41,7 @@ newton = kilogram * meter / second ** 2 = N
 joule = newton * meter = J
 watt = joule / second = W
 pascal = newton / meter ** 2 = Pa
-bar = 1e5 * pascal = bar
+bar = 1e5 * pascal
 hertz = 1 / second = Hz
 volt = watt / ampere = V
 ohm = volt / ampere = Ohm
@@ -53,7 +53,7 @@ minute = 60 * second = min
 hour = 60 * minute = h = hr
 day = 24 * hour = d
 kilometer_per_hour = kilometer / hour = kmh = kmph = kph
-inch = 0.0254 * meter = inch
+inch = 0.0254 * meter
 foot = 0.3048 * meter = ft = feet
 mile = 1609.344 * meter = mi
 mile_per_hour = mile / hour = mph
@@ -61,7 +61,7 @@ pound = 0.45359237 * kilogram = lb
 standard_gravity = 9.80665 * meter / second ** 2 = g_n
 pound_force = pound * standard_gravity = lbf
 kilogram_force = kilogram * standard_gravity = kgf = kp
-psi = pound_force / inch ** 2 = psi
+psi = pound_force / inch ** 2
 atmosphere = 101325 * pascal = atm
 horsepower = 745.6998715822702 * watt = hp
 turn = 6.283185307179586 * radian = rev = revolution

@@ -18,10 +18,10 @@ def bound(name, period, *changes):
     )
 
 
-@pytest.mark.parametrize(("name", "distance"), [("plain", 344.394), ("sine_sweep", 257.880)])
+@pytest.mark.parametrize(("name", "distance"), [("plain", 344.3937), ("sine_sweep", 257.8800)])
 def test_the_best_stop_hardly_hangs_on_the_grid(name, distance):
-    """Against the distance at 1 ms: what differs is where in the build-up of pressure the brakes are read, 0.1 %."""
-    assert bound(name, "10 ms").metrics.distance == pytest.approx(distance, rel=1e-3)
+    """Against the distance at 1 ms; the end of the stop is known to a sample, a millimetre of travel at 0.1 m/s."""
+    assert bound(name, "10 ms").metrics.distance == pytest.approx(distance, abs=2e-3)
 
 
 def test_a_horizon_that_cuts_off_the_best_stop_is_its_outcome():

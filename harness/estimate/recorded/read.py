@@ -18,9 +18,15 @@ from harness.estimate.recorded.grid import gaps_of, input_on_grid, on_grid
 from harness.estimate.recorded.table import Column, DataTable
 from harness.estimate.recording import TRUTH, recording_of
 from harness.scenario.quantity import Magnitude
-from harness.units import Unit, UnitError, conversion, unit
+from harness.units import Unit, UnitError, conversion, short, unit
 
 Vector = NDArray[np.float64]
+
+_MOST_SAMPLES = 5_000_000
+"""Of a recording on its grid: a day at 50 Hz."""
+_LARGEST = 1e30
+"""What no sensor reads in any SI unit; sums of larger ones are no numbers."""
+_LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still tells microseconds there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +73,7 @@ def recorded(
         time, values = _rising(path, name, series[column.column], flags)
         gain, shift = _converted(path, name, column, series[column.column].unit, wanted)
         values = gain * values + shift
+        values = np.where(np.abs(values) < _LARGEST, values, np.nan)
         told[name] = time[np.isfinite(values)]
         if name.startswith(TRUTH):  # a reference, not a sensor: what it says is judged by nobody here
             time, values = time[np.isfinite(values)], values[np.isfinite(values)]
@@ -74,7 +81,9 @@ def recorded(
             time, values, found = cleaned(name, time, values, _treatment(name, column, table, wanted, name in inputs))
             flags += found
         if time.size < 2:
-            raise EstimationError(f"{path.name}: {name} (column '{column.column}') has {time.size} usable samples.")
+            raise EstimationError(
+                f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
+            )
         left[name] = time, values
     grid = _grid(
         path, table, {n: t for n, (t, _) in left.items() if n in inputs} or {n: t for n, (t, _) in left.items()}
@@ -116,7 +125,7 @@ def _known_signals(path: Path, table: DataTable, known: Sequence[str], inputs: S
         if name not in known:
             near = get_close_matches(name, known, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(known)}."
-            raise EstimationError(f"[data.columns]: the model has no signal '{name}'; {hint}")
+            raise EstimationError(f"[data.columns]: the model has no signal {short(name)}; {hint}")
     missing = [name for name in inputs if name not in table.columns]
     if missing:
         raise EstimationError(
@@ -129,6 +138,8 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     """Return a signal on instants that rise; rows without a time or with one that repeats are left out."""
     finite = np.isfinite(series.time)
     time, values = series.time[finite], series.values[finite]
+    if time.size and np.abs(time).max() > _LATEST:
+        raise EstimationError(f"{path.name}: time reaches {np.abs(time).max():.3g} s; see the unit of [data.time].")
     steps = np.diff(time)
     if (steps < 0.0).any():
         row = int(np.argmax(steps < 0.0))
@@ -153,7 +164,7 @@ def _converted(path: Path, name: str, column: Column, told: str | None, wanted: 
     Raises:
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
-    where = f"{path.name}: {name} (column '{column.column}')"
+    where = f"{path.name}: {name} (column {short(column.column)})"
     text = column.unit if column.unit is not None else told
     if text is None:
         raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{wanted}'.")
@@ -183,9 +194,12 @@ def _contradict(told: str, given: Unit) -> bool:
 
 def _si(where: str, magnitude: Magnitude, wanted: str) -> float:
     try:
-        return magnitude.si(wanted)
+        value = magnitude.si(wanted)
     except ValueError as problem:
         raise EstimationError(f"{where} {problem}") from problem
+    if not abs(value) < _LARGEST:
+        raise EstimationError(f"{where} is {value:g} {wanted}, which nothing measures.")
+    return value
 
 
 def _treatment(name: str, column: Column, table: DataTable, wanted: str, is_input: bool) -> Treatment:
@@ -207,7 +221,16 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     begins = [float(time[0]) for time in times.values()] + ([] if table.begin is None else [table.begin])
     ends = [float(time[-1]) for time in times.values()] + ([] if table.end is None else [table.end])
     begin, end = max(begins), min(ends)
-    count = math.floor((end - begin) / table.period + 1e-6) + 1
+    count = math.floor(max((end - begin) / table.period, -1.0) + 1e-6) + 1
+    if count > _MOST_SAMPLES:
+        slowest = max(times, key=lambda name: float(np.max(np.diff(times[name]))))
+        steps = np.diff(times[slowest])
+        at = int(np.argmax(steps))
+        raise EstimationError(
+            f"{path.name}: from {begin:.6g} s to {end:.6g} s are {count:.3g} samples of {table.period:g} s, and "
+            f"{_MOST_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
+            f"{times[slowest][at]:.6g} s: see the unit of [data.time], a jump in it, and period in [data]."
+        )
     if count < 2:
         raise EstimationError(
             f"{path.name}: from {begin:.3f} s to {end:.3f} s nothing is left of which all inputs are known; "
