@@ -5,8 +5,8 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc regress-omc check \
-        estimate tune lateral learn monitor clean
+.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc regress-omc fuzz \
+        check estimate tune lateral learn monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -71,6 +71,9 @@ regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with 
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(RUN) -m harness monitor-study
+
+fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz
 
 check: $(DEV)
 	$(RUN) -m ruff check .

@@ -4,7 +4,6 @@ import platform
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -28,9 +27,9 @@ from fmus.native import Model, lower
 from harness.contact import compiled_contact
 from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
-from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.foreign_controller import foreign_controller
 from harness.instruments import sensors_of
+from harness.limits import FMU_LIMITS, FmuLimits
 from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
 from harness.loop.edge import OUTPUT
@@ -50,10 +49,11 @@ from harness.scenario.adhesion import profile_of
 from harness.scenario.error import ScenarioError
 from harness.scenario.file import NamedFile
 from harness.scenario.parties import ControllerFmu, KalmanFilter
-from harness.scenario.quantity import Magnitude
+from harness.scenario.quantity import in_units
 from harness.scenario.schema import Scenario
 from harness.scenario.track import track_force_of
 from harness.train import brake_groups_of, brake_of
+from harness.units import Unit
 
 Vector = NDArray[np.float64]
 
@@ -234,30 +234,11 @@ def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
     if isinstance(scenario.controller, ControllerFmu):
         return brake_groups_of(nominal)
     written = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
-    return brake_groups_of(nominal | _si("[controller.parameters]", written, _units_of(train)))
+    return brake_groups_of(nominal | in_units("[controller.parameters]", written, _units_of(train)))
 
 
-def _units_of(description: Description) -> dict[str, str]:
-    return {v.name: v.unit_name for v in description.variables.values() if v.causality == "parameter"}
-
-
-def _si(where: str, written: Mapping[str, Magnitude], units: Mapping[str, str]) -> dict[str, float]:
-    """Return what a table of parameters says, in the units of those who take it.
-
-    Raises:
-        ScenarioError: There is no such parameter, or its unit has another dimension.
-    """
-    values: dict[str, float] = {}
-    for name, magnitude in written.items():
-        if name not in units:
-            near = get_close_matches(name, units, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(sorted(units)) or 'none'}."
-            raise ScenarioError(f"{where} has no parameter '{name}'; {hint}")
-        try:
-            values[name] = magnitude.si(units[name])
-        except ValueError as problem:
-            raise ScenarioError(f"{where} {name} {problem}") from problem
-    return values
+def _units_of(description: Description) -> dict[str, Unit | str]:
+    return {v.name: v.unit or v.unit_name for v in description.variables.values() if v.causality == "parameter"}
 
 
 # ---- plant ------------------------------------------------------------------------------------------------------
@@ -265,7 +246,7 @@ def _si(where: str, written: Mapping[str, Magnitude], units: Mapping[str, str]) 
 
 def plant_parameters(scenario: Scenario, description: Description) -> dict[str, float]:
     """Return [vehicle.parameters] in the units of the plant FMU."""
-    return _si("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
+    return in_units("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
 @contextmanager
@@ -353,7 +334,7 @@ def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Bel
     noise = _noise(table)
     period = scenario.periods.estimator
     model = lowered(f"RailBraking.FMUs.{table.model}")
-    changed = _si("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
+    changed = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | changed
     with ExitStack() as stack:
         if table.kind == "fmu":
@@ -439,7 +420,7 @@ def _controlling(
     description = description_of(table.file.path, scenario.limits.fmu.limits())
     name = description.file.name
     fmus[f"controller: {name}" if name in fmus else name] = description
-    values = _si("[controller.parameters]", table.parameters, _units_of(description))
+    values = in_units("[controller.parameters]", table.parameters, _units_of(description))
     with foreign_controller(scenario, table, description, values, tell) as (controller, commands_valves):
         yield controller, Direct() if commands_valves else actuation_of(scenario, groups)
 
@@ -457,16 +438,16 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
     own = {name: value for name, value in scenario.controller.parameters.items() if name not in train}
     where = "[controller.parameters]"
     if kind == "full_brake":
-        _si(where, own, {})
+        in_units(where, own, {})
         return FullBrake(groups)
     if kind in ("slip_two_state", "slip_three_state"):
-        values = _si(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
+        values = in_units(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
         try:
             return SlipBased(groups, replace(tuning.SLIP_LEVELS, **values, hold=kind == "slip_three_state"))
         except ValueError as problem:
             raise ScenarioError(f"{where}: {problem}") from problem
     given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max}
-    values = _si(where, own, SeekerTuning.UNITS)
+    values = in_units(where, own, SeekerTuning.UNITS)
     try:
         seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **values)
     except ValueError as problem:

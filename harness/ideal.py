@@ -23,6 +23,7 @@ from harness.record.recorder import Recorder
 from harness.record.signals import WHEELSETS
 from harness.record.stop import Stop
 from harness.scenario.adhesion import profile_of
+from harness.scenario.error import ScenarioError
 from harness.scenario.merge import merged
 from harness.scenario.schema import Scenario
 from harness.scenario.track import track_force_of
@@ -31,6 +32,7 @@ from harness.train import GRAVITY, brake_of
 Array = NDArray[np.float64]
 
 _GRIPPY = 0.6
+_BUILD_UP = 0.2  # s that the pressure takes
 _ROUNDS = 12
 _CLOSE = 1e-3  # m; a thousandth of what a change of controller moves
 
@@ -41,13 +43,19 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     Speed over time is found by iteration: the bound depends on speed (falling friction) and, over distance, on place.
 
     Raises:
-        ScenarioError: The plant does not show its brakes.
-        RuntimeError: The iteration does not settle; it contracts because friction changes little with speed.
+        ScenarioError: The plant does not show its brakes, or the iteration does not settle; it contracts where
+            friction changes little with speed and place.
     """
     plant = assemble.plant_description(scenario)
     parameters = assemble.parameters_of(plant) | assemble.plant_parameters(scenario, plant)
     reference = assemble.run_stop(_full_brake(scenario), progress)
-    known = reference.trace.isel(time=slice(200, None))  # after the pressure has built up
+    period = scenario.periods.communication
+    known = reference.trace.isel(time=slice(round(_BUILD_UP / period), None))
+    if reference.outcome is not Outcome.STANDSTILL or known.sizes["time"] < 2:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound takes the brakes from a stop with full brake on a rail of "
+            f"friction {_GRIPPY:g}, which ended with {reference.outcome.value}: {reference.reason}"
+        )
     order = np.argsort(known["speed"].values)
     speeds = known["speed"].values[order]
     friction = known["pad_friction"].values[order]
@@ -55,7 +63,6 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     drawn = np.sum(known["adhesion"].values * known["wheelset_load"].values, axis=1)
     resistance = (-mass * known["acceleration"].values - drawn)[order]
 
-    period = scenario.periods.communication
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario), track_force_of(scenario.track)
@@ -74,7 +81,8 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:, at["mu0"]] = profile.table(time, distance)
         rows[:, at["wheelset_load"]] = load
         rows[:, at["pad_friction"]] = pad
-        moving = int(np.argmax(speed <= scenario.limits.stop_speed)) or count
+        end = _end(speed, scenario.limits.stop_speed)
+        moving = end or count
         bound = with_bound(recorder.trace(moving, period), contact, brake, scenario.limits.alpha_max)
         ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
         slowing = (np.sum(share * load, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
@@ -82,21 +90,27 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:moving, at["adhesion"]] = share
         rows[:moving, at["group_adhesion"]] = ideal
         rows[:moving, at["slip"]] = bound["peak_slip"].values
-        before = distance[moving - 1]
+        before = distance[end or -1]
         speed, distance, acceleration = _integrated(scenario.start.speed, slowing, count, period)
-        stopped = int(np.argmax(speed <= scenario.limits.stop_speed))
-        if stopped and abs(distance[stopped] - before) < _CLOSE:
+        stopped = _end(speed, scenario.limits.stop_speed)
+        if bool(stopped) == bool(end) and abs(distance[stopped or -1] - before) < _CLOSE:
             break
     else:
-        raise RuntimeError("the ideal bound did not settle")
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes "
+            f"too much over {period:g} s; shorten [periods] communication"
+        )
     rows = recorder.rows
     rows[:, recorder.columns["distance"]] = distance[:, None]
     rows[:, recorder.columns["speed"]] = speed[:, None]
     rows[:, recorder.columns["acceleration"]] = acceleration[:, None]
-    samples = min(stopped, moving - 1) + 1
+    samples = min(stopped or count - 1, moving - 1) + 1
+    place = f"{distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s"
     ended = Ended(
-        outcome=Outcome.STANDSTILL,
-        reason=f"Could stop after {distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s at best.",
+        outcome=Outcome.STANDSTILL if stopped else Outcome.HORIZON,
+        reason=f"Could stop after {place} at best."
+        if stopped
+        else f"Still rolls with {speed[samples - 1]:.2f} m/s after {place} at best.",
         samples=samples,
     )
     return assemble.judged(scenario, recorder, ended, plant, {plant.file.name: plant})
@@ -113,6 +127,11 @@ def _full_brake(scenario: Scenario) -> Scenario:
     }
     table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
     return Scenario.model_validate(table)
+
+
+def _end(speed: Array, stop_speed: float) -> int:
+    """Return the first sample at standstill, 0 if there is none."""
+    return int(np.argmax(speed <= stop_speed))
 
 
 def _first_guess(scenario: Scenario, time: Array) -> tuple[Array, Array, Array]:

@@ -15,14 +15,16 @@ ALLOWED = {
     "controllers": ("controllers",),
     "harness": ("harness", "controllers", "estimators", "fmus"),
     # The loop knows protocols and the values that pass between parties, no party.
+    "harness.units": (),
+    "harness.limits": (),
     "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.record.signals",
                      "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
-    "harness.scenario": ("harness.scenario",),
+    "harness.scenario": ("harness.scenario", "harness.units", "harness.limits"),
     "harness.record": ("harness.record", "harness.scenario"),
     "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario"),
     # What a loop in C calls is described where it is called.
-    "harness.fmu": ("harness.fmu", "estimators.prediction", "fmus.native.toolchain", "harness.loop.compiled.Calls",
-                    "harness.loop.ports.Edge"),
+    "harness.fmu": ("harness.fmu", "harness.units", "harness.limits", "estimators.prediction", "fmus.native.toolchain",
+                    "harness.loop.compiled.Calls", "harness.loop.ports.Edge"),
 }  # fmt: skip
 
 

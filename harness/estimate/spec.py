@@ -35,19 +35,18 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import xarray
-from pydantic import Field, StrictInt, model_validator
+from pydantic import Field, model_validator
 
 from estimators.gate import Gate
 from estimators.prediction import CasadiPrediction
 from harness.estimate.error import EstimationError
-from harness.estimate.magnitudes import in_units
 from harness.estimate.recorded.table import DataTable
 from harness.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
 from harness.estimate.selection import prediction_seeing
-from harness.scenario.load import read_toml, validated
+from harness.scenario.load import demand_kind, read_toml, validated
 from harness.scenario.merge import merged, read_overrides
-from harness.scenario.quantity import Magnitude, Unit
-from harness.scenario.table import Duration, Length, Table, broken
+from harness.scenario.quantity import Magnitude, Unit, in_units
+from harness.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
 from harness.scenario.track import CurveLaw
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -117,7 +116,7 @@ class TrustTable(Table):
 class CourseTable(Table):
     """[course]: the track force of a train from GNSS, speed and accelerometers; the filter runs from coasting on."""
 
-    mass: Annotated[float, Unit("kg", above=0)]
+    mass: Mass
     curve_law: CurveLaw
     low_pass: LowPassTable | None = None
     trust: TrustTable | None = None
@@ -128,13 +127,13 @@ class SourceTable(Table):
 
     kind: str
     scenario: str
-    seed: Annotated[StrictInt, Field(ge=0)] | None = None
+    seed: Seed | None = None
 
 
 class Specification(Table):
     """Everything that decides an estimation."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     description: str = ""
     model: ModelTable
     noise: NoiseTable
@@ -176,6 +175,7 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> Specificati
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
     """
     table = read_toml(path)
+    demand_kind(table, "estimation", path)
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
         table = table | {"noise": _noise_elsewhere(path, noise)}
@@ -198,7 +198,7 @@ def prediction_for(specification: Specification) -> CasadiPrediction:
     """Return the prediction of an estimation, its parameters converted to the units of the model.
 
     Raises:
-        EstimationError: There is no such parameter, or its unit has another dimension.
+        ScenarioError: There is no such parameter, or its unit has another dimension.
     """
     model = specification.model
     units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
@@ -212,7 +212,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
     """Return the settings of an estimation on a grid of `period` [s].
 
     Raises:
-        EstimationError: The threshold of the gate is in another unit than its inputs.
+        ScenarioError: The threshold of the gate is in another unit than its inputs.
     """
     noise, gate = specification.noise, specification.gate
     process = per_step(noise.process, period) if noise.kind == "per_step" else dict(noise.process)

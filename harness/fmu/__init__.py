@@ -11,7 +11,6 @@ from harness.fmu.exchange import FmuPrediction, ModelExchange
 from harness.fmu.failure import Failure, FmuError, PlantFailed
 from harness.fmu.isolation import IsolatedCoSimulation, open_plant
 from harness.fmu.mapping import Binding, Side, Signal, bind
-from harness.fmu.unit import Unit, unit
 
 __all__ = [
     "Binding",
@@ -27,10 +26,8 @@ __all__ = [
     "Side",
     "Signal",
     "Snapshot",
-    "Unit",
     "Variable",
     "bind",
     "describe",
     "open_plant",
-    "unit",
 ]

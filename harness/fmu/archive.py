@@ -12,7 +12,7 @@ from typing import Any
 from xml.parsers import expat
 
 from harness.fmu.failure import FmuError
-from harness.fmu.limits import MIB, FmuLimits
+from harness.limits import MIB, FmuLimits
 
 DESCRIPTION = "modelDescription.xml"
 _HARMLESS = 16 * MIB

@@ -1,9 +1,8 @@
 """What an FMU file says about itself, read once and checked, as a frozen value."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from difflib import get_close_matches
-from math import isclose
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, cast
@@ -13,8 +12,8 @@ from fmpy.model_description import ModelDescription, ValidationError, read_model
 
 from harness.fmu.archive import digest, members, outline
 from harness.fmu.failure import FmuError
-from harness.fmu.limits import FMU_LIMITS, FmuLimits
-from harness.fmu.unit import BASE, Exponents, Unit, unit
+from harness.limits import FMU_LIMITS, FmuLimits
+from harness.units import BASE, Exponents, Unit, UnitError, unit
 
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
 Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]
@@ -248,7 +247,7 @@ def _unit(path: Path, found: Any) -> Unit | None:
     offset = 0.0 if base.offset is None else float(base.offset)
     try:
         return _with_angle(Unit(name=found.name, exponents=exponents, factor=factor, offset=offset))
-    except FmuError as error:
+    except UnitError as error:
         raise FmuError(f"{path}: UnitDefinitions: {error}") from error
 
 
@@ -256,15 +255,14 @@ def _with_angle(defined: Unit) -> Unit:
     """Return a unit with the radian that its name has and its definition leaves out.
 
     To FMI the radian is a base unit, to SI it is one: OpenModelica writes "rad/s" as one over the second. The name
-    is believed where both differ in nothing else, so that a frequency does not become an angular velocity.
+    is believed where both differ in nothing else, so that a frequency does not become an angular velocity. So is a
+    name that counts revolutions or degrees where the definition has the factor of the radian, or of the count.
     """
     try:
         named = unit(defined.name)
-    except FmuError:
+    except UnitError:
         return defined
-    *rest, angle = named.exponents
-    same = (*rest, 0) == defined.exponents and isclose(named.factor, defined.factor, rel_tol=1e-9)
-    return replace(defined, exponents=named.exponents) if angle and same and not defined.offset else defined
+    return named if not defined.offset and defined.leaves_the_angle_out_of(named) else defined
 
 
 def _variable(found: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:

@@ -30,9 +30,9 @@ from harness.fmu.description import Description
 from harness.fmu.failure import Failure, FmuError, PlantFailed
 from harness.fmu.instance import unpacked
 from harness.fmu.keeper import REPORT
-from harness.fmu.limits import FMU_LIMITS, FmuLimits
 from harness.fmu.mapping import Binding
 from harness.fmu.parameters import Values
+from harness.limits import FMU_LIMITS, FmuLimits
 
 Vector = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ The table of a scenario reads
 
 and a signal that the table leaves out has the same name in the FMU. Units are converted from what the FMU
 declares; `scale` multiplies what is left (ours = scale · theirs, both in SI). A `unit` is given only where
-the FMU has none.
+the FMU has none, or where it leaves out what turns: `1/min` of a speed may be `rev/min` or `rad/min`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from harness.fmu.description import Causality, Description, Variable
 from harness.fmu.failure import FmuError
-from harness.fmu.unit import Unit, conversion, unit
+from harness.units import Unit, UnitError, conversion, turning_of, unit
 
 Carrier = Literal["Real", "Integer", "Boolean"]
 """The FMI calls that carry a number; enumerations travel as integers."""
@@ -286,11 +286,17 @@ def _tie(
     try:
         # ours = scale · (theirs in our unit) + shift; into the FMU the same line is solved for theirs.
         gain, shift = conversion(theirs, ours, difference=found.relative)
-    except FmuError as error:
+    except UnitError as error:
         way = "sends" if into_fmu else "reads"
+        turning = turning_of(theirs, ours)
+        remedy = (
+            f'say in {where} what turns: {{ variable = "{found.name}", unit = "rev/{turning}" }}, or rad/{turning}'
+            if turning
+            else f"correct the FMU or {where}"
+        )
         raise FmuError(
             f"{file}: {causality} '{found.name}' is in '{theirs.name}', the harness {way} '{signal.name}' in "
-            f"'{signal.unit}'; {theirs.dimension} is not {ours.dimension}; correct the FMU or {where}."
+            f"'{signal.unit}'; {theirs.dimension} is not {ours.dimension}; {remedy}."
         ) from error
     gain, shift = target.scale * gain, target.scale * shift
     return (found, 1.0 / gain, -shift / gain) if into_fmu else (found, gain, shift)
@@ -298,22 +304,24 @@ def _tie(
 
 def _unit_of(found: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
     """Return the unit of an FMU's variable: as defined, as named, or as stated in the mapping."""
+    given = found.unit
     if target.stated_unit is not None:
-        if found.unit_name:
+        try:
+            stated = unit(target.stated_unit)
+        except UnitError as error:
+            raise FmuError(f"{who}: {error}") from error
+        if found.unit_name and not (given is not None and given.leaves_the_angle_out_of(stated)):
             raise FmuError(
                 f"{who}: unit = '{target.stated_unit}' is stated for '{found.name}', but {file} already "
                 f"gives '{found.unit_name}'; leave it out, or use scale if the FMU is wrong."
             )
-        try:
-            return unit(target.stated_unit)
-        except FmuError as error:
-            raise FmuError(f"{who}: {error}") from error
-    if found.unit is not None:
-        return found.unit
+        return stated
+    if given is not None:
+        return given
     if found.unit_name:
         try:
             return unit(found.unit_name)
-        except FmuError as error:
+        except UnitError as error:
             raise FmuError(
                 f"{who}: {file} gives '{found.name}' the unit '{found.unit_name}' without defining it, and {error}"
             ) from error

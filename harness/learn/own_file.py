@@ -32,7 +32,7 @@ from estimators.learned.channels import COMBINATIONS
 from harness.estimate.recorded.table import DataTable
 from harness.learn.evaluate import Recipe
 from harness.scenario.load import read_toml, validated
-from harness.scenario.table import Table, broken
+from harness.scenario.table import Name, Table, broken
 
 
 class RunsTable(Table):
@@ -64,7 +64,7 @@ class NetworkTable(Table):
 class OwnFile(Table):
     """Everything that decides what is learned from a user's runs."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     runs: RunsTable
     network: NetworkTable = NetworkTable()
     data: DataTable | None = None

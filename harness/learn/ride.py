@@ -36,7 +36,7 @@ from harness.learn.parties import AxleBoxes, in_casadi, in_fmu
 from harness.loop.beside import Watched, watch
 from harness.scenario.error import ScenarioError
 from harness.scenario.load import read_toml, validated
-from harness.scenario.table import Friction, Length, Speed, Table, broken
+from harness.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
 from harness.twins.accelerometer import RATE
 from harness.twins.instrumented_car import SURFACES, Pass, car_of
 from harness.twins.irregularity import TRACKS
@@ -55,7 +55,7 @@ class CarTable(Table):
     friction: Friction
     track: str
     track_seed: Annotated[StrictInt, Field(ge=0)]
-    seed: Annotated[StrictInt, Field(ge=0)]
+    seed: Seed
     length: Length
     direction: Literal[1, -1] = 1
 
@@ -86,7 +86,7 @@ class EstimatorTable(Table):
 class RideFile(Table):
     """Everything that decides a ride."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     car: CarTable
     estimator: EstimatorTable
 

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 GROUP_OF_WHEELSET = (0, 0, 1, 2, 3, 3)
 """ω-group of each wheelset: motor bogies turn as one, the wheelsets of the Jacobs bogie alone."""
 
+_FARTHEST = 20e3  # m; full braking from 500 km/h takes half of it, and the table 200 MB
 _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
 
 
@@ -63,6 +64,7 @@ def profile_of(scenario: Scenario) -> Profile:
         ScenarioError: Level and conditioning bring friction above 1.
     """
     adhesion = scenario.adhesion
+    _demand_resolved(scenario)
     over_time = not scenario.runs_over_distance
     if over_time:
         step = scenario.periods.communication
@@ -72,6 +74,11 @@ def profile_of(scenario: Scenario) -> Profile:
         step = _PLACE_STEP
         # A braking train cannot get farther than this before the horizon.
         reach = scenario.start.speed * scenario.limits.horizon
+        if reach > _FARTHEST:
+            raise ScenarioError(
+                f"{scenario.name}: [adhesion] over distance is tabulated as far as [start] speed goes until [limits] "
+                f"horizon, {reach / 1e3:.3g} km; {_FARTHEST / 1e3:g} km is the most, shorten the horizon"
+            )
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
         places = axis[:, None] - np.array(scenario.vehicle.wheelset_offsets)
     match adhesion:
@@ -94,6 +101,28 @@ def profile_of(scenario: Scenario) -> Profile:
         )
     mu0.flags.writeable = False
     return Profile(over_time=over_time, step=step, mu0_at=mu0)
+
+
+def _demand_resolved(scenario: Scenario) -> None:
+    """Refuse a rail that changes faster than it is looked at.
+
+    Raises:
+        ScenarioError: A sine has less than two points, or noise less than ten over its correlation.
+    """
+    match scenario.adhesion:
+        case SineSweep() as shape:
+            finest = 0.5 / max(shape.frequencies)
+            what = f"[adhesion] frequencies reach {max(shape.frequencies):.3g} 1/{shape.unit}"
+        case Random() as shape:
+            finest = shape.extent("correlation") / 10
+            what = f"[adhesion] correlation is {shape.extent('correlation'):.3g} {shape.unit}"
+        case _:
+            return
+    step = _PLACE_STEP if scenario.runs_over_distance else scenario.periods.communication
+    if finest < step:
+        raise ScenarioError(
+            f"{scenario.name}: {what}, too fine for a rail that is looked at every {step:g} {shape.unit}"
+        )
 
 
 def _trapezoid(shape: Trapezoid, places: Array) -> Array:

@@ -11,13 +11,16 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from harness.scenario.error import ScenarioError
-from harness.scenario.load import read_toml, scenario_of, validated
+from harness.scenario.file import is_file
+from harness.scenario.load import demand_kind, read_toml, scenario_of, validated
 from harness.scenario.merge import merged, read_overrides
 from harness.scenario.quantity import Unit
 from harness.scenario.schema import Scenario
-from harness.scenario.table import Table
+from harness.scenario.table import Name, Table
+from harness.units import cut
 
 _AXIS_OF_SCENARIOS = "scenario"
+_LONGEST_NAME = 200  # characters; file systems take 255
 
 
 class Reference(Table):
@@ -36,7 +39,7 @@ class CampaignFile(Table):
     of one key: `"start.speed" = ["80 km/h", "120 km/h"]`.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     description: str = ""
     scenarios: Annotated[tuple[str, ...], Field(min_length=1, description="files, from this one's folder")]
     axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
@@ -92,7 +95,9 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     Raises:
         ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
     """
-    written = validated(CampaignFile, read_toml(path), directory=path.parent, origin=path.name)
+    table = read_toml(path)
+    demand_kind(table, "campaign", path)
+    written = validated(CampaignFile, table, directory=path.parent, origin=path.name)
     axes = {
         axis: {
             variant: _variant_file(path, axis, variant, tables) if isinstance(tables, str) else tables
@@ -124,10 +129,10 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
 
 def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, Any]:
     file = path.parent / name
-    if not file.is_file():
+    if not is_file(file):
         raise ScenarioError(
-            f"{path.name}: [axes.{axis}] {variant} names '{name}', but there is no file {file}; the path starts at the "
-            "folder of the campaign."
+            f"{path.name}: [axes.{axis}] {variant} names '{cut(name)}', but there is no file {cut(str(file))}; the "
+            "path starts at the folder of the campaign."
         )
     return read_toml(file)
 
@@ -147,6 +152,12 @@ def _stops(
             for _, change in combination:
                 table = merged(table, change)
             name = "-".join(re.sub(r"[^A-Za-z0-9_.]+", "_", variant) for variant in variants.values())
+            # It becomes a folder: `--set name=…` may mend the scenario's own name, but not this one.
+            if not re.fullmatch(r"[A-Za-z0-9].*", name) or len(name) > _LONGEST_NAME:
+                raise ScenarioError(
+                    f"{path.name}: a stop of {base_path.name} would be named '{cut(name)}', but a folder of its own "
+                    f"wants a name that begins with a letter or digit and has {_LONGEST_NAME} characters at most"
+                )
             scenario = scenario_of(
                 merged(table, last), directory=base_path.parent, origin=f"{path.name}, stop {name} ({base_path.name})"
             )

@@ -30,18 +30,23 @@ def read_curve(path: Path, *, wheelsets: int) -> Curve:
     Raises:
         ValueError: What is wrong and in which line, without the file's name.
     """
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        rows = [(line, row) for line, row in enumerate(csv.reader(file), start=1) if any(cell.strip() for cell in row)]
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            numbered = enumerate(csv.reader(file), start=1)
+            rows = [(line, row) for line, row in numbered if any(cell.strip() for cell in row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as problem:
+        raise ValueError("is not a table of text, as csv files are") from problem
     if not rows:
         raise ValueError("is empty; the first line names the columns, such as time,mu0")
     header = [cell.strip() for cell in rows[0][1]]
     each = [f"mu0_{number}" for number in range(1, wheelsets + 1)]
+    known = {"time", "distance", "mu0", *each}
     axes = [name for name in ("time", "distance") if name in header]
     columns = next((wanted for wanted in (["mu0"], each) if set(header) == {*axes, *wanted}), None)
     if len(axes) != 1 or columns is None or len(header) != 1 + len(columns):
         raise ValueError(
-            f"has the columns {', '.join(header)}; wanted are time [s] or distance [m], and mu0 or "
-            f"{each[0]} … {each[-1]}"
+            f"has {len(header)} columns; its first line wants to name time [s] or distance [m], and mu0 or "
+            f"{each[0]} … {each[-1]}, and names of these {', '.join(sorted({*header} & known)) or 'none'}"
         )
     values = np.array([_numbers(line, row, len(header)) for line, row in rows[1:]])
     if len(values) < 2:
@@ -60,8 +65,9 @@ def read_curve(path: Path, *, wheelsets: int) -> Curve:
 def _numbers(line: int, row: list[str], count: int) -> list[float]:
     try:
         numbers = [float(cell) for cell in row]
-    except ValueError as problem:
-        raise ValueError(f"line {line}: {problem}") from problem
+    except ValueError:
+        numbers = []
     if len(numbers) != count or not np.all(np.isfinite(numbers)):
-        raise ValueError(f"line {line}: {count} finite numbers are wanted, found {','.join(row)}")
+        # What stands there is not repeated: whoever runs a scenario of others may have named a file of his own.
+        raise ValueError(f"line {line}: {count} finite numbers are wanted")
     return numbers

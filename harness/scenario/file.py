@@ -8,8 +8,18 @@ from typing import Any, cast
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from harness.units import cut, short
+
 DIRECTORY = "directory"
 """Key of the validation context that holds the folder of the scenario file."""
+
+
+def is_file(path: Path) -> bool:
+    """Say whether there is a file; a path that no system takes, of 5000 characters, names none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,14 +49,14 @@ class NamedFile:
         if isinstance(written, NamedFile):
             return written
         if not isinstance(written, str) or not written:
-            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": repr(written)})
+            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(written)})
         context = cast("dict[str, Path] | None", info.context) or {}
         path = context.get(DIRECTORY, Path()) / written
-        if not path.is_file():
+        if not is_file(path):
             raise PydanticCustomError(
                 "file",
                 "names '{written}', but there is no file {path}; the path starts at the scenario's folder",
-                {"written": written, "path": str(path)},
+                {"written": cut(written), "path": cut(str(path))},
             )
         return cls(written=written, path=path)
 

@@ -6,15 +6,26 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Any, TypeVar, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from harness.scenario.error import ScenarioError
 from harness.scenario.file import DIRECTORY
-from harness.scenario.merge import merged, read_overrides
+from harness.scenario.merge import merged, parsed, read_overrides
 from harness.scenario.schema import Scenario
+from harness.units import cut, short
+
+Kind = Literal["scenario", "campaign", "estimation"]
+_MARKS: Mapping[Kind, tuple[str, ...]] = {
+    "campaign": ("name", "scenarios"),
+    "estimation": ("name", "model", "noise"),
+    "scenario": ("name", "vehicle", "controller"),
+}
+"""Keys that only files of this kind have together."""
+
+_LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -25,7 +36,9 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
     Raises:
         ScenarioError: The file is missing, not TOML, or not a scenario; each problem in one sentence.
     """
-    table = merged(read_toml(path), read_overrides(overrides))
+    written = read_toml(path)
+    demand_kind(written, "scenario", path)
+    table = merged(written, read_overrides(overrides))
     return scenario_of(table, directory=path.parent, origin=path.name)
 
 
@@ -35,14 +48,35 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: Missing, unreadable, or not TOML.
     """
+    shown = cut(str(path))
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise ScenarioError(f"{shown}: is larger than {_LARGEST / 1e6:g} MB, which no scenario or campaign is")
+        return parsed(content.decode("utf-8-sig").replace("\r\n", "\n"))
     except FileNotFoundError as problem:
-        raise ScenarioError(f"{path}: there is no such file; name a scenario or campaign file (*.toml)") from problem
+        raise ScenarioError(f"{shown}: there is no such file; name a scenario or campaign file (*.toml)") from problem
     except OSError as problem:
-        raise ScenarioError(f"{path}: cannot be read: {problem.strerror}") from problem
+        raise ScenarioError(f"{shown}: cannot be read: {problem.strerror}") from problem
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise ScenarioError(f"{path.name}: is not TOML: {problem}") from problem
+        raise ScenarioError(f"{cut(path.name)}: is not TOML: {cut(str(problem))}") from problem
+    except ValueError as problem:
+        if isinstance(problem, ScenarioError):
+            raise
+        raise ScenarioError(f"{shown}: cannot be read: {problem}") from problem  # a path with a null in it
+
+
+def demand_kind(table: Mapping[str, Any], wanted: Kind, path: Path) -> None:
+    """Refuse a file of another kind, in one sentence in place of one for each of its keys.
+
+    Raises:
+        ScenarioError: It says which command is for the file.
+    """
+    found = next((kind for kind, keys in _MARKS.items() if all(key in table for key in keys)), wanted)
+    if found != wanted:
+        command = {"scenario": "run", "campaign": "campaign", "estimation": "estimate"}[found]
+        raise ScenarioError(f"{path.name}: is a file of the kind {found}; use `railgrip {command} {path.name}`")
 
 
 def scenario_of(table: Mapping[str, Any], *, directory: Path, origin: str) -> Scenario:
@@ -76,7 +110,7 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     path, known = _place(model, table, error["loc"])
     kind, context = error["type"], error.get("ctx", {})
     if kind == "extra_forbidden":
-        return f"{_table(path[:-1])} has no key '{path[-1]}'; {_suggestion(str(path[-1]), known)}"
+        return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), known)}"
     if kind == "missing":
         whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
         wanted = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
@@ -84,7 +118,7 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if kind == "union_tag_not_found":
         return f"{_table(path)} has no 'kind'; it is wanted and has no default"
     if kind == "union_tag_invalid":
-        return f"{_table(path)} kind is {context['tag']!r}; there is {_listed(context['expected_tags'])}"
+        return f"{_table(path)} kind is {short(context['tag'])}; there is {_listed(context['expected_tags'])}"
     if not path:
         return f"{error['msg']}."  # a rule between tables names them itself
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
@@ -93,11 +127,11 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if kind in {"quantity", "file", "scenario", "polach"}:
         return f"{key} {error['msg']}."
     if kind == "literal_error":
-        return f"{key} is {error['input']!r}; there is {context['expected']}"
+        return f"{key} is {short(error['input'])}; there is {context['expected']}"
     if kind in {"model_type", "model_attributes_type", "dict_type"}:
-        return f"{_table(path)} must be a table, got {error['input']!r}"
+        return f"{_table(path)} must be a table, got {short(error['input'])}"
     message = error["msg"]
-    return f"{key} is {error['input']!r}; {message[:1].lower()}{message[1:]}"
+    return f"{key} is {short(error['input'])}; {message[:1].lower()}{message[1:]}"
 
 
 def _place(

@@ -1,10 +1,41 @@
 """Changes laid over a scenario's tables: `--set` on the command line, variants and sweeps in a campaign."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, cast
 
 from harness.scenario.error import ScenarioError
+from harness.units import cut, short
+
+_DEEPEST = 12
+"""Levels of tables and lists; the deepest file of ours has five."""
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """Return the tables of a TOML text.
+
+    Raises:
+        TOMLDecodeError: It is none, or none that anybody wrote: nested too deep, an integer of thousands of digits.
+    """
+    try:
+        table = tomllib.loads(text)
+        _demand_shallow(table, _DEEPEST)
+    except RecursionError:
+        raise tomllib.TOMLDecodeError(f"its tables are nested deeper than {_DEEPEST} levels") from None
+    except ValueError as problem:
+        if isinstance(problem, tomllib.TOMLDecodeError):
+            raise
+        raise tomllib.TOMLDecodeError("it has a number of thousands of digits, or a date that is none") from None
+    return table
+
+
+def _demand_shallow(value: Any, levels: int) -> None:
+    if not isinstance(value, dict | list):
+        return
+    if not levels:
+        raise RecursionError
+    for inner in cast("Iterable[Any]", value.values() if isinstance(value, dict) else value):
+        _demand_shallow(inner, levels - 1)
 
 
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
@@ -38,12 +69,12 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals or not key.strip() or not value.strip():
-            raise ScenarioError(f"--set {override}: wanted is table.key=value, such as start.speed='80 km/h'")
+            raise ScenarioError(f"--set {cut(override)}: wanted is table.key=value, such as start.speed='80 km/h'")
         try:
-            layer = tomllib.loads(f"{key} = {_toml_value(value.strip())}")
+            layer = parsed(f"{key} = {_toml_value(value.strip())}")
         except tomllib.TOMLDecodeError as problem:
             raise ScenarioError(
-                f"--set {override}: {key.strip()!r} is not a key such as start.speed; "
+                f"--set {cut(override)}: {short(key.strip())} is not a key such as start.speed; "
                 'a part with brackets takes quotes: vehicle.parameters."r_wheel[2]"=0.37'
             ) from problem
         _insert(tree, layer)
@@ -63,7 +94,7 @@ def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
 def _toml_value(text: str) -> str:
     """Return `text` itself if TOML reads it as a value, else as a TOML string."""
     try:
-        tomllib.loads(f"value = {text}")
+        parsed(f"value = {text}")
     except tomllib.TOMLDecodeError:
         escaped = text.replace("\\", "\\\\").replace('"', '\\"')
         return f'"{escaped}"'

@@ -5,11 +5,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, field_validator, model_validator
 
-from harness.fmu.limits import FMU_LIMITS, FmuLimits
+from harness.limits import FMU_LIMITS, FmuLimits
 from harness.scenario.file import NamedFile
 from harness.scenario.mapped import MapEntry
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Duration, Friction, Parameters, Table, broken, scalars
+from harness.scenario.table import Duration, Friction, Parameters, Period, Table, broken, scalars
 
 
 class Actuation(Table):
@@ -84,7 +84,7 @@ Count = Annotated[StrictInt, Field(gt=0)]
 
 
 class ForeignFmus(Table):
-    """What an FMU from outside may take of this machine: `harness.fmu.limits` says what each means."""
+    """What an FMU from outside may take of this machine: `harness.limits` says what each means."""
 
     files: Count = FMU_LIMITS.files
     unpacked_mib: Count = FMU_LIMITS.unpacked_mib
@@ -122,10 +122,10 @@ class Limits(Table):
 class Periods(Table):
     """Sampling periods; each is a whole multiple of `communication`."""
 
-    communication: Duration = Field(description="of the plant")
-    estimator: Duration
-    controller: Duration
-    trace: Duration = Field(description="of the rows that are kept")
+    communication: Period = Field(description="of the plant")
+    estimator: Period
+    controller: Period
+    trace: Period = Field(description="of the rows that are kept")
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> Self:

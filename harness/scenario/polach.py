@@ -13,6 +13,9 @@ from harness.scenario.quantity import Unit
 _SETS = Path(__file__).parent / "library" / "polach.toml"
 
 
+_FALL = "friction falls over centimetres a second or more of slip velocity"
+
+
 @cache
 def named_sets() -> dict[str, dict[str, Any]]:
     """Return the sets of library/polach.toml: name → k_A, k_S, A, B and source."""
@@ -35,7 +38,11 @@ class Polach(BaseModel):
         float, Unit("1", above=0, at_most=1), Field(description="slope reduction, area of slip")
     ]
     A: Annotated[float, Unit("1", above=0, at_most=1), Field(description="friction at infinite slip velocity over mu0")]
-    B: Annotated[float, Unit("s/m", at_least=0), Field(description="decay of friction with slip velocity")]
+    B: Annotated[
+        float,
+        Unit("s/m", at_least=0, at_most=100, because="friction falls over some m/s of slip velocity"),
+        Field(description="decay of friction with slip velocity"),
+    ]
 
     @model_validator(mode="before")
     @classmethod

@@ -21,6 +21,8 @@ class Conditioning(Table):
 
 Over = Literal["time", "distance"]
 
+_FARTHEST = 1e5  # s or m
+
 
 class Extent(Magnitude):
     """A length or a duration: which one is wanted depends on `over`."""
@@ -30,10 +32,10 @@ class _Profile(Table):
     """What all profiles share."""
 
     polach: Polach
-    level: Annotated[float, Unit("1", above=0)] = Field(
+    level: Annotated[float, Unit("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
         default=1.0, description="factor on the first wheelset's friction"
     )
-    calibrated: dict[str, Annotated[float, Unit("1", above=0)]] = Field(
+    calibrated: dict[str, Annotated[float, Unit("1", above=0, at_most=100)]] = Field(
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
@@ -89,6 +91,8 @@ class _Varying(_Profile):
                 raise broken(f"{name} {problem} (the profile runs over {self.over})") from problem
             if value < 0 or (value == 0 and name not in zero):
                 raise broken(f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}")
+            if value > _FARTHEST:
+                raise broken(f"{name} must be at most {_FARTHEST:g} {self.unit}, got {value:g}; no braking is longer")
 
 
 class Trapezoid(_Varying):

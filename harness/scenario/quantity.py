@@ -1,74 +1,17 @@
-"""Numbers with units as people write them ("80 km/h"), made SI floats at the edge of the scenario file."""
+"""Numbers with units as people write them ("80 km/h"), made SI floats at the edge of a file, and what is plausible."""
 
 import math
-import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, Protocol
+from difflib import get_close_matches
+from typing import Any
 
-import pint
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-_NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
-_SPELLINGS = {"‰": "permille", "kmh": "km/h", "µ": "u"}
-
-
-class _Measure(Protocol):
-    """What we use of a pint quantity (pint's own types change with its registry)."""
-
-    magnitude: float
-    units: object
-    unitless: bool
-
-    def to(self, unit: str, /) -> "_Measure": ...
-
-
-@cache
-def _registry() -> Any:
-    registry = pint.UnitRegistry()
-    registry.define("@alias turn = rev")  # as drawings write revolutions
-    return registry
-
-
-def _measure(text: str) -> _Measure:
-    """Return number times unit; no arithmetic, so that a scenario file stays data.
-
-    Raises:
-        ValueError: The text is not one number and one unit, with the reason.
-    """
-    match = _NUMBER_AND_UNIT.fullmatch(text)
-    if match is None:
-        raise ValueError(f"is {text!r}, which is not a number with a unit such as '80 km/h'")
-    number, unit = match.groups()
-    for written, known in _SPELLINGS.items():
-        unit = unit.replace(written, known)
-    try:
-        return _registry().Quantity(float(number), unit or "dimensionless")
-    except Exception as problem:  # pint raises its own, tokenize's and Python's errors for an unreadable unit
-        raise ValueError(f"is {text!r}, whose unit {unit!r} is unknown") from problem
-
-
-def to_si(text: str, unit: str) -> float:
-    """Return the value of `text` in the SI unit `unit`.
-
-    Args:
-        text: A number followed by any unit of the same dimension, for example "3.4 bar".
-        unit: The SI unit wanted, as pint spells it; "1" for a ratio.
-
-    Raises:
-        ValueError: With the rest of a sentence that begins with the key's name.
-    """
-    measure = _measure(text)
-    try:
-        return float(measure.to("dimensionless" if unit == "1" else unit).magnitude)
-    except pint.DimensionalityError as problem:
-        if measure.unitless:
-            raise ValueError(
-                f"is {text!r}, which names no unit; write one of the dimension of {unit!r}, "
-                f"or a bare number in {unit!r}"
-            ) from problem
-        raise ValueError(f"is {text!r}, but '{measure.units:~}' cannot be converted to {unit!r}") from problem
+from harness import units
+from harness.scenario.error import ScenarioError
+from harness.units import quantity, short, to_si, unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,9 +49,11 @@ class Unit:
         at_least: float | None = None,
         below: float | None = None,
         at_most: float | None = None,
+        because: str = "",
     ) -> None:
-        """Take the SI unit, "1" for a ratio, and the limits of the value in that unit."""
+        """Take the SI unit, "1" for a ratio, the limits of the value in that unit, and the reason of the outer ones."""
         self.unit = unit
+        self.because = f"; {because}" if because else ""
         self.range = _Range(above=above, at_least=at_least, below=below, at_most=at_most)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -127,12 +72,16 @@ class Unit:
             value = to_si(written, self.unit) if isinstance(written, str) else float(written)
         except ValueError as problem:
             raise _refusal(str(problem)) from problem
+        except OverflowError:  # an integer of more than 308 digits
+            value = math.inf
         if not math.isfinite(value):
             raise _refusal(f"is {_spell(written)}, but a finite number is wanted")
         limit = self.range.broken(value)
         if limit is not None:
+            # That a speed is above zero needs no reason.
+            reason = "" if limit.endswith(" 0") else self.because
             suffix = "" if self.unit == "1" else f" {self.unit}"
-            raise _refusal(f"must be {limit}{suffix}, got {_spell(written)}")
+            raise _refusal(f"must be {limit}{suffix}, got {_spell(written)}{reason}")
         return value
 
     @property
@@ -141,9 +90,9 @@ class Unit:
 
 
 class Magnitude:
-    """A parameter of an FMU: the SI value, and the dimension if the file states one.
+    """A parameter of a model: the value in its unit, and the dimension if the file states one.
 
-    The unit that is wanted stands in the FMU, so the dimension can only be checked by whoever has read it:
+    The unit that is wanted stands in the model, so the dimension can only be checked by whoever has read it:
     `magnitude.si("Pa")`.
     """
 
@@ -153,25 +102,24 @@ class Magnitude:
         """Take what the file says.
 
         Raises:
-            ValueError: A text that is not a number with a unit.
+            ValueError: A text that is not a number with a unit, or a number that is not finite.
         """
-        if isinstance(written, str):
-            _measure(written)
-        elif not math.isfinite(written):
-            raise ValueError(f"is {written!r}, but a finite number is wanted")
+        try:
+            finite = math.isfinite(quantity(written)[0] if isinstance(written, str) else written)
+        except OverflowError:
+            finite = False
+        if not finite:
+            raise ValueError(f"is {short(written)}, but a finite number is wanted")
         self.written = written
 
-    def si(self, unit: str | None) -> float:
-        """Return the value in `unit`, an SI unit as FMI spells it ("kg.m2"); None, "" and "1" mean a ratio.
+    def si(self, wanted: str | units.Unit | None) -> float:
+        """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio.
 
         Raises:
             ValueError: The file states a unit of another dimension, in words that follow the parameter's
             name.
         """
-        if isinstance(self.written, str):
-            spelled = re.sub(r"([A-Za-z])(-?\d)", r"\1**\2", unit or "1").replace(".", "*")
-            return to_si(self.written, spelled)
-        return float(self.written)
+        return to_si(self.written, wanted or "1") if isinstance(self.written, str) else float(self.written)
 
     def __eq__(self, other: object) -> bool:
         """Say whether both were written alike."""
@@ -205,6 +153,60 @@ class Magnitude:
         )
 
 
+_PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
+    "kg": (0.0, 1e8, "the heaviest train weighed 1e8 kg"),
+    "m": (-1e5, 1e5, "no stop is longer than 100 km"),
+    "s": (0.0, 1e5, "no stop lasts a day"),
+    "m/s": (-160.0, 160.0, "no train on wheels has been faster than 159.7 m/s"),
+    "m/s2": (-1e3, 1e3, "a hundred times the acceleration of gravity is no braking"),
+    "Pa": (-1e8, 1e8, "pneumatics and hydraulics of brakes stay below 1000 bar"),
+    "N": (-1e7, 1e7, "a thousand tonnes rest on no axle, brake or spring"),
+    "N.m": (-1e7, 1e7, "no wheelset takes a torque of 10 MN.m"),
+    "kg.m2": (0.0, 1e6, "no wheelset has such an inertia"),
+    "K": (0.0, 5e3, "steel boils at 3100 K"),
+    "rad/s": (-1e4, 1e4, "no wheelset turns so fast"),
+}
+"""Unit → least and largest value of a parameter in it, and why: an order of magnitude or more beyond any vehicle."""
+
+
+def in_units(where: str, written: Mapping[str, Magnitude], wanted: Mapping[str, str | units.Unit]) -> dict[str, float]:
+    """Return what a table of parameters says in the units of those who take it.
+
+    Args:
+        where: The table, and its file where several are at hand, to open sentences with.
+        written: By name.
+        wanted: Unit of every name that may be written.
+
+    Raises:
+        ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value.
+    """
+    values: dict[str, float] = {}
+    for name, magnitude in written.items():
+        if name not in wanted:
+            near = get_close_matches(name, wanted, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(sorted(wanted)) or 'none'}."
+            raise ScenarioError(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
+        try:
+            values[name] = magnitude.si(wanted[name])
+        except ValueError as problem:
+            raise ScenarioError(f"{where} {name} {problem}") from problem
+        _demand_plausible(f"{where} {name}", values[name], wanted[name])
+    return values
+
+
+def _demand_plausible(who: str, value: float, given: str | units.Unit) -> None:
+    """Refuse a value that no vehicle has; what is measured in a unit of one's own is not judged."""
+    try:
+        known = unit(given) if isinstance(given, str) else given
+    except ValueError:
+        return
+    for name, (least, most, why) in _PLAUSIBLE.items():
+        if unit(name).exponents == known.exponents:
+            found = known.factor * value + known.offset
+            if not least <= found <= most:
+                raise ScenarioError(f"{who} must be between {least:g} and {most:g} {name}, got {found:g}; {why}.")
+
+
 def _spell(written: object) -> str:
     if isinstance(written, bool):
         return str(written).lower()
@@ -212,7 +214,7 @@ def _spell(written: object) -> str:
         return "a table"
     if isinstance(written, list | tuple):
         return "a list"
-    return repr(written)
+    return short(written)
 
 
 def _refusal(words: str) -> PydanticCustomError:

@@ -7,27 +7,30 @@ is".
 
 import hashlib
 import json
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
-from pydantic import Field, StrictInt, model_validator
+from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from harness.scenario.file import NamedFile
 from harness.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, Limits, Periods
 from harness.scenario.profile import Adhesion, Constant, FromTable
 from harness.scenario.sensors import Sensors
-from harness.scenario.table import Table, broken
+from harness.scenario.table import Name, Seed, Table, broken
 from harness.scenario.track import Track
 from harness.scenario.valves import off_the_samples
 from harness.scenario.vehicle import Start, Vehicle
+
+_MOST_ROWS = 1_000_000
+"""Samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB where it lasts so long."""
 
 
 class Scenario(Table):
     """Everything that decides a stop."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     description: str = ""
-    seed: Annotated[StrictInt, Field(ge=0)]
+    seed: Seed
     vehicle: Vehicle
     start: Start
     track: Track = Track()
@@ -50,6 +53,18 @@ class Scenario(Table):
                 off_the_samples(self.periods.communication)
             except PydanticCustomError as refusal:
                 raise broken(f"[periods] communication {refusal}") from refusal
+        rows = self.limits.horizon / self.periods.communication
+        if rows > _MOST_ROWS:
+            raise broken(
+                f"[limits] horizon {self.limits.horizon:g} s over [periods] communication "
+                f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
+            )
+        horizon = self.limits.horizon
+        for party, period in self.periods.model_dump().items():
+            if period > horizon:
+                raise broken(
+                    f"[periods] {party} {period:g} s is longer than [limits] horizon {self.limits.horizon:g} s"
+                )
         if self.limits.stop_speed >= self.start.speed:
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "

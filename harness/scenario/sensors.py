@@ -5,7 +5,13 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictInt
 
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Delay, Deviation, Duration, Table
+from harness.scenario.table import Deviation, Lag, Period, Table
+
+_OFF = "a sensor so far off is none"
+SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]
+AccelerationError = Annotated[float, Unit("m/s2", at_least=0, at_most=1000, because=_OFF)]
+TravelError = Annotated[float, Unit("m", at_least=0, at_most=1, because=_OFF)]
+Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
 
 
 class IdealSensors(Table):
@@ -19,40 +25,40 @@ class WheelEncoder(Table):
 
     pulses: Annotated[StrictInt, Field(ge=1, le=10000)] = Field(description="pulses per revolution")
     pitch_error: Deviation = Field(description="1σ error of a tooth's pitch over the pitch; repeats each revolution")
-    clock: Duration = Field(description="tick of the clock that times the pulses")
-    cut_off: Annotated[float, Unit("m/s", at_least=0)] = Field(description="speed below which it reads zero")
+    clock: Tick = Field(description="tick of the clock that times the pulses")
+    cut_off: SpeedError = Field(description="speed below which it reads zero")
 
 
 class SpeedSensor(Table):
     """Speed over ground: Doppler radar or GNSS."""
 
     principle: Literal["doppler", "gnss"]
-    noise: Annotated[float, Unit("m/s", at_least=0)] = Field(description="1σ, white, each reading")
+    noise: SpeedError = Field(description="1σ, white, each reading")
     scale_error: Deviation = Field(description="1σ of the relative error, drawn once a stop")
-    period: Duration
-    latency: Delay
+    period: Period
+    latency: Lag
 
 
 class Accelerometer(Table):
     """Longitudinal acceleration of the car body."""
 
-    noise: Annotated[float, Unit("m/s**2", at_least=0)] = Field(description="1σ, white, each reading")
-    bias: Annotated[float, Unit("m/s**2", at_least=0)] = Field(description="1σ, drawn once a stop")
+    noise: AccelerationError = Field(description="1σ, white, each reading")
+    bias: AccelerationError = Field(description="1σ, drawn once a stop")
 
 
 class DeflectionSensor(Table):
     """Travel of the primary suspension at each wheelset."""
 
-    noise: Annotated[float, Unit("m", at_least=0)] = Field(description="1σ, white, each reading")
+    noise: TravelError = Field(description="1σ, white, each reading")
 
 
 class PressureTransducer(Table):
     """Cylinder pressure of each group."""
 
-    full_scale: Annotated[float, Unit("Pa", above=0)]
+    full_scale: Annotated[float, Unit("Pa", at_least=1e3, at_most=1e8, because="brake cylinders hold some bar")]
     error: Deviation = Field(description="1σ of the offset over full scale, drawn once a stop")
     bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")
-    lag: Delay = Field(description="first-order time constant")
+    lag: Lag = Field(description="first-order time constant")
 
 
 class ServiceSensors(Table):

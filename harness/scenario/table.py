@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field, StrictInt
 from pydantic_core import PydanticCustomError
 
 from harness.scenario.quantity import Magnitude, Unit
@@ -10,11 +10,24 @@ from harness.scenario.quantity import Magnitude, Unit
 WHEELSETS = 6
 GROUPS = 4
 
+FASTEST = 160.0  # m/s
+_FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"
+_LONGEST = "no braking lasts three hours"
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
+"""Of what has a folder of its own: neither leaves the folder above nor is too long for one."""
+Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
 Friction = Annotated[float, Unit("1", above=0, at_most=1)]
-Speed = Annotated[float, Unit("m/s", above=0)]
-Duration = Annotated[float, Unit("s", above=0)]
-Delay = Annotated[float, Unit("s", at_least=0)]
-Length = Annotated[float, Unit("m", at_least=0)]
+Speed = Annotated[float, Unit("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
+Duration = Annotated[float, Unit("s", above=0, at_most=10800, because=_LONGEST)]
+Period = Annotated[
+    float,
+    Unit("s", at_least=1e-6, at_most=60, because="nothing in a train is sampled in less than 1 us, or once a minute"),
+]
+Delay = Annotated[float, Unit("s", at_least=0, at_most=10800, because=_LONGEST)]
+Lag = Annotated[float, Unit("s", at_least=0, at_most=10, because="what a sensor shows so late is of another stop")]
+Length = Annotated[float, Unit("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
+Mass = Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
 Deviation = Annotated[float, Unit("1", at_least=0, below=1)]
 Parameters = dict[str, Magnitude]
 

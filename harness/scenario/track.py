@@ -45,9 +45,9 @@ class Track(Table):
         description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "
         "κ(0.158 b + 0.103 a)",
     )
-    train_mass: Annotated[float, Unit("kg", above=0)] | None = Field(
-        default=None, description="mass that gradient and curves act on; wanted with either"
-    )
+    train_mass: (
+        Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")] | None
+    ) = Field(default=None, description="mass that gradient and curves act on; wanted with either")
 
     @model_validator(mode="after")
     def _mass_and_order(self) -> Self:

@@ -4,12 +4,12 @@ import math
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, StrictInt
+from pydantic import Field
 
 from harness.estimate.error import EstimationError
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Duration, Friction, Length, Parameters, Speed, Table
+from harness.scenario.table import Duration, Friction, Length, Mass, Name, Parameters, Seed, Speed, Table
 from harness.scenario.track import CurveLaw
 from harness.scenario.valves import ValveStep
 from harness.track.geodesy import Place
@@ -58,7 +58,7 @@ class TrackTable(Table):
 class TrainTable(Table):
     """[train]: the plant's parameters where they differ, its drive and its driver."""
 
-    mass: Annotated[float, Unit("kg", above=0)]
+    mass: Mass
     traction: Annotated[float, Unit("N", above=0)]
     power: Annotated[float, Unit("W", above=0)]
     traction_rate: Annotated[float, Unit("N/s", above=0)]
@@ -119,9 +119,9 @@ class Case(Table):
 class FieldScenario(Table):
     """Everything that decides the runs of a field test."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     description: str = ""
-    seed: Annotated[StrictInt, Field(ge=0)]
+    seed: Seed
     period: Duration
     step: ValveStep
     track: TrackTable

@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import Annotated, TypeVar
 
 from harness.estimate.error import EstimationError
+from harness.scenario.file import is_file
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
 from harness.scenario.table import Table, broken
+from harness.units import cut
 
 LIBRARY = Path(__file__).parent / "library"
 
@@ -31,10 +33,10 @@ def load_twin(model: type[_Scenario], kind: str, name: str, directory: Path = Pa
         ScenarioError: The file is not one.
     """
     path = directory / name if name.endswith(".toml") else LIBRARY / f"{kind}_{name}.toml"
-    if not path.exists():
+    if not is_file(path):
         there = ", ".join(sorted(p.stem.removeprefix(f"{kind}_") for p in LIBRARY.glob(f"{kind}_*.toml")))
         raise EstimationError(
-            f"there is no {kind} scenario '{name}'; there is {there}, or the path of a file (*.toml)."
+            f"there is no {kind} scenario '{cut(name)}'; there is {there}, or the path of a file (*.toml)."
         )
     return validated(model, read_toml(path), directory=path.parent, origin=path.name)
 

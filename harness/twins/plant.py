@@ -5,9 +5,8 @@ from contextlib import contextmanager
 from functools import cache
 
 from fmus.build import fmu
-from harness.estimate.magnitudes import in_units
 from harness.fmu import CoSimulation, Description, Signal, bind, describe
-from harness.scenario.quantity import Magnitude
+from harness.scenario.quantity import Magnitude, in_units
 
 Edge = Mapping[str, str | tuple[str, int]]
 """Name → unit, or unit and number of elements."""
@@ -48,9 +47,9 @@ def parameters(name: str, written: Mapping[str, Magnitude], where: str) -> dict[
     """Return parameters of a plant that a scenario writes, in the plant's units.
 
     Raises:
-        EstimationError: The plant has no such parameter, or its unit has another dimension.
+        ScenarioError: The plant has no such parameter, or its unit has another dimension.
     """
-    units = {v.name: v.unit_name for v in described(name).variables.values() if v.causality == "parameter"}
+    units = {v.name: v.unit or v.unit_name for v in described(name).variables.values() if v.causality == "parameter"}
     return in_units(where, written, units)
 
 

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, StrictInt, model_validator
+from pydantic import Field, model_validator
 
 from harness.scenario.quantity import Unit
-from harness.scenario.table import Delay, Duration, Friction, Parameters, Speed, Table
+from harness.scenario.table import Delay, Duration, Friction, Name, Parameters, Seed, Speed, Table
 from harness.scenario.valves import ValveStep
 from harness.twins.load import Pressure, Time, in_order, load_twin
 
@@ -47,9 +47,9 @@ class RigSensors(Table):
 class RigScenario(Table):
     """Everything that decides a run on the rig but the seed of its sensors, which has a default here."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     description: str = ""
-    seed: Annotated[StrictInt, Field(ge=0)]
+    seed: Seed
     speed_start: Speed
     stop_speed: Speed
     horizon: Duration

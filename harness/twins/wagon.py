@@ -7,12 +7,12 @@ from typing import Annotated, Self
 import numpy as np
 import xarray
 from numpy.typing import NDArray
-from pydantic import Field, StrictInt, model_validator
+from pydantic import Field, model_validator
 
 from harness.estimate.recording import recording_of
 from harness.scenario.quantity import Unit
 from harness.scenario.seed import generator
-from harness.scenario.table import Duration, Friction, Parameters, Speed, Table
+from harness.scenario.table import Duration, Friction, Name, Parameters, Seed, Speed, Table
 from harness.twins.load import Pressure, Time, in_order, load_twin
 from harness.twins.plant import parameters, plant
 
@@ -42,9 +42,9 @@ class WagonSensors(Table):
 class WagonScenario(Table):
     """Everything that decides a run of the wagon; `demand` in steps, `mu0` straight between its points."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: Name
     description: str = ""
-    seed: Annotated[StrictInt, Field(ge=0)]
+    seed: Seed
     speed_start: Speed
     stop_speed: Speed
     horizon: Duration

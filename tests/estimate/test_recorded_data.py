@@ -244,10 +244,11 @@ REFUSALS = [
     ({"speed": {"column": "w", "unit": "km/h"}}, r"has no column 'w'; it has t, v, n, F, T"),
     (
         {"speed": {"column": "v", "unit": "kN"}},
-        r"speed \(column 'v'\) is '0 kN', but 'kN' cannot be converted to 'm/s'",
+        r"speed \(column 'v'\): 'kN' \(kg.m.s-2\) cannot become 'm/s' \(m.s-1\)",
     ),
     ({"speed": {"column": "v"}}, r"speed \(column 'v'\) has no unit; write unit = "),
-    ({"wheelset_speed": {"column": "n", "unit": "Hz"}}, r"write 'rev/s' or 'rad/s', which are 2π apart"),
+    ({"wheelset_speed": {"column": "n", "unit": "Hz"}}, r"is written 'rev/s' or 'rad/s', which are 2π apart"),
+    ({"wheelset_speed": {"column": "n", "unit": "1/min"}}, r"is written 'rev/min' or 'rad/min', which are 2π apart"),
     ({"speeed": {"column": "v", "unit": "km/h"}}, r"the model has no signal 'speeed'; did you mean 'speed'\?"),
     ({"pad_force": None}, r"lacks pad_force, which the model must know at all times"),
 ]

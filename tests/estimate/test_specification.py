@@ -52,7 +52,7 @@ def test_units_are_converted_and_checked(tmp_path):
     assert 98.1e3 in names
     assert settings_for(specification, 0.01).gate.threshold == 1500.0
     path = written(tmp_path, p=('threshold = "1.5 kN"', 'threshold = "1.5 bar"'))
-    with pytest.raises(EstimationError, match=r"\[gate\] threshold is '1.5 bar', but 'bar' cannot be converted to 'N'"):
+    with pytest.raises(ScenarioError, match=r"\[gate\] threshold is '1.5 bar', but 'bar' cannot be converted to 'N'"):
         settings_for(load_specification(path), 0.01)
 
 

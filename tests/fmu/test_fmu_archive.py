@@ -10,7 +10,7 @@ import pytest
 from tiny_fmu import tiny, xml
 
 from harness.fmu import FmuError, describe
-from harness.fmu.limits import FmuLimits
+from harness.limits import FmuLimits
 
 MIB = 1 << 20
 

@@ -19,7 +19,7 @@ from harness.fmu import (
     describe,
     open_plant,
 )
-from harness.fmu.limits import FmuLimits
+from harness.limits import FmuLimits
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)

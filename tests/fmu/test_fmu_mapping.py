@@ -263,3 +263,29 @@ def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
 def test_a_missing_parameter_of_ours_is_told(foreign: Description):
     with pytest.raises(FmuError, match="no parameter 'speed_start'; it has rate, gain"):
         tied(foreign, parameters=[signal("speed_start", "m/s")])
+
+
+def test_a_speed_in_turns_that_names_none_is_asked_what_turns(foundry: Path):
+    """`1/min` is 2π away from what a unit library reads in it; nobody may guess."""
+    defined = '<UnitDefinitions>\n<Unit name="1/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
+    text = xml(state_unit="1/min").replace("<UnitDefinitions>", defined)
+    description = describe(tiny(foundry, description=text))
+    outputs = [signal("wheel", "rad/s")]
+    with pytest.raises(
+        FmuError, match=r'say in mapping what turns: \{ variable = "x", unit = "rev/min" \}, or rad/min'
+    ):
+        bind(description, inputs=(), outputs=outputs, table={"wheel": "x"})
+    stated = {"wheel": {"variable": "x", "unit": "rev/min"}}
+    gain = bind(description, inputs=(), outputs=outputs, table=stated).outputs.channels[0].gain
+    np.testing.assert_allclose(gain, [np.pi / 30], rtol=1e-15)
+    with pytest.raises(FmuError, match="already gives '1/min'"):
+        bind(description, inputs=(), outputs=outputs, table={"wheel": {"variable": "x", "unit": "rev/s"}})
+
+
+def test_a_name_in_turns_is_believed_where_its_definition_counts_them(foundry: Path):
+    defined = '<UnitDefinitions>\n<Unit name="rev/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
+    text = xml(state_unit="rev/min").replace("<UnitDefinitions>", defined)
+    bound = bind(
+        describe(tiny(foundry, description=text)), inputs=(), outputs=[signal("wheel", "rad/s")], table={"wheel": "x"}
+    )
+    np.testing.assert_allclose(bound.outputs.channels[0].gain, [np.pi / 30], rtol=1e-15)

@@ -17,7 +17,7 @@ from mule_fmu import mule
 from harness.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe, instance
 from harness.fmu.child import ANSWER, FAILED
 from harness.fmu.isolation import KEEPER
-from harness.fmu.limits import FMU_LIMITS, FmuLimits
+from harness.limits import FMU_LIMITS, FmuLimits
 from harness.record.signals import GROUPS, PLANT
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes of FMUs are held on Linux")

@@ -8,12 +8,14 @@ from hypothesis import strategies as st
 
 from harness.scenario.error import ScenarioError
 from harness.scenario.merge import merged, read_overrides
-from harness.scenario.quantity import Magnitude, to_si
+from harness.scenario.quantity import Magnitude
+from harness.units import to_si
 
 # Factors to SI from the definitions of the units (BIPM brochure; bar, hour and foot are exact).
 FACTORS = [
     ("km/h", "m/s", 1 / 3.6),
     ("kmh", "m/s", 1 / 3.6),
+    ("kmph", "m/s", 1 / 3.6),
     ("bar", "Pa", 1e5),
     ("ms", "s", 1e-3),
     ("µs", "s", 1e-6),

@@ -97,7 +97,10 @@ REFUSALS = [
     (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is wanted and has no default"),
     (["start.speed=80 km"], "[start] speed is '80 km', but 'km' cannot be converted to 'm/s'."),
     (["start.speed='80'"], "[start] speed is '80', which names no unit"),
-    (["start.speed=80 kmm/h"], "[start] speed is '80 kmm/h', whose unit 'kmm/h' is unknown."),
+    (
+        ["start.speed=80 kmm/h"],
+        "[start] speed is '80 kmm/h', whose unit 'kmm/h' is not a unit known here; did you mean 'km/h'?",
+    ),
     (["start.speed=fast"], "[start] speed is 'fast', which is not a number with a unit such as '80 km/h'."),
     (["start.speed=true"], "[start] speed is true, but a number in 'm/s' is wanted."),
     (["start.speed=nan"], "[start] speed is nan, but a finite number is wanted."),

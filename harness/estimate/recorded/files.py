@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from harness.estimate.error import EstimationError
 from harness.estimate.recorded.table import DataTable
+from harness.scenario.file import is_file
+from harness.units import UnitError, conversion, cut, short, unit
 
 Vector = NDArray[np.float64]
 
 FORMATS = (".csv", ".parquet", ".mat", ".mf4")
 
 _UNIT_IN_NAME = re.compile(r".*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*")
-_UNITS_OF_TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,8 +48,8 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     Raises:
         EstimationError: Missing, unreadable or of another format; a column is not there or not of numbers.
     """
-    if not path.is_file():
-        raise EstimationError(f"{path}: there is no such file; name a recording ({', '.join(FORMATS)}).")
+    if not is_file(path):
+        raise EstimationError(f"{cut(str(path))}: there is no such file; name a recording ({', '.join(FORMATS)}).")
     asked = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
     match path.suffix.lower():
         case ".csv":
@@ -71,8 +72,8 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
 def _csv(path: Path, table: DataTable) -> Mapping[str, Any]:
     try:
         frame = pd.read_csv(path, sep=table.separator, decimal=table.decimal, encoding="utf-8-sig", low_memory=False)
-    except (ValueError, OSError, UnicodeDecodeError) as problem:  # pandas' own errors are ValueErrors
-        raise EstimationError(f"{path.name}: is not a csv file: {problem}") from problem
+    except Exception as problem:  # as all readers of formats: whatever a damaged file makes them raise
+        raise EstimationError(f"{path.name}: is not a csv file: {cut(str(problem))}") from problem
     return {str(name).strip(): frame[name].to_numpy() for name in frame.columns}
 
 
@@ -87,10 +88,10 @@ def _parquet(path: Path, asked: Sequence[str]) -> Mapping[str, Any]:
         schema = parquet.read_schema(path)
         _all_there(path, asked, schema.names)
         frame = parquet.read_table(path, columns=list(dict.fromkeys(asked))).to_pandas()
-    except (ValueError, OSError) as problem:
-        if isinstance(problem, EstimationError):
-            raise
-        raise EstimationError(f"{path.name}: is not a parquet file: {problem}") from problem
+    except EstimationError:
+        raise
+    except Exception as problem:
+        raise EstimationError(f"{path.name}: is not a parquet file: {cut(str(problem))}") from problem
     return {str(name): frame[name].to_numpy() for name in frame.columns}
 
 
@@ -121,8 +122,8 @@ def _mat(path: Path) -> Mapping[str, Any]:
             for name, value in loadmat(path, simplify_cells=True).items():
                 if not name.startswith("__"):
                     collect(name, value)
-    except (ValueError, OSError, TypeError, NotImplementedError) as problem:
-        raise EstimationError(f"{path.name}: is not a MATLAB file: {problem}") from problem
+    except Exception as problem:
+        raise EstimationError(f"{path.name}: is not a MATLAB file: {cut(str(problem))}") from problem
     return found
 
 
@@ -149,14 +150,20 @@ def _all_there(path: Path, asked: Sequence[str], there: Sequence[str]) -> None:
     if not missing:
         return
     near = get_close_matches(missing[0], there, n=1)
-    hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(map(str, there)) or 'none'}."
+    hint = (
+        f"did you mean '{near[0]}'?"
+        if near
+        else f"it has {', '.join(cut(str(name)) for name in there[:50]) or 'none'}."
+    )
     only = " Is its separator another one?" if len(there) == 1 and path.suffix.lower() == ".csv" else ""
-    raise EstimationError(f"{path.name}: has no column {', '.join(repr(name) for name in missing)}; {hint}{only}")
+    raise EstimationError(f"{path.name}: has no column {', '.join(short(name) for name in missing)}; {hint}{only}")
 
 
 def _numbers(path: Path, name: str, found: Any, table: DataTable) -> Vector:
     """Return a column as floats; empty cells are NaN."""
     values = np.asarray(found)
+    if values.ndim != 1 or values.dtype.kind == "c":
+        raise EstimationError(f"{path.name}: column '{name}' wants one real number a sample.")
     if values.dtype.kind in "fiub":
         return values.astype(np.float64)
     read: Any = pd.to_numeric(pd.Series(found), errors="coerce")
@@ -165,26 +172,32 @@ def _numbers(path: Path, name: str, found: Any, table: DataTable) -> Vector:
         row = int(np.argmax(wrong))
         why = " Is its decimal sign another one?" if "," in str(found[row]) and table.decimal == "." else ""
         raise EstimationError(
-            f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is {found[row]!r}.{why}"
+            f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is "
+            f"{short(found[row])}.{why}"
         )
     return np.asarray(read, dtype=np.float64)
 
 
 def _instants(path: Path, found: Any, table: DataTable) -> Vector:
     """Return a column of time in seconds; time stamps count from the first."""
-    unit = table.time.unit
-    if unit == "timestamp":
+    if table.time.unit == "timestamp":
         try:
             stamps: Any = pd.to_datetime(pd.Series(found), utc=True)
-        except (ValueError, TypeError) as problem:
-            raise EstimationError(f"{path.name}: column '{table.time.column}' has no time stamps: {problem}") from None
+        except (ValueError, TypeError, OverflowError) as problem:
+            raise EstimationError(
+                f"{path.name}: column '{table.time.column}' has no time stamps: {cut(str(problem))}"
+            ) from None
+        if stamps.isna().all():
+            return np.full(len(stamps), np.nan)
         seconds = (stamps - stamps.dropna().iloc[0]).dt.total_seconds()
         return np.asarray(seconds, dtype=np.float64)
-    if unit not in _UNITS_OF_TIME:
-        raise EstimationError(f"[data.time] unit is '{unit}'; there is {', '.join(_UNITS_OF_TIME)}, timestamp.")
+    try:
+        gain, _ = conversion(unit(table.time.unit), unit("s"))
+    except UnitError as problem:
+        raise EstimationError(f"[data.time] unit: {problem} Time stamps have the unit 'timestamp'.") from problem
     if np.asarray(found).dtype.kind == "M":
         raise EstimationError(f"{path.name}: column '{table.time.column}' holds time stamps; write unit = 'timestamp'.")
-    return _numbers(path, table.time.column, found, table) * _UNITS_OF_TIME[unit]
+    return _numbers(path, table.time.column, found, table) * gain
 
 
 # ---- measurement data format ------------------------------------------------------------------------------------
@@ -193,15 +206,14 @@ def _instants(path: Path, found: Any, table: DataTable) -> Vector:
 def _mf4(path: Path, asked: Sequence[str]) -> dict[str, Series]:
     try:
         from asammdf import MDF
-        from asammdf.blocks.utils import MdfException
     except ModuleNotFoundError as problem:
         raise EstimationError(
             f"{path.name}: reading mf4 files takes asammdf; install it with `pip install 'railgrip[mf4]'`."
         ) from problem
     try:
         file = MDF(path)
-    except (MdfException, ValueError, OSError) as problem:
-        raise EstimationError(f"{path.name}: is not an MDF file: {problem}") from problem
+    except Exception as problem:
+        raise EstimationError(f"{path.name}: is not an MDF file: {cut(str(problem))}") from problem
     series: dict[str, Series] = {}
     try:
         _all_there(path, asked, list(file.channels_db))

@@ -18,8 +18,15 @@ from harness.estimate.recorded.grid import gaps_of, input_on_grid, on_grid
 from harness.estimate.recorded.table import Column, DataTable
 from harness.estimate.recording import TRUTH, recording_of
 from harness.scenario.quantity import Magnitude
+from harness.units import Unit, UnitError, conversion, short, unit
 
 Vector = NDArray[np.float64]
+
+_MOST_SAMPLES = 5_000_000
+"""Of a recording on its grid: a day at 50 Hz."""
+_LARGEST = 1e30
+"""What no sensor reads in any SI unit; sums of larger ones are no numbers."""
+_LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still tells microseconds there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,26 +69,30 @@ def recorded(
     for name, column in table.columns.items():
         if column.column is None:
             continue
-        unit = units[name.removeprefix(TRUTH)]
+        wanted = units[name.removeprefix(TRUTH)]
         time, values = _rising(path, name, series[column.column], flags)
-        values = _converted(path, name, column, series[column.column].unit, unit)(values)
+        gain, shift = _converted(path, name, column, series[column.column].unit, wanted)
+        values = gain * values + shift
+        values = np.where(np.abs(values) < _LARGEST, values, np.nan)
         told[name] = time[np.isfinite(values)]
         if name.startswith(TRUTH):  # a reference, not a sensor: what it says is judged by nobody here
             time, values = time[np.isfinite(values)], values[np.isfinite(values)]
         else:
-            time, values, found = cleaned(name, time, values, _treatment(name, column, table, unit, name in inputs))
+            time, values, found = cleaned(name, time, values, _treatment(name, column, table, wanted, name in inputs))
             flags += found
         if time.size < 2:
-            raise EstimationError(f"{path.name}: {name} (column '{column.column}') has {time.size} usable samples.")
+            raise EstimationError(
+                f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
+            )
         left[name] = time, values
     grid = _grid(
         path, table, {n: t for n, (t, _) in left.items() if n in inputs} or {n: t for n, (t, _) in left.items()}
     )
     signals: dict[str, tuple[Vector, str]] = {}
     for name, column in table.columns.items():
-        unit = units[name.removeprefix(TRUTH)]
+        wanted = units[name.removeprefix(TRUTH)]
         if column.value is not None:
-            signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, unit)), unit
+            signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, wanted)), wanted
             continue
         time, values = left[name]
         if name in inputs:
@@ -93,7 +104,7 @@ def recorded(
             longest = max(table.longest_gap, 1.5 * float(np.median(np.diff(told[name]))))
             found += gaps_of(name, told[name], grid, longest, "gap")
         flags += found
-        signals[name] = placed, unit
+        signals[name] = placed, wanted
     for name in outputs:
         if name not in signals:
             signals[name] = np.full(grid.size, np.nan), units[name]
@@ -114,7 +125,7 @@ def _known_signals(path: Path, table: DataTable, known: Sequence[str], inputs: S
         if name not in known:
             near = get_close_matches(name, known, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(known)}."
-            raise EstimationError(f"[data.columns]: the model has no signal '{name}'; {hint}")
+            raise EstimationError(f"[data.columns]: the model has no signal {short(name)}; {hint}")
     missing = [name for name in inputs if name not in table.columns]
     if missing:
         raise EstimationError(
@@ -127,6 +138,8 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     """Return a signal on instants that rise; rows without a time or with one that repeats are left out."""
     finite = np.isfinite(series.time)
     time, values = series.time[finite], series.values[finite]
+    if time.size and np.abs(time).max() > _LATEST:
+        raise EstimationError(f"{path.name}: time reaches {np.abs(time).max():.3g} s; see the unit of [data.time].")
     steps = np.diff(time)
     if (steps < 0.0).any():
         row = int(np.argmax(steps < 0.0))
@@ -145,68 +158,54 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     return time[~again], values[~again]
 
 
-class _Affine:
-    """Conversion between units, with an offset for temperatures."""
-
-    def __init__(self, at_zero: float, at_one: float, column: Column) -> None:
-        self._at_zero, self._slope, self._column = at_zero, at_one - at_zero, column
-
-    def __call__(self, values: Vector) -> Vector:
-        return self._at_zero + self._slope * (values * self._column.factor + self._column.offset)
-
-
-def _converted(path: Path, name: str, column: Column, told: str | None, wanted: str) -> _Affine:
-    """Return the conversion from a column to the model's unit.
+def _converted(path: Path, name: str, column: Column, told: str | None, wanted: str) -> tuple[float, float]:
+    """Return gain and shift from a column's numbers to the model's unit.
 
     Raises:
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
-    unit = column.unit if column.unit is not None else told
-    where = f"{path.name}: {name} (column '{column.column}')"
-    if unit is None:
+    where = f"{path.name}: {name} (column {short(column.column)})"
+    text = column.unit if column.unit is not None else told
+    if text is None:
         raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{wanted}'.")
-    if wanted == "rad/s" and unit.strip() in {"Hz", "1/s"}:
-        # To a unit library a hertz is a radian per second; to people it is a revolution.
-        raise EstimationError(f"{where} is in '{unit}'; write 'rev/s' or 'rad/s', which are 2π apart.")
-    affine = _Affine(
-        _si(where, _magnitude(where, 0, unit), wanted), _si(where, _magnitude(where, 1, unit), wanted), column
-    )
-    if told is not None and column.unit is not None:
-        try:
-            same = math.isclose(Magnitude(f"1 {told}").si(wanted), Magnitude(f"1 {unit}").si(wanted), rel_tol=1e-9)
-        except ValueError:
-            same = not _is_unit(told)  # what stands in brackets need not be a unit, "p (front)"
-        if not same:
-            raise EstimationError(f"{where}: the file says it is in '{told}', the map says '{unit}'; correct the map.")
-    return affine
-
-
-def _is_unit(text: str) -> bool:
     try:
-        Magnitude(f"1 {text}")
-    except ValueError:
+        given = unit(text)
+        gain, shift = conversion(given, unit(wanted))
+    except UnitError as problem:
+        raise EstimationError(f"{where}: {problem}") from problem
+    if told is not None and column.unit is not None and _contradict(told, given):
+        raise EstimationError(f"{where}: the file says it is in '{told}', the map says '{text}'; correct the map.")
+    return gain * column.factor, gain * column.offset + shift
+
+
+def _contradict(told: str, given: Unit) -> bool:
+    """Say whether what a file says of a column is another unit than the map's.
+
+    What stands in brackets need not be a unit, "p (front)", and may leave to the map what turns, "n [1/min]".
+    """
+    try:
+        known = unit(told)
+    except UnitError:
         return False
-    return True
+    if known.leaves_the_angle_out_of(given):
+        return False
+    return known.exponents != given.exponents or not math.isclose(known.factor, given.factor, rel_tol=1e-9)
 
 
-def _magnitude(where: str, number: int, unit: str) -> Magnitude:
+def _si(where: str, magnitude: Magnitude, wanted: str) -> float:
     try:
-        return Magnitude(f"{number} {unit}")
+        value = magnitude.si(wanted)
     except ValueError as problem:
         raise EstimationError(f"{where} {problem}") from problem
+    if not abs(value) < _LARGEST:
+        raise EstimationError(f"{where} is {value:g} {wanted}, which nothing measures.")
+    return value
 
 
-def _si(where: str, magnitude: Magnitude, unit: str) -> float:
-    try:
-        return magnitude.si(unit)
-    except ValueError as problem:
-        raise EstimationError(f"{where} {problem}") from problem
-
-
-def _treatment(name: str, column: Column, table: DataTable, unit: str, is_input: bool) -> Treatment:
+def _treatment(name: str, column: Column, table: DataTable, wanted: str, is_input: bool) -> Treatment:
     limits = None
     if column.range is not None:
-        low, high = (_si(f"[data.columns] {name} range", bound, unit) for bound in column.range)
+        low, high = (_si(f"[data.columns] {name} range", bound, wanted) for bound in column.range)
         limits = (low, high)
     return Treatment(
         spike=table.spike,
@@ -222,7 +221,16 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     begins = [float(time[0]) for time in times.values()] + ([] if table.begin is None else [table.begin])
     ends = [float(time[-1]) for time in times.values()] + ([] if table.end is None else [table.end])
     begin, end = max(begins), min(ends)
-    count = math.floor((end - begin) / table.period + 1e-6) + 1
+    count = math.floor(max((end - begin) / table.period, -1.0) + 1e-6) + 1
+    if count > _MOST_SAMPLES:
+        slowest = max(times, key=lambda name: float(np.max(np.diff(times[name]))))
+        steps = np.diff(times[slowest])
+        at = int(np.argmax(steps))
+        raise EstimationError(
+            f"{path.name}: from {begin:.6g} s to {end:.6g} s are {count:.3g} samples of {table.period:g} s, and "
+            f"{_MOST_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
+            f"{times[slowest][at]:.6g} s: see the unit of [data.time], a jump in it, and period in [data]."
+        )
     if count < 2:
         raise EstimationError(
             f"{path.name}: from {begin:.3f} s to {end:.3f} s nothing is left of which all inputs are known; "

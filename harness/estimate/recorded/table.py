@@ -20,9 +20,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StrictBool, model_validator
 
 from harness.scenario.quantity import Magnitude, Unit
-from harness.scenario.table import Table, broken
+from harness.scenario.table import Period, Table, broken
 
-Time = Annotated[float, Unit("s", above=0)]
+Time = Annotated[float, Unit("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -56,7 +56,7 @@ class DataTable(Table):
     """[data]: the column map and how to treat what is wrong."""
 
     time: TimeColumn
-    period: Time
+    period: Period
     longest_gap: Time
     frozen: Time
     spike: Annotated[float, Field(gt=2.0, allow_inf_nan=False)]

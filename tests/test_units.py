@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.fmu import FmuError, unit
-from harness.fmu.unit import Unit, conversion
+from harness.units import Unit, UnitError, conversion, to_si, unit
 
 
 @pytest.mark.parametrize(
@@ -32,6 +31,16 @@ from harness.fmu.unit import Unit, conversion
         ("t", "kg", 1e3),
         ("m3", "m3", 1.0),
         ("s-1", "s-1", 1.0),
+        ("", "1", 1.0),
+        ("kg*m**2", "kg.m2", 1.0),
+        ("m/s²", "m.s-2", 1.0),
+        ("m/s^2", "m.s-2", 1.0),
+        ("1/min", "s-1", 1 / 60),
+        ("kmph", "m.s-1", 1 / 3.6),
+        ("mph", "m.s-1", 0.44704),
+        ("N m", "kg.m2.s-2", 1.0),
+        ("°", "rad", math.pi / 180),
+        ("W.s/(K.m)", "kg.m.s-2.K-1", 1.0),
     ],
 )
 def test_a_unit_string_means_what_it_says(text: str, dimension: str, factor: float):
@@ -41,9 +50,11 @@ def test_a_unit_string_means_what_it_says(text: str, dimension: str, factor: flo
     assert found.factor == pytest.approx(factor, rel=1e-15)
 
 
-@pytest.mark.parametrize("text", ["parsec", "N*m", "m//s", "", "kN.", "k"])
+@pytest.mark.parametrize(
+    "text", ["parsec", "J/kg.K", "m//s", "kN.", "k", "kh", "kPas", "Ns", "mkg", "2 m", "m**9**9", "m" * 5000]
+)
 def test_an_unknown_unit_is_refused(text: str):
-    with pytest.raises(FmuError, match="is not a unit known here"):
+    with pytest.raises(UnitError, match="is not a unit known here"):
         unit(text)
 
 
@@ -53,13 +64,43 @@ def test_celsius_has_an_offset_unless_it_is_a_difference():
 
 
 def test_a_frequency_is_no_angular_velocity():
-    with pytest.raises(FmuError, match=r"'Hz' \(s-1\) cannot become 'rad/s'"):
+    with pytest.raises(UnitError, match=r"'Hz' \(s-1\) cannot become 'rad/s'"):
         conversion(unit("Hz"), unit("rad/s"))
+
+
+@pytest.mark.parametrize(("written", "time"), [("90 1/min", "min"), ("9 Hz", "s"), ("9 1/s", "s"), ("9 min-1", "min")])
+def test_a_rotational_speed_says_what_turns(written: str, time: str):
+    """Revolutions and radians a minute are 2π apart; the sentence names both, and neither is guessed."""
+    with pytest.raises(UnitError, match=f"a rotational speed is written 'rev/{time}' or 'rad/{time}'"):
+        to_si(written, "rad/s")
+    assert to_si("90 rev/min", "rad/s") == pytest.approx(3 * math.pi, rel=1e-15)
+    assert to_si("90 rad/min", "rad/s") == 1.5
+
+
+def test_a_frequency_is_written_in_hertz_or_per_second():
+    assert to_si("0.05 Hz", "1/s") == to_si("0.05 1/s", "Hz") == to_si("3 1/min", "Hz") == 0.05
+    with pytest.raises(UnitError, match="'rpm' cannot be converted to 'Hz'"):
+        to_si("3 rpm", "Hz")
+
+
+def test_an_angle_is_no_ratio():
+    with pytest.raises(UnitError, match="'deg' cannot be converted to '1'"):
+        to_si("3 deg", "1")
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_a_unit_or_a_sentence(text: str):
+    sentence = "is not a unit known here"
+    try:
+        assert unit(text).factor > 0.0
+    except UnitError as problem:
+        sentence = str(problem)
+    assert "is not a unit known here" in sentence
 
 
 @pytest.mark.parametrize("factor", [0.0, math.inf, math.nan])
 def test_a_factor_that_loses_the_value_is_refused(factor: float):
-    with pytest.raises(FmuError, match="must be finite and the factor not 0"):
+    with pytest.raises(UnitError, match="must be finite and the factor not 0"):
         Unit(name="odd", exponents=(0,) * 8, factor=factor, offset=0.0)
 
 

@@ -1,0 +1,240 @@
+"""Wrong questions, by the thousand: each ends in a sentence or a result, within ten seconds, never in a traceback.
+
+`make fuzz` asks more of them than the tests do; RAILGRIP_FUZZ is how many of each sort.
+"""
+
+import os
+import tomllib
+from datetime import timedelta
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.io import savemat
+
+import harness.scenario
+from harness.estimate.recorded.read import recorded
+from harness.estimate.recorded.table import DataTable
+from harness.instruments import sensors_of
+from harness.scenario.adhesion import profile_of
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import load, scenario_of, validated
+from harness.scenario.merge import merged
+from harness.scenario.track import track_force_of
+
+ROOM = Path(harness.scenario.__file__).parent
+SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem not in ("polach", "foreign_train")]
+SERVICE = tomllib.loads((ROOM / "edges" / "service.toml").read_text(encoding="utf-8"))
+
+many = settings(
+    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "50")),
+    deadline=timedelta(seconds=10),
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
+
+units = st.sampled_from(
+    [
+        "",
+        "s",
+        "ms",
+        "us",
+        "m",
+        "km",
+        "km/h",
+        "kmph",
+        "1/min",
+        "Hz",
+        "1/s",
+        "bar",
+        "kN",
+        "t",
+        "%",
+        "deg",
+        "rpm",
+        "m//s",
+        "‰",
+    ]
+)
+numbers = st.one_of(
+    st.floats(),
+    st.integers(),
+    st.sampled_from([0, -1, 1e-300, 1e300, 1e-9, 1e9, 1e6, 10**400, 2**63, -0.0]),
+)
+values = st.one_of(
+    numbers,
+    st.booleans(),
+    st.text(max_size=20),
+    st.builds(lambda number, unit: f"{number} {unit}", numbers.filter(lambda n: n < 10**300), units),
+    st.lists(numbers, max_size=7),
+    st.dictionaries(st.text(max_size=5), numbers, max_size=2),
+    st.sampled_from(["x" * 5000, "\0", "..", "../../etc/passwd", "/dev/null", "trapezoid.toml", "constant", "random"]),
+    st.recursive(st.integers(), lambda inner: st.lists(inner, max_size=1), max_leaves=3),
+)
+
+
+def answered(question):
+    """Ask; a refusal is a sentence of less than a screen, whatever was written."""
+    sentences = "an answer"
+    try:
+        question()
+    except ScenarioError as refusal:
+        sentences = str(refusal)
+    assert sentences
+    assert all(len(line) < 2000 for line in sentences.splitlines())
+
+
+def places(table, path=()):
+    """Every key of nested tables."""
+    for key, value in table.items():
+        yield (*path, key)
+        if isinstance(value, dict):
+            yield from places(value, (*path, key))
+
+
+def changed(table, draw):
+    """Give one key another value, take it away, or put it under another name."""
+    place = draw(st.sampled_from(sorted(places(table))))
+    inner = table
+    for key in place[:-1]:
+        inner = inner[key]
+    match draw(st.sampled_from(["value", "value", "value", "value", "gone", "renamed"])):
+        case "value":
+            inner[place[-1]] = draw(values)
+        case "gone":
+            del inner[place[-1]]
+        case _:
+            inner[draw(st.text(max_size=10))] = inner.pop(place[-1])
+
+
+@many
+@given(data=st.data())
+def test_a_mutated_scenario_is_asked_about_or_refused(data):
+    table = tomllib.loads(data.draw(st.sampled_from(SCENARIOS)).read_text(encoding="utf-8"))
+    if data.draw(st.booleans()):
+        table = merged(table, SERVICE)
+    for _ in range(data.draw(st.integers(1, 3))):
+        changed(table, data.draw)
+
+    def question():
+        scenario = scenario_of(table, directory=ROOM / "library", origin="mutant.toml")
+        scenario.digest()
+        profile_of(scenario)
+        track_force_of(scenario.track)
+        sensors_of(scenario, 0.38)
+
+    answered(question)
+
+
+@many
+@given(data=st.data())
+def test_a_mutilated_file_is_read_or_refused(data, tmp_path):
+    content = bytearray(data.draw(st.sampled_from(SCENARIOS)).read_bytes())
+    for _ in range(data.draw(st.integers(1, 6))):
+        at = data.draw(st.integers(0, len(content)))
+        content[at : at + data.draw(st.integers(0, 40))] = data.draw(
+            st.one_of(
+                st.binary(max_size=8), st.sampled_from([b"[" * 3000, b"9" * 5000, b"\xef\xbb\xbf", b"a." * 900, b'"""'])
+            )
+        )
+    path = tmp_path / "mutant.toml"
+    path.write_bytes(bytes(content))
+    answered(lambda: load(path))
+
+
+@many
+@given(
+    override=st.one_of(
+        st.text(max_size=30),
+        st.builds("{}={}".format, st.sampled_from(["start.speed", "seed", "name", "track", "a.b"]), values),
+    )
+)
+def test_any_override_is_taken_or_refused(override):
+    answered(lambda: load(SCENARIOS[0], [override]))
+
+
+UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N"}
+MAP = {
+    "time": {"column": "t", "unit": "ms"},
+    "period": "10 ms",
+    "longest_gap": "100 ms",
+    "frozen": "1 s",
+    "spike": 8.0,
+    "columns": {
+        "speed": {"column": "v", "unit": "km/h"},
+        "wheelset_speed": {"column": "n", "unit": "rev/min"},
+        "pad_force": {"column": "F", "unit": "kN"},
+    },
+}
+
+
+def run(draw):
+    """A short braking as columns, one or more of them damaged."""
+    count = draw(st.sampled_from([0, 1, 2, 3, 8, 200]))
+    time = 10.0 * np.arange(count)
+    frame = {"t": time, "v": 80.0 - 0.01 * time, "n": 400.0 - 0.05 * time, "F": 20.0 + 0.0 * time}
+    for _ in range(draw(st.integers(0, 3))):
+        intact = sorted(name for name, column in frame.items() if column.dtype == np.float64)
+        if not intact:
+            break
+        name = draw(st.sampled_from(intact))
+        column = frame.pop(name)
+        at = draw(st.integers(0, max(len(column) - 1, 0)))
+        match draw(st.sampled_from(["jump", "scale", "value", "all", "text", "short", "gone", "back", "deep"])):
+            case "jump":
+                frame[name] = np.concatenate([column[:at], column[at:] + draw(st.floats(1e3, 1e15))])
+            case "scale":
+                frame[name] = column * draw(st.sampled_from([1e6, 1e-6, 1e300, -1.0, 0.0, np.nan]))
+            case "value" if len(column):
+                column[at] = draw(st.floats())
+                frame[name] = column
+            case "all":
+                frame[name] = np.full(len(column), draw(st.floats()))
+            case "text":
+                frame[name] = np.array(
+                    [draw(st.text(max_size=4)) for _ in column[:3]] + [""] * len(column[3:]), dtype=object
+                )
+            case "short":
+                frame[name] = column[:at]
+            case "back":
+                frame[name] = column[::-1].copy()
+            case "deep":
+                frame[name] = column + 1j
+            case _:
+                pass
+    return frame
+
+
+@many
+@given(data=st.data())
+def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
+    frame = run(data.draw)
+    suffix = data.draw(st.sampled_from([".csv", ".csv", ".parquet", ".mat"]))
+    path = tmp_path / f"run{suffix}"
+    try:
+        if suffix == ".mat":
+            savemat(path, frame)
+        else:
+            whole = pd.DataFrame({name: pd.Series(column) for name, column in frame.items()})
+            whole.to_csv(path, index=False) if suffix == ".csv" else whole.to_parquet(path)
+    except (ValueError, NotImplementedError, TypeError, OverflowError, UnicodeEncodeError):
+        path.write_bytes(b"")  # what the writer of the format cannot hold
+    if data.draw(st.integers(0, 9)) == 0:
+        content = bytearray(path.read_bytes())
+        content[len(content) // 2 :] = data.draw(st.binary(max_size=20))
+        path.write_bytes(bytes(content))
+    table = {**MAP, "time": dict(MAP["time"]), "columns": {name: dict(c) for name, c in MAP["columns"].items()}}
+    if data.draw(st.booleans()):
+        changed(table, data.draw)
+    inputs = ["pad_force"]
+
+    def question():
+        read = validated(DataTable, table, directory=tmp_path, origin="map.toml")
+        taken = recorded(path, read, UNITS, inputs, ["speed", "wheelset_speed"])
+        assert taken.recording.sizes["time"] >= 2
+        assert np.isfinite(taken.recording["pad_force"].values).all()
+
+    answered(question)

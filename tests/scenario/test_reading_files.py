@@ -1,0 +1,135 @@
+"""Whatever a file holds, it is read or refused in a short sentence, and nothing of it leaves the folder it is for."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import harness.scenario
+from harness.estimate.spec import load_specification
+from harness.scenario.adhesion import profile_of
+from harness.scenario.campaign import load_campaign
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import load
+
+ROOM = Path(harness.scenario.__file__).parent
+TRAPEZOID = ROOM / "library" / "trapezoid.toml"
+TEXT = TRAPEZOID.read_text(encoding="utf-8")
+
+
+def refusal(read, *arguments):
+    with pytest.raises(ScenarioError) as found:
+        read(*arguments)
+    sentence = str(found.value)
+    assert len(sentence) < 500, sentence
+    return sentence
+
+
+def test_a_byte_order_mark_is_no_part_of_a_file(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(TEXT, encoding="utf-8-sig")
+    assert load(path) == load(TRAPEZOID)
+
+
+def test_a_file_that_is_no_table_is_not_shown(tmp_path):
+    (tmp_path / "secret.txt").write_text("password hunter2\nsecret,2\n", encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    change = "adhesion={kind='table', polach='dry', file='secret.txt'}"
+    sentence = refusal(load, path, [change])
+    assert "secret.txt: has 1 columns" in sentence
+    assert "hunter2" not in sentence
+    (tmp_path / "secret.txt").write_text("time,mu0\nhunter2,3\n", encoding="utf-8")
+    assert "hunter2" not in refusal(load, path, [change])
+    (tmp_path / "secret.txt").write_bytes(b"\xff\x00hunter2\n")
+    assert "hunter2" not in refusal(load, path, [change])
+
+
+def test_a_file_of_another_kind_is_told_its_command_in_one_sentence(tmp_path):
+    campaign = ROOM / "campaigns" / "table1.toml"
+    assert refusal(load, campaign) == (
+        "table1.toml: is a file of the kind campaign; use `railgrip campaign table1.toml`"
+    )
+    assert refusal(load_campaign, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
+    assert refusal(load_specification, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
+    wagon = ROOM.parent / "estimate" / "library" / "wagon.toml"
+    assert refusal(load, wagon).endswith("use `railgrip estimate wagon.toml`")
+
+
+@pytest.mark.parametrize("name", ["..", ".", "../../up", "-flag", "a" * 5000, ".hidden"])
+def test_no_name_leaves_the_folder_of_a_campaign(tmp_path, name):
+    (tmp_path / "mine.toml").write_text(TEXT.replace('"trapezoid"', json.dumps(name), 1), encoding="utf-8")
+    campaign = tmp_path / "campaign.toml"
+    campaign.write_text('name = "c"\nscenarios = ["mine.toml"]\n', encoding="utf-8")
+    sentence = refusal(load_campaign, campaign, ["name=ok"])
+    assert "wants a name that begins with a letter or digit" in sentence
+    refusal(load, tmp_path / "mine.toml")
+
+
+def test_names_of_variants_stay_inside_the_folder(tmp_path):
+    (tmp_path / "mine.toml").write_text(TEXT, encoding="utf-8")
+    campaign = tmp_path / "campaign.toml"
+    campaign.write_text(
+        'name = "c"\nscenarios = ["mine.toml"]\n[axes.a."../../x"]\nseed = 3\n[axes.a.".."]\nseed = 4\n',
+        encoding="utf-8",
+    )
+    names = [stop.name for stop in load_campaign(campaign).stops]
+    assert [(Path("out") / name).resolve().parent for name in names] == [Path("out").resolve()] * 2
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        ("a = " + "[" * 5000 + "]" * 5000, "nested deeper than"),
+        ("a." * 500 + "b = 1", "nested deeper than"),
+        ("seed = " + "9" * 5000, "a number of thousands of digits"),
+        ("# " + "x" * 5_000_000, "is larger than 4 MB"),
+    ],
+)
+def test_a_file_that_nobody_wrote_is_refused(tmp_path, content, sentence):
+    path = tmp_path / "odd.toml"
+    path.write_text(content, encoding="utf-8")
+    assert sentence in refusal(load, path)
+
+
+@pytest.mark.parametrize("path", ["x" * 5000, "d/" * 2500 + "x.toml", "a\0b"])
+def test_a_path_that_no_system_takes_names_no_file(path):
+    refusal(load, Path(path))
+    table = json.dumps(f"{path}.csv")
+    refusal(load, TRAPEZOID, [f"adhesion={{kind='table', polach='dry', file={table}}}"])
+
+
+WRONG = [
+    ("start.speed=1e8", "[start] speed must be at most 160 m/s, got 100000000.0; no train on wheels has been faster"),
+    ("start.speed=80000 kmph", "[start] speed must be at most 160 m/s"),
+    ("start.speed=" + "9" * 400, "a finite number is wanted"),
+    ("seed=" + "9" * 30, "seed is 999999"),
+    ("limits.horizon=1e9", "[limits] horizon must be at most 10800 s, got 1000000000.0; no braking lasts three hours"),
+    ("periods.communication=1e-9", "[periods] communication must be at least 1e-06 s"),
+    ("periods.communication=10 us", "9e+06 samples; a stop holds 1e+06 at most"),
+    ("periods.trace=50 s", "is longer than [limits] horizon 20 s"),
+    ("adhesion.period=1e9 s", "[adhesion] period must be at most 100000 s"),
+]
+
+
+@pytest.mark.parametrize(("override", "sentence"), WRONG, ids=[case[0][:40] for case in WRONG])
+def test_what_no_train_does_is_refused_with_the_reason(override, sentence):
+    overrides = [override, *(["limits.horizon=20"] if "trace" in override else [])]
+    assert sentence in refusal(load, TRAPEZOID, overrides)
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides", "sentence"),
+    [
+        ("random", ["adhesion.correlation=1e-6 s"], "too fine for a rail that is looked at every 0.001 s"),
+        ("sine_sweep", ["adhesion.end_frequency=1 MHz"], "too fine for a rail that is looked at every 0.001 s"),
+    ],
+)
+def test_a_rail_finer_than_the_samples_is_refused(name, overrides, sentence):
+    scenario = load(ROOM / "library" / f"{name}.toml", overrides)
+    assert sentence in refusal(profile_of, scenario)
+
+
+def test_frequencies_are_in_hertz_or_per_second():
+    sweeps = [load(ROOM / "library" / "sine_sweep.toml", [f"adhesion.end_frequency='0.4 {u}'"]) for u in ("Hz", "1/s")]
+    assert sweeps[0].adhesion.frequencies == sweeps[1].adhesion.frequencies == (0.05, 0.4)
