@@ -96,6 +96,10 @@ def run(
     metrics = stop.metrics
     # A plant from outside may not show its adhesion; then there is no share of it to tell.
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
+        used += (
+            f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
+        )
     _out.print(
         f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}",
         highlight=False,

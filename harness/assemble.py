@@ -33,12 +33,13 @@ from harness.instruments import sensors_of
 from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
 from harness.loop.edge import OUTPUT
-from harness.loop.ended import Clock, Ended
+from harness.loop.ended import Clock, Ended, implausible
 from harness.loop.ports import Actuation, Controller, Plant
 from harness.loop.rail import TabulatedRail
 from harness.loop.reading import READING
 from harness.loop.watch import Believer
 from harness.record import signals
+from harness.record.adhesion_use import over_the_rail
 from harness.record.bound import with_bound
 from harness.record.contact import Contact
 from harness.record.metrics import measure
@@ -51,8 +52,8 @@ from harness.scenario.file import NamedFile
 from harness.scenario.parties import ControllerFmu, KalmanFilter
 from harness.scenario.quantity import Magnitude
 from harness.scenario.schema import Scenario
-from harness.scenario.track import track_force_of
-from harness.train import brake_groups_of, brake_of
+from harness.scenario.track import STEEPEST, track_force_of
+from harness.train import GRAVITY, brake_groups_of, brake_of
 
 Vector = NDArray[np.float64]
 
@@ -64,6 +65,9 @@ CATALOGUE = "TwoPartTrain"
 
 _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
+
+_MOST_OF_THE_RAIL = 1.005
+"""Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
 
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
@@ -151,14 +155,15 @@ def _rolled(
                     controller=scenario.periods.every("controller"),
                     samples=_samples(scenario),
                 ),
+                start_speed=scenario.start.speed,
                 stop_speed=scenario.limits.stop_speed,
                 recorder=recorder,
                 progress=progress,
             )
         except PlantFailed as failed:
             ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
-            # A plant that does not even start leaves one row without a number: rows are memory as it was found.
-            recorder.rows[recorder.written : 1] = np.nan
+        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+        recorder.rows[recorder.written : 1] = np.nan
     return _Rolled(recorder=recorder, ended=ended, plant_file=plant_file, fmus=fmus)
 
 
@@ -171,7 +176,14 @@ def judged(
     truth = parameters_of(plant_file) | plant_parameters(scenario, plant_file)
     # A foreign plant that does not show its brakes has no bound; the figures that need it are empty.
     with suppress(ScenarioError):
-        trace = with_bound(trace, contact_of(scenario), brake_of(truth), scenario.limits.alpha_max)
+        trace = with_bound(trace, contact_of(scenario, plant_file), brake_of(truth), scenario.limits.alpha_max)
+    share = over_the_rail(trace)
+    if ended.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+        ended = implausible(
+            f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot be: "
+            "its contact is not that of [adhesion] polach.",
+            ended.samples,
+        )
     return Stop(
         scenario=scenario,
         outcome=ended.outcome,
@@ -268,12 +280,29 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     return _si("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
+def _track_fits(scenario: Scenario, description: Description) -> None:
+    """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass.
+
+    Raises:
+        ScenarioError: The force is more than that of the steepest gradient.
+    """
+    truth = parameters_of(description) | plant_parameters(scenario, description)
+    mass = sum(value for name, value in truth.items() if name.startswith("m_wheelset["))
+    most, force = STEEPEST * GRAVITY * mass, max(track_force_of(scenario.track).forces, key=abs)
+    if mass and abs(force) > most:
+        raise ScenarioError(
+            f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {STEEPEST:.0%} only "
+            f"{most:.6g} N; correct force, gradient, curve or train_mass."
+        )
+
+
 @contextmanager
 def _plant(
     scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
 ) -> Generator[Plant]:
     """Open the plant of a scenario, bound to the edge of the loop."""
     vehicle = scenario.vehicle
+    _track_fits(scenario, description)
     own = not isinstance(vehicle.plant, NamedFile)
     command = (
         Signal(name="pressure_command", unit="Pa", size=signals.GROUPS, needed=True)
@@ -494,7 +523,12 @@ def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuatio
 # ---- contact ----------------------------------------------------------------------------------------------------
 
 
-def contact_of(scenario: Scenario) -> Contact:
-    """Return adhesion as a function of slip, speed, load and mu0, with the creep curve of a scenario."""
+def contact_of(scenario: Scenario, plant_file: Description) -> Contact:
+    """Return adhesion as a function of slip, speed, load and mu0, with the creep curve that the plant has.
+
+    That is the scenario's, but for what [vehicle.parameters] says otherwise.
+    """
     model = lowered("RailBraking.FMUs.ContactPoint")
-    return compiled_contact(model, scenario.adhesion.polach.plant_parameters(), BUILD)
+    shape = scenario.adhesion.polach.plant_parameters() | plant_parameters(scenario, plant_file)
+    names = {variable.name for variable in model.parameters}
+    return compiled_contact(model, {name: value for name, value in shape.items() if name in names}, BUILD)

@@ -21,6 +21,9 @@ from harness.scenario.track import Track
 from harness.scenario.valves import off_the_samples
 from harness.scenario.vehicle import Start, Vehicle
 
+_FEWEST_PERIODS = 10
+"""In a horizon, which ends with a whole one: so at most a twentieth of its time is lost."""
+
 
 class Scenario(Table):
     """Everything that decides a stop."""
@@ -54,6 +57,15 @@ class Scenario(Table):
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
                 f"{self.start.speed:g} m/s"
+            )
+        slowest = max(
+            ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)
+        )
+        period = getattr(self.periods, slowest)
+        if self.limits.horizon < _FEWEST_PERIODS * period:
+            raise broken(
+                f"[limits] horizon {self.limits.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
+                f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
         return self
 
