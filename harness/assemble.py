@@ -5,7 +5,7 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -54,6 +54,7 @@ from harness.scenario.quantity import Magnitude
 from harness.scenario.schema import Scenario
 from harness.scenario.track import STEEPEST, track_force_of
 from harness.train import GRAVITY, brake_groups_of, brake_of
+from harness.trial import Finding, findings, tried
 
 Vector = NDArray[np.float64]
 
@@ -330,16 +331,46 @@ def _plant(
     values = (
         binding.translated({"speed_start": scenario.start.speed}) | shaped | plant_parameters(scenario, description)
     )
-    plant = open_plant(
+    opening = partial(
+        open_plant,
         description,
         binding,
         period=scenario.periods.communication,
         parameters=values,
         trusted=own or vehicle.trust,
-        tell=tell,
     )
-    with plant as opened:
+    if not own:
+        with (
+            suppress(PlantFailed),
+            opening(tell=lambda sentence: None) as first,
+        ):  # the stop itself will say how it failed
+            _refuse_unfit(scenario, description, _trial_of(scenario, first))
+    with opening(tell=tell) as opened:
         yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
+
+
+def _trial_of(scenario: Scenario, plant: Plant) -> tuple[Finding, ...]:
+    """Return what a short run of a plant from outside shows, before its stop."""
+    groups = controlled_groups(scenario)
+    pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
+    ideal = scenario.actuation.kind == "ideal"
+    vent, fill = -1.0, 1.0
+    trial = tried(
+        plant,
+        period=scenario.periods.communication,
+        release=(0.0 if ideal else vent,) * signals.GROUPS,
+        brake=pressure if ideal else (fill,) * signals.GROUPS,
+    )
+    return findings(trial, speed=scenario.start.speed, radius=radius, pressure=pressure)
+
+
+def _refuse_unfit(scenario: Scenario, description: Description, found: tuple[Finding, ...]) -> None:
+    wrong = [f"'{finding.signal}' {finding.sentence}" for finding in found if not finding.good]
+    if wrong:
+        raise ScenarioError(
+            f"[vehicle.map] does not fit {description.file.name}: in a short run before the stop "
+            f"{'; '.join(wrong[:4])}."
+        )
 
 
 class _WithSlip:
