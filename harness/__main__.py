@@ -33,6 +33,7 @@ from harness.field.command import add_to as add_field
 from harness.interrupted import sentence_when_interrupted
 from harness.lateral.command import add_to as add_lateral
 from harness.learn.command import add_to as add_learn
+from harness.map_command import add_to as add_map
 from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
 from harness.tune_control import add_to as add_tune_control
@@ -241,6 +242,7 @@ def accept(
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
+add_map(app)
 add_estimate(app)
 add_calibrate(app)
 add_bench(app)

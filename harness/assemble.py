@@ -240,12 +240,17 @@ def parameters_of(description: Description) -> dict[str, float]:
     return found
 
 
+def controlled_groups_of_catalogue() -> tuple[BrakeGroup, ...]:
+    """Return the brakes of the catalogue train."""
+    return brake_groups_of(parameters_of(description_of(recipe_file(CATALOGUE))))
+
+
 def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
     """Return the brakes as the controller believes them: the catalogue train and [controller.parameters]."""
     train = description_of(recipe_file(CATALOGUE))
     nominal = parameters_of(train)
     if isinstance(scenario.controller, ControllerFmu):
-        return brake_groups_of(nominal)
+        return controlled_groups_of_catalogue()
     written = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
     return brake_groups_of(nominal | _si("[controller.parameters]", written, _units_of(train)))
 
@@ -281,6 +286,26 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     return _si("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
+def plant_signals(*, pneumatic: bool, track_force: bool) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
+    """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
+
+    Args:
+        pneumatic: It takes positions of valves, else pressures.
+        track_force: It has to take a force of the track.
+    """
+    name, unit = ("valve_command", "1") if pneumatic else ("pressure_command", "Pa")
+    inputs = (
+        Signal(name=name, unit=unit, size=signals.GROUPS, needed=True),
+        Signal(name="mu0", unit="1", size=signals.WHEELSETS, needed=True),
+        Signal(name="track_force", unit="N", size=0, needed=track_force),
+    )
+    outputs = tuple(
+        Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in _NEEDED)
+        for s in signals.PLANT
+    )
+    return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
+
+
 def _track_fits(scenario: Scenario, description: Description) -> None:
     """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass.
 
@@ -305,23 +330,14 @@ def _plant(
     vehicle = scenario.vehicle
     _track_fits(scenario, description)
     own = not isinstance(vehicle.plant, NamedFile)
-    command = (
-        Signal(name="pressure_command", unit="Pa", size=signals.GROUPS, needed=True)
-        if scenario.actuation.kind == "ideal"
-        else Signal(name="valve_command", unit="1", size=signals.GROUPS, needed=True)
+    inputs, outputs, start = plant_signals(
+        pneumatic=scenario.actuation.kind == "pneumatic",
+        track_force=bool(np.any(track_force_of(scenario.track).forces)),
     )
-    start = Signal(name="speed_start", unit="m/s", size=0, needed=True)
     binding = bind(
         description,
-        inputs=(
-            command,
-            Signal(name="mu0", unit="1", size=signals.WHEELSETS, needed=True),
-            Signal(name="track_force", unit="N", size=0, needed=bool(np.any(track_force_of(scenario.track).forces))),
-        ),
-        outputs=tuple(
-            Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in _NEEDED)
-            for s in signals.PLANT
-        ),
+        inputs=inputs,
+        outputs=outputs,
         parameters=(start,),
         table=vehicle.map,
         where=f"{scenario.name}: [vehicle.map]",

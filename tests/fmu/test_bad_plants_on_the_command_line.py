@@ -4,6 +4,7 @@ The whole way is real: scenario file, mapping, FMU in a process of its own or in
 """
 
 import json
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -178,6 +179,23 @@ def test_wheels_of_another_radius_than_the_harness_believes_are_found_before_the
         in done.err
     )
     assert "a constant slip of 17%" in done.err
+
+
+def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path, capfd: pytest.CaptureFixture[str]):
+    theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "speed_start": "v0"}
+    theirs |= {f"pressure_command[{i}]": f"demand[{i}]" for i in range(1, 5)}
+    with pytest.raises(SystemExit) as end:
+        main(["map", str(mule(foundry, names=theirs, defined=("RADIUS=0.46",)))])
+    out, _ = capfd.readouterr()
+    assert (end.value.code or 0) == 0
+    draft = tomllib.loads(out)["vehicle"]["map"]
+    assert draft["pressure_command"] == "demand[{i}]"
+    assert (draft["speed"], draft["distance"], draft["speed_start"]) == ("velocity", "odometer", "v0")
+    # This one counts as we do, whatever its name says, and its wheels are larger: the run tells both.
+    assert draft["acceleration"] == "-retardation"
+    assert "# WRONG: acceleration shows" in out
+    assert "# WRONG: wheelset_speed[1] rolls with 0.46 m" in out
+    assert "# fits: distance" in out
 
 
 def not_a_zip(foundry: Path) -> Path:
