@@ -33,6 +33,7 @@ from harness.field.command import add_to as add_field
 from harness.interrupted import sentence_when_interrupted
 from harness.lateral.command import add_to as add_lateral
 from harness.learn.command import add_to as add_learn
+from harness.map_command import add_to as add_map
 from harness.monitor.command import add_to as add_monitor
 from harness.scenario.error import ScenarioError
 from harness.tune_control import add_to as add_tune_control
@@ -96,6 +97,10 @@ def run(
     metrics = stop.metrics
     # A plant from outside may not show its adhesion; then there is no share of it to tell.
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
+        used += (
+            f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
+        )
     _out.print(
         f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}",
         highlight=False,
@@ -237,6 +242,7 @@ def accept(
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
+add_map(app)
 add_estimate(app)
 add_calibrate(app)
 add_bench(app)

@@ -4,7 +4,7 @@ import platform
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,12 +33,13 @@ from harness.limits import FMU_LIMITS, FmuLimits
 from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
 from harness.loop.edge import OUTPUT
-from harness.loop.ended import Clock, Ended
+from harness.loop.ended import Clock, Ended, implausible
 from harness.loop.ports import Actuation, Controller, Plant
 from harness.loop.rail import TabulatedRail
 from harness.loop.reading import READING
 from harness.loop.watch import Believer
 from harness.record import signals
+from harness.record.adhesion_use import over_the_rail
 from harness.record.bound import with_bound
 from harness.record.contact import Contact
 from harness.record.metrics import measure
@@ -51,8 +52,9 @@ from harness.scenario.file import NamedFile
 from harness.scenario.parties import ControllerFmu, KalmanFilter
 from harness.scenario.quantity import in_units
 from harness.scenario.schema import Scenario
-from harness.scenario.track import track_force_of
-from harness.train import brake_groups_of, brake_of
+from harness.scenario.track import STEEPEST, track_force_of
+from harness.train import GRAVITY, brake_groups_of, brake_of
+from harness.trial import Finding, findings, tried
 from harness.units import Unit
 
 Vector = NDArray[np.float64]
@@ -62,6 +64,9 @@ CATALOGUE = "TwoPartTrain"
 
 _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
+
+_MOST_OF_THE_RAIL = 1.005
+"""Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
 
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
@@ -149,14 +154,15 @@ def _rolled(
                     controller=scenario.periods.every("controller"),
                     samples=_samples(scenario),
                 ),
+                start_speed=scenario.start.speed,
                 stop_speed=scenario.limits.stop_speed,
                 recorder=recorder,
                 progress=progress,
             )
         except PlantFailed as failed:
             ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
-            # A plant that does not even start leaves one row without a number: rows are memory as it was found.
-            recorder.rows[recorder.written : 1] = np.nan
+        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+        recorder.rows[recorder.written : 1] = np.nan
     return _Rolled(recorder=recorder, ended=ended, plant_file=plant_file, fmus=fmus)
 
 
@@ -169,7 +175,14 @@ def judged(
     truth = parameters_of(plant_file) | plant_parameters(scenario, plant_file)
     # A foreign plant that does not show its brakes has no bound; the figures that need it are empty.
     with suppress(ScenarioError):
-        trace = with_bound(trace, contact_of(scenario), brake_of(truth), scenario.limits.alpha_max)
+        trace = with_bound(trace, contact_of(scenario, plant_file), brake_of(truth), scenario.limits.alpha_max)
+    share = over_the_rail(trace)
+    if ended.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+        ended = implausible(
+            f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot be: "
+            "its contact is not that of [adhesion] polach.",
+            ended.samples,
+        )
     return Stop(
         scenario=scenario,
         outcome=ended.outcome,
@@ -227,12 +240,17 @@ def parameters_of(description: Description) -> dict[str, float]:
     return found
 
 
+def controlled_groups_of_catalogue() -> tuple[BrakeGroup, ...]:
+    """Return the brakes of the catalogue train."""
+    return brake_groups_of(parameters_of(description_of(recipe_file(CATALOGUE))))
+
+
 def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
     """Return the brakes as the controller believes them: the catalogue train and [controller.parameters]."""
     train = description_of(recipe_file(CATALOGUE))
     nominal = parameters_of(train)
     if isinstance(scenario.controller, ControllerFmu):
-        return brake_groups_of(nominal)
+        return controlled_groups_of_catalogue()
     written = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
     return brake_groups_of(nominal | in_units("[controller.parameters]", written, _units_of(train)))
 
@@ -249,30 +267,58 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     return in_units("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
+def plant_signals(*, pneumatic: bool, track_force: bool) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
+    """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
+
+    Args:
+        pneumatic: It takes positions of valves, else pressures.
+        track_force: It has to take a force of the track.
+    """
+    name, unit = ("valve_command", "1") if pneumatic else ("pressure_command", "Pa")
+    inputs = (
+        Signal(name=name, unit=unit, size=signals.GROUPS, needed=True),
+        Signal(name="mu0", unit="1", size=signals.WHEELSETS, needed=True),
+        Signal(name="track_force", unit="N", size=0, needed=track_force),
+    )
+    outputs = tuple(
+        Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in _NEEDED)
+        for s in signals.PLANT
+    )
+    return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
+
+
+def _track_fits(scenario: Scenario, description: Description) -> None:
+    """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass.
+
+    Raises:
+        ScenarioError: The force is more than that of the steepest gradient.
+    """
+    truth = parameters_of(description) | plant_parameters(scenario, description)
+    mass = sum(value for name, value in truth.items() if name.startswith("m_wheelset["))
+    most, force = STEEPEST * GRAVITY * mass, max(track_force_of(scenario.track).forces, key=abs)
+    if mass and abs(force) > most:
+        raise ScenarioError(
+            f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {STEEPEST:.0%} only "
+            f"{most:.6g} N; correct force, gradient, curve or train_mass."
+        )
+
+
 @contextmanager
 def _plant(
     scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
 ) -> Generator[Plant]:
     """Open the plant of a scenario, bound to the edge of the loop."""
     vehicle = scenario.vehicle
+    _track_fits(scenario, description)
     own = not isinstance(vehicle.plant, NamedFile)
-    command = (
-        Signal(name="pressure_command", unit="Pa", size=signals.GROUPS, needed=True)
-        if scenario.actuation.kind == "ideal"
-        else Signal(name="valve_command", unit="1", size=signals.GROUPS, needed=True)
+    inputs, outputs, start = plant_signals(
+        pneumatic=scenario.actuation.kind == "pneumatic",
+        track_force=bool(np.any(track_force_of(scenario.track).forces)),
     )
-    start = Signal(name="speed_start", unit="m/s", size=0, needed=True)
     binding = bind(
         description,
-        inputs=(
-            command,
-            Signal(name="mu0", unit="1", size=signals.WHEELSETS, needed=True),
-            Signal(name="track_force", unit="N", size=0, needed=bool(np.any(track_force_of(scenario.track).forces))),
-        ),
-        outputs=tuple(
-            Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in _NEEDED)
-            for s in signals.PLANT
-        ),
+        inputs=inputs,
+        outputs=outputs,
         parameters=(start,),
         table=vehicle.map,
         where=f"{scenario.name}: [vehicle.map]",
@@ -282,17 +328,47 @@ def _plant(
     values = (
         binding.translated({"speed_start": scenario.start.speed}) | shaped | plant_parameters(scenario, description)
     )
-    plant = open_plant(
+    opening = partial(
+        open_plant,
         description,
         binding,
         period=scenario.periods.communication,
         parameters=values,
         trusted=own or vehicle.trust,
-        tell=tell,
         limits=scenario.limits.fmu.limits(),
     )
-    with plant as opened:
+    if not own:
+        with (
+            suppress(PlantFailed),
+            opening(tell=lambda sentence: None) as first,
+        ):  # the stop itself will say how it failed
+            _refuse_unfit(scenario, description, _trial_of(scenario, first))
+    with opening(tell=tell) as opened:
         yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
+
+
+def _trial_of(scenario: Scenario, plant: Plant) -> tuple[Finding, ...]:
+    """Return what a short run of a plant from outside shows, before its stop."""
+    groups = controlled_groups(scenario)
+    pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
+    ideal = scenario.actuation.kind == "ideal"
+    vent, fill = -1.0, 1.0
+    trial = tried(
+        plant,
+        period=scenario.periods.communication,
+        release=(0.0 if ideal else vent,) * signals.GROUPS,
+        brake=pressure if ideal else (fill,) * signals.GROUPS,
+    )
+    return findings(trial, speed=scenario.start.speed, radius=radius, pressure=pressure)
+
+
+def _refuse_unfit(scenario: Scenario, description: Description, found: tuple[Finding, ...]) -> None:
+    wrong = [f"'{finding.signal}' {finding.sentence}" for finding in found if not finding.good]
+    if wrong:
+        raise ScenarioError(
+            f"[vehicle.map] does not fit {description.file.name}: in a short run before the stop "
+            f"{'; '.join(wrong[:4])}."
+        )
 
 
 class _WithSlip:
@@ -476,7 +552,12 @@ def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuatio
 # ---- contact ----------------------------------------------------------------------------------------------------
 
 
-def contact_of(scenario: Scenario) -> Contact:
-    """Return adhesion as a function of slip, speed, load and mu0, with the creep curve of a scenario."""
+def contact_of(scenario: Scenario, plant_file: Description) -> Contact:
+    """Return adhesion as a function of slip, speed, load and mu0, with the creep curve that the plant has.
+
+    That is the scenario's, but for what [vehicle.parameters] says otherwise.
+    """
     model = lowered("RailBraking.FMUs.ContactPoint")
-    return compiled_contact(model, scenario.adhesion.polach.plant_parameters())
+    shape = scenario.adhesion.polach.plant_parameters() | plant_parameters(scenario, plant_file)
+    names = {variable.name for variable in model.parameters}
+    return compiled_contact(model, {name: value for name, value in shape.items() if name in names})

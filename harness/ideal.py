@@ -67,7 +67,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario), track_force_of(scenario.track)
     load = np.array([parameters[f"m_wheelset[{i + 1}]"] * GRAVITY for i in range(WHEELSETS)])
-    contact, brake = assemble.contact_of(scenario), brake_of(parameters)
+    contact, brake = assemble.contact_of(scenario, plant), brake_of(parameters)
     recorder = Recorder((*signals.PLANT, *signals.SENT), count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)

@@ -14,7 +14,7 @@ from estimators.compiled import CompiledFilter
 from estimators.ekf import ExtendedKalmanFilter
 from estimators.prediction import CasadiPrediction
 from estimators.tuning import NOISE_SETS
-from harness.assemble import contact_of, lowered, run_stop
+from harness.assemble import lowered, run_stop
 from harness.engine import Engine
 from harness.scenario.load import load
 
@@ -95,7 +95,6 @@ class StopCost:
 def stop_costs(*overrides: str, rounds: int = 3) -> dict[Engine, StopCost]:
     """Run a stop of the library several times, the engines in turn, after one that compiles what has to be."""
     scenario = load(LIBRARY / "trapezoid.toml", overrides)
-    contact_of(scenario)
     simulated = run_stop(scenario).metrics.duration
     engines = Engine.PYTHON, Engine.COMPILED
     wall: dict[Engine, list[float]] = {engine: [] for engine in engines}

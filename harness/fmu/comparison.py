@@ -29,7 +29,7 @@ int steps(Exchange *set, Step *step, Exchange *get, void *fmu, const unsigned *t
         int status = set(fmu, to, inputs, u);
         if (status < 2) status = step(fmu, k * period, period, 1);
         if (status < 2) status = get(fmu, from, outputs, y);
-        if (status > 1) return status;
+        if (status != 0 && status != 1) return status;
     }
     return 0;
 }

@@ -195,7 +195,7 @@ class ModelExchange:
         component, get = self._component, self._get_directional
         for state, column in zip(self._state_pointers, self._column_pointers, strict=True):
             status = get(component, unknowns, size, state, 1, seed, column)
-            if status > OK_OR_WARNING:
+            if status not in OK_OR_WARNING:
                 self._check(status, "fmi2GetDirectionalDerivative")
         return self._parted(self._columns)
 
@@ -251,7 +251,7 @@ class ModelExchange:
         self._at = point
 
     def _check(self, status: int, call: str) -> None:
-        if status > OK_OR_WARNING:
+        if status not in OK_OR_WARNING:
             self._open().check(status, call, 0.0, "evaluating the prediction")
 
     def _finite(self, values: Vector, names: Sequence[str]) -> Vector:

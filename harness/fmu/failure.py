@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Reason = Literal["error", "discard", "fatal", "pending", "ended", "not_finite", "crash", "timeout", "refused"]
-"""What went wrong: an FMI status, an FMU that asked to end, a value that is no number, a process that died or
-hung, or an FMU that would not be instantiated."""
+Reason = Literal[
+    "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "refused"
+]
+"""What went wrong: an FMI status, a number that is none, an FMU that asked to end, a value that is no number, a process
+that died or hung, or an FMU that would not be instantiated."""
 
 
 class FmuError(ValueError):
@@ -43,6 +45,7 @@ class Failure:
             "discard": f"{self.call} returned fmi2Discard",
             "fatal": f"{self.call} returned fmi2Fatal",
             "pending": f"{self.call} returned fmi2Pending, and asynchronous FMUs are not supported",
+            "no_status": f"{self.call} returned a number that is no fmi2Status",
             "ended": "the FMU asked to end the simulation",
             "not_finite": f"output '{self.variable}' is not a finite number",
             "crash": "the FMU crashed",

@@ -37,8 +37,8 @@ from harness.fmu.parameters import Assignment
 
 Way = Literal["co-simulation", "model exchange"]
 
-OK_OR_WARNING: Final = 1
-"""Largest fmi2Status after which results are valid."""
+OK_OR_WARNING: Final = (0, 1)
+"""The fmi2Status after which results are valid; a number that is none of the six is an error."""
 _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
@@ -273,9 +273,11 @@ class Instance:
         Raises:
             PlantFailed: Any other status.
         """
-        if status <= OK_OR_WARNING:
+        if status in OK_OR_WARNING:
             return
-        reason = _REASONS.get(status, "error")
+        reason = _REASONS.get(status, "no_status")
+        if reason == "no_status":
+            doing = f"{status}{doing and f', {doing}'}"
         failure = self.failure(reason, name, time, doing=doing)
         if reason == "discard" and name == "fmi2DoStep":
             failure = self._discarded(failure)
@@ -284,7 +286,7 @@ class Instance:
 
     def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
         """Return a failure of this FMU with what it said about it."""
-        worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s >= OK_OR_WARNING]
+        worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s != 0]
         return Failure(
             file=self.description.file.name,
             time=time,
@@ -303,10 +305,10 @@ class Instance:
         return Failure(
             file=failure.file,
             time=failure.time,
-            reason="ended" if knows_end <= OK_OR_WARNING and ended.value else "discard",
+            reason="ended" if knows_end in OK_OR_WARNING and ended.value else "discard",
             call=failure.call,
             detail=failure.detail,
-            reached=reached.value if knows_time <= OK_OR_WARNING else None,
+            reached=reached.value if knows_time in OK_OR_WARNING else None,
             log=failure.log,
         )
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from harness.loop.actuation import Direct
 from harness.loop.edge import FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
-from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command
+from harness.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
 from harness.loop.library import compiled, kernel
+from harness.loop.plausible import Plausibility
 from harness.loop.ports import Actuation, Controller, Edge, Plant, Sensors
 from harness.loop.rail import TabulatedRail
 from harness.loop.reading import READINGS
@@ -23,7 +24,7 @@ from harness.record.signals import READINGS as READ
 
 Vector = NDArray[np.float64]
 
-_GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND = range(5)
+_GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND, _IMPLAUSIBLE = range(6)
 _NEGATIVE_VARIANCE = -1
 _GIVEN = 2 + 4 * GROUPS
 """What a law is shown: speed and acceleration, and of each group slip, adhesion, pad friction and pressure."""
@@ -91,6 +92,7 @@ class _Cycle(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in ("service", "shown_by_ideal", "advance", "block", "held", "seen")),
         *((name, ctypes.c_void_p) for name in ("mean", "covariance", "seen_of", "believed_of", "radius")),
         *((name, _Formula) for name in ("law", "valves")),
+        ("plausibility", ctypes.c_void_p),
         *((name, ctypes.c_double) for name in ("period", "stop_speed")),
         ("rows", ctypes.c_void_p),
         *((name, ctypes.c_double * size) for name, size in (("truth", OUTPUTS), ("inputs", INPUTS))),
@@ -138,6 +140,7 @@ def run(
     actuation: Actuation,
     wheel_radius: tuple[float, ...],
     clock: Clock,
+    start_speed: float,
     stop_speed: float,
     recorder: Recorder,
     progress: Callable[[float], None] | None = None,
@@ -158,7 +161,8 @@ def run(
     truth = plant.start(inputs)
     parts = _Parts(plant.edge(), rail, sensors, believer, controller, actuation, wheel_radius, recorder)
     its = parts.struct
-    its.period, its.stop_speed = clock.period, stop_speed
+    plausibility = Plausibility(period=clock.period, start_speed=start_speed)
+    its.period, its.stop_speed, its.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
     its.estimator_every, its.controller_every = clock.estimator, clock.controller
     its.truth[:], its.inputs[:] = truth.tolist(), inputs.tolist()
     cycle, address = kernel().cycle, ctypes.addressof(its)
@@ -182,6 +186,8 @@ def run(
     time, distance, speed = its.sample * clock.period, its.truth[at_distance], its.truth[at_speed]
     if ended == _STANDING:
         return stood(distance, time, its.written)
+    if ended == _IMPLAUSIBLE:
+        return implausible(plausibility.reason(time), its.written)
     if ended == _DIVERGED:
         return diverged(parts.failure(), time, its.written)
     if ended == _NO_COMMAND:

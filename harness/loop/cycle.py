@@ -6,7 +6,17 @@ from collections.abc import Callable
 import numpy as np
 
 from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT
-from harness.loop.ended import Clock, Ended, diverged, still_moving, stood, without_command, without_controller
+from harness.loop.ended import (
+    Clock,
+    Ended,
+    diverged,
+    implausible,
+    still_moving,
+    stood,
+    without_command,
+    without_controller,
+)
+from harness.loop.plausible import Plausibility
 from harness.loop.ports import Actuation, Controller, ControllerFailed, Plant, Rail, Sensors
 from harness.loop.watch import Beliefs, Believer, Readings
 from harness.record.recorder import Recorder
@@ -23,11 +33,14 @@ def run(
     actuation: Actuation,
     wheel_radius: tuple[float, ...],
     clock: Clock,
+    start_speed: float,
     stop_speed: float,
     recorder: Recorder,
     progress: Callable[[float], None] | None = None,
 ) -> Ended:
     """Brake until the train stands, the horizon is reached, or a party fails in a way that is a result.
+
+    What the plant shows is checked before anybody reads it; a sample that cannot be ends the stop and is not kept.
 
     Each sample: the plant moves on under the commands held since the last one; sensors read; the estimator, when due,
     predicts under the pressures read a sample before and conditions on the new reading; the controller, when due,
@@ -42,6 +55,7 @@ def run(
         actuation: From demanded pressure to the plant's command.
         wheel_radius: Nominal radii for a slip from readings [m].
         clock: Periods and horizon.
+        start_speed: That the plant was asked to start with [m/s].
         stop_speed: The train stands below this speed [m/s].
         recorder: Written from row 0 on; holds clock.samples + 1 rows.
         progress: Called with the train speed [m/s] every 0.25 s of simulated time.
@@ -60,14 +74,17 @@ def run(
     inputs[FORCE] = rail.force(0.0)
     truth = plant.start(inputs)
     watch = Readings(wheel_radius) if believer is None else Beliefs(believer, recorder)
+    plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     written = 0
     try:
         for k in range(clock.samples + 1):
             if k > 0:
                 truth = plant.step(inputs)
-            reading = sensors.read(k, truth)
             time, distance, speed = k * period, float(truth[at_distance]), float(truth[at_speed])
+            if not plausibility.holds(k, truth, inputs):
+                return implausible(plausibility.reason(time), k)
+            reading = sensors.read(k, truth)
             row = rows[k]
             row[true] = truth
             row[sent] = inputs

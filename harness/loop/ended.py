@@ -54,6 +54,11 @@ def diverged(problem: str, time: float, samples: int) -> Ended:
     return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=samples)
 
 
+def implausible(problem: str, samples: int) -> Ended:
+    """Return the end of a run whose plant showed what cannot be, `problem` in a sentence."""
+    return Ended(outcome=Outcome.IMPLAUSIBLE, reason=problem, samples=samples)
+
+
 def without_controller(problem: str, samples: int) -> Ended:
     """Return the end of a run whose controller failed with `problem`, a sentence."""
     return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=problem, samples=samples)

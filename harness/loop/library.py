@@ -13,12 +13,12 @@ from harness.loop.reading import READING, READINGS
 from harness.record.signals import GROUPS, WHEELSETS
 
 KERNEL: Final = files("harness.loop") / "kernel"
-_PARTS: Final = ("sensors.h", "sensors.c", "cycle.c")
+_PARTS: Final = ("sensors.h", "sensors.c", "plausible.h", "plausible.c", "cycle.c")
 
 
 @cache
 def kernel() -> ctypes.CDLL:
-    """Return the sensors and the cycle in C.
+    """Return the sensors, the checks of a plant and the cycle in C.
 
     Raises:
         fmus.errors.CompilerMissing: There is no C compiler.
@@ -30,6 +30,8 @@ def kernel() -> ctypes.CDLL:
     library.read_encoder.restype = ctypes.c_double
     library.read_service.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p, ctypes.c_void_p]
     library.read_service.restype = None
+    library.plausible.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p, ctypes.c_void_p]
+    library.plausible.restype = ctypes.c_int
     library.cycle.argtypes, library.cycle.restype = [ctypes.c_void_p, ctypes.c_longlong], ctypes.c_int
     return library
 

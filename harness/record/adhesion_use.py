@@ -22,6 +22,24 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     return float(used.sum() / possible.sum()), tuple(map(float, used / possible))
 
 
+def over_the_rail(trace: xarray.Dataset) -> float:
+    """Return ∫ F dt / ∫ F_peak dt of the train, F_peak at the peak of the creep curve: above 1 it cannot be.
+
+    `utilisation` may be: its bound is also what the brakes draw and what the operator allows. NaN without a bound.
+    """
+    if "peak_adhesion" not in trace:
+        return float("nan")
+    groups = np.array(GROUP_OF_WHEELSET)
+    load = np.stack(
+        [trace["wheelset_load"].values[:, groups == g].sum(axis=1) for g in range(groups.max() + 1)], axis=1
+    )
+    used, possible = (
+        np.trapezoid((trace[name].values * load).sum(axis=1), trace["time"].values)
+        for name in ("group_adhesion", "peak_adhesion")
+    )
+    return float(used / possible) if possible > 0 else float("nan")
+
+
 def time_over_limit(trace: xarray.Dataset, alpha_max: float) -> tuple[float, ...]:
     """Return the time that each group used more adhesion than α_max [s]."""
     times = np.diff(trace["time"].values, append=trace["time"].values[-1])

@@ -14,5 +14,7 @@ class Outcome(StrEnum):
     """The estimator's belief became meaningless (not finite, or a covariance that is none)."""
     PLANT_FAILED = "plant_failed"
     """The plant FMU refused a step or returned something that is no number."""
+    IMPLAUSIBLE = "implausible"
+    """The plant showed what cannot be: not what was asked, or against physics."""
     CONTROLLER_FAILED = "controller_failed"
     """The controller returned a command that is none."""

@@ -24,6 +24,9 @@ from harness.scenario.vehicle import Start, Vehicle
 _MOST_ROWS = 1_000_000
 """Samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB where it lasts so long."""
 
+_FEWEST_PERIODS = 10
+"""In a horizon, which ends with a whole one: so at most a twentieth of its time is lost."""
+
 
 class Scenario(Table):
     """Everything that decides a stop."""
@@ -59,16 +62,19 @@ class Scenario(Table):
                 f"[limits] horizon {self.limits.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
             )
-        horizon = self.limits.horizon
-        for party, period in self.periods.model_dump().items():
-            if period > horizon:
-                raise broken(
-                    f"[periods] {party} {period:g} s is longer than [limits] horizon {self.limits.horizon:g} s"
-                )
         if self.limits.stop_speed >= self.start.speed:
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
                 f"{self.start.speed:g} m/s"
+            )
+        slowest = max(
+            ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)
+        )
+        period = getattr(self.periods, slowest)
+        if self.limits.horizon < _FEWEST_PERIODS * period:
+            raise broken(
+                f"[limits] horizon {self.limits.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
+                f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
         return self
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from harness.scenario.quantity import Unit
 from harness.scenario.table import Length, Table, broken
@@ -17,6 +17,13 @@ GRAVITY = 9.81  # m/s2
 _WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
 _GAUGE = 1.435  # m
 
+LARGEST_FORCE = 1e6
+"""N. The draw gear between vehicles breaks at 0.85 to 1 MN (UIC 520): no track holds or pushes a train by more."""
+TIGHTEST_RADIUS = 10.0
+"""m. The tightest curves that trams run through have 11 m, those of railways 70 m and more."""
+STEEPEST = 0.2
+"""The steepest gradient; adhesion railways end below 14 %."""
+
 CurveLaw = Literal["bogie", "roeckl", "protopapadakis"]
 
 
@@ -24,7 +31,7 @@ class Gradient(Table):
     """From here on the track climbs by `slope` (falls where negative)."""
 
     begin: Length
-    slope: Annotated[float, Unit("1", above=-0.2, below=0.2)]
+    slope: Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)]
 
 
 class Curve(Table):
@@ -33,11 +40,20 @@ class Curve(Table):
     begin: Length
     radius: Length
 
+    @field_validator("radius")
+    @classmethod
+    def _straight_or_a_curve(cls, radius: float) -> float:
+        if 0 < radius < TIGHTEST_RADIUS:
+            raise broken(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
+        return radius
+
 
 class Track(Table):
     """What acts on the train besides brakes and resistance."""
 
-    force: Annotated[float, Unit("N")] = Field(default=0.0, description="constant force, forward positive")
+    force: Annotated[float, Unit("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
+        default=0.0, description="constant force, forward positive"
+    )
     gradient: tuple[Gradient, ...] = ()
     curve: tuple[Curve, ...] = ()
     curve_law: CurveLaw = Field(

@@ -29,7 +29,12 @@
 #define FORGES 13           /* an answer of its own, on every socket it has */
 #define TALKS 14            /* as OpenModelica's FMUs do of their solver */
 
+#ifndef RADIUS
 #define RADIUS 0.38
+#endif
+#ifndef SIGN
+#define SIGN 1 /* of the acceleration that it shows */
+#endif
 #define SOON 0.1 /* s */
 #define RATE 4e-6 /* m/s2 per Pa */
 
@@ -126,9 +131,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
         }
         default: break;
     }
-    m->v[13] = MISBEHAVIOUR == NEVER_HALTS ? 0 : -RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4;
+    m->v[13] = SIGN * (MISBEHAVIOUR == NEVER_HALTS && m->v[12] < 5 ? 0 : -RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4);
     m->v[11] += h * m->v[12];
-    m->v[12] = fmax(0, m->v[12] + h * m->v[13]);
+    m->v[12] = fmax(0, m->v[12] + h * SIGN * m->v[13]);
     show(m);
     if (MISBEHAVIOUR == NAN_OUTPUT && t >= SOON) m->v[12] = NAN;
     return fmi2OK;

@@ -1,7 +1,7 @@
 """Makes the train FMU of mule.c, well-behaved or misbehaving in one way."""
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
@@ -31,6 +31,7 @@ def mule(
     names: Mapping[str, str] = MappingProxyType({}),
     tool: str = "a hand",
     forged: bytes = b"",
+    defined: Sequence[str] = (),
 ) -> Path:
     """Build the FMU in `folder` and return its file.
 
@@ -42,12 +43,16 @@ def mule(
         forged: What FORGES writes.
         names: Our name → the name it gives to that variable.
         tool: That it says it was made by.
+        defined: Names defined in mule.c with other values, as 'RADIUS=0.46'.
     """
     library = shared_library(
         SOURCES,
-        f"mule_{misbehaviour.lower()}",
+        "_".join(["mule", misbehaviour.lower(), *(d.replace("=", "_") for d in defined)]),
         include=(HEADERS,),
-        flags=(f"-DMISBEHAVIOUR={misbehaviour}", f"-DFORGED={','.join(map(str, forged or b'0'))}"),
+        flags=tuple(
+            f"-D{name}"
+            for name in (f"MISBEHAVIOUR={misbehaviour}", f"FORGED={','.join(map(str, forged or b'0'))}", *defined)
+        ),
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:

@@ -22,6 +22,7 @@ from harness.fmu import (
     describe,
 )
 from harness.fmu.instance import Instance, unpacked
+from harness.loop.compiled import run
 
 PERIOD = 1e-3
 
@@ -173,6 +174,20 @@ def test_after_fmi2_fatal_nothing_is_called(foundry: Path, protests: Path):
 
 def test_an_asynchronous_fmu_is_not_supported(foundry: Path):
     assert "asynchronous FMUs are not supported" in str(failing(tiny(foundry, "PENDING")))
+
+
+def test_a_number_that_is_no_status_is_an_error(foundry: Path, protests: Path):
+    """Not "at most a warning", and nothing but freeing follows."""
+    failed = failing(tiny(foundry, "NO_STATUS"))
+    assert str(failed) == "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."
+    assert protests.read_text() == "freed\n"
+
+
+def test_a_number_that_is_no_status_ends_a_loop_in_c(foundry: Path):
+    with opened(tiny(foundry, "NO_STATUS")) as plant:
+        plant.start(np.zeros(1))
+        with pytest.raises(PlantFailed, match=r"at 0\.003 s fmi2DoStep returned a number that is no fmi2Status \(-5\)"):
+            run(plant, np.zeros((9, 1)), readings=(), noise=np.zeros((9, 0)))
 
 
 def test_an_output_that_is_no_number_is_named(foundry: Path):

@@ -60,7 +60,7 @@ def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
 
 def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    mule(foundry, names=THEIRS).rename(tmp_path / "MyTrain.fmu")
+    mule(foundry, names=THEIRS, defined=("SIGN=-1",)).rename(tmp_path / "MyTrain.fmu")
     (tmp_path / "mine.toml").write_text(f"{HEAD}\n{printed}\n{quick_stop('slip_two_state')}")
     with pytest.raises(SystemExit) as end:
         main(["run", "mine.toml"])

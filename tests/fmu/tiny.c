@@ -22,6 +22,7 @@
 #define PENDING 10
 #define BAD_FREE 11
 #define EXITS 12
+#define NO_STATUS 13
 
 #ifndef MISBEHAVIOUR
 #define MISBEHAVIOUR WELL
@@ -173,6 +174,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
         case ENDS: s->mode = -1; s->t = t; return fmi2Discard;
         case FATAL: s->broken = FATAL; say(m, fmi2Fatal, "beyond repair at", t); return fmi2Fatal;
         case PENDING: return fmi2Pending;
+        case NO_STATUS: return (fmi2Status)-5;
         case NEVER_STOPS: for (volatile int k = 0;; k = 0) { (void)k; }
         case CRASH: { volatile int *nowhere = NULL; *nowhere = 1; break; }
         case EXITS: exit(7);

@@ -78,6 +78,7 @@ def brake(
         actuation=actuation or Direct(),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every[0], controller=every[1], samples=samples),
+        start_speed=plant.speed,
         stop_speed=stop_speed,
         recorder=recorder,
     )

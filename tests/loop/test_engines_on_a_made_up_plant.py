@@ -10,6 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from controllers.brake import BrakeGroup
 from controllers.law import Law, law
@@ -23,6 +25,7 @@ from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
 from harness.loop.edge import COMMAND, FRICTION, INPUTS, OUTPUT, OUTPUTS
 from harness.loop.ended import Clock
+from harness.loop.plausible import Plausibility
 from harness.loop.ports import Edge
 from harness.loop.rail import TabulatedRail
 from harness.loop.reading import READING
@@ -49,10 +52,13 @@ INSTRUMENTS = ServiceInstruments(
 
 
 class Plant:
-    """Slows down by 0.8 m/s², rolls back a little at first, slides now and then; noisy, and C can step it."""
+    """Slows down evenly, rolls back a little at first, slides now and then; noisy, and C can step it.
 
-    def __init__(self, *, speed=20.0, stands_at=None, fails_at=None, lacks=()):
-        self.speed, self.stands_at, self.fails_at = speed, stands_at, fails_at
+    `wrong` is a function of sample and truth that changes what it shows.
+    """
+
+    def __init__(self, *, speed=20.0, slowing=0.8, fails_at=None, lacks=(), wrong=None):
+        self.speed, self.slowing, self.fails_at, self.wrong = speed, slowing, fails_at, wrong
         self.random, self.sample, self.given = np.random.default_rng(7), 0, []
         here = np.ones(OUTPUTS, dtype=bool)
         for name in lacks:
@@ -93,12 +99,16 @@ class Plant:
 
     def _truth(self, inputs):
         k, truth = self.sample, np.zeros(OUTPUTS)
-        speed = 0.0 if k == self.stands_at else self.speed - 0.8e-3 * k
-        truth[OUTPUT["distance"]] = 0.02 * k + 1e-3 * inputs[FRICTION].sum() - (0.03 if k < 3 else 0.0)
+        time = 1e-3 * k
+        speed = self.speed - self.slowing * time
+        rolled = self.speed * time - self.slowing * time**2 / 2
+        truth[OUTPUT["distance"]] = rolled + 1e-3 * inputs[FRICTION].sum() - (5e-3 if k < 3 else 0.0)
         truth[OUTPUT["speed"]] = speed
-        truth[OUTPUT["acceleration"]] = -0.8 + 0.1 * self.random.standard_normal()
+        truth[OUTPUT["acceleration"]] = -self.slowing + 0.1 * self.random.standard_normal()
         truth[OUTPUT["wheelset_speed"]] = speed / 0.38 * (1 - 0.2 * np.abs(np.sin(0.01 * k + np.arange(4))))
         truth[OUTPUT["cylinder_pressure"]] = 1e5 + 0.3 * inputs[COMMAND] + 1e3 * self.random.standard_normal(4)
+        if self.wrong:
+            self.wrong(k, truth)
         whole = np.full(OUTPUTS, np.nan)
         whole[self.present] = truth[self.present]
         return whole
@@ -168,7 +178,7 @@ HOLD = lambda: SlipBased(GROUPS, replace(SLIP_LEVELS, hold=True))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
-def brake(engine, plant, controller, filter_, *, samples, service, valves, every, over_time):
+def brake(engine, plant, controller, filter_, *, samples, service, valves, every, over_time, asked=None):
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
         (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if filter_ else ())), samples + 1
@@ -188,6 +198,7 @@ def brake(engine, plant, controller, filter_, *, samples, service, valves, every
             rail=TabulatedRail(Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps()),
             wheel_radius=RADIUS,
             clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
+            start_speed=asked or plant.speed,
             stop_speed=0.1,
             recorder=recorder,
         )
@@ -223,7 +234,7 @@ def test_a_plant_that_fails(sample):
 
 @pytest.mark.parametrize("sample", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1])
 def test_a_train_that_stands(sample):
-    outcome, _, written = same(lambda: Plant(stands_at=sample), filter_=Filter)
+    outcome, _, written = same(lambda: Plant(speed=0.1 + 0.8e-3 * (sample - 0.5)), filter_=Filter)
     assert (outcome, written) == (Outcome.STANDSTILL, sample + 1)
 
 
@@ -254,10 +265,109 @@ def test_mixes_of_parties(lacks, service, filter_, controller, valves, every, ov
     """Sensors without a new reading, outputs that a plant lacks, parties at periods of their own; into the second
     block, and over the end of the friction's table, which is 1 s or 1 m long."""
     outcome, _, _ = same(
-        lambda: Plant(speed=1.0, lacks=lacks), controller, filter_,
+        lambda: Plant(speed=12.0, slowing=10.6, lacks=lacks), controller, filter_,
         service=service, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
     )  # fmt: skip
     assert outcome is Outcome.STANDSTILL
+
+
+def showing(signal, change, element=0):
+    """Return what makes a plant show a signal changed by `change`(sample, value)."""
+
+    def wrong(sample, truth):
+        at = OUTPUT[signal].start + element
+        truth[at] = change(sample, truth[at])
+
+    return wrong
+
+
+@pytest.mark.parametrize("sample", [1, 300, BLOCK - 1, BLOCK, BLOCK + 1])
+@pytest.mark.parametrize(
+    ("signal", "element", "value", "words"),
+    [
+        ("speed", 0, -50.0, "speed = -50 m/s, but after the sample before a train on rails has"),
+        ("distance", 0, 12345.0, "distance = 12345 m, but the integral of its speed gives"),
+        ("distance", 0, -1000.0, "distance = -1000 m, but the integral of its speed gives"),
+        ("slip", 3, 1.2, "slip[4] = 1.2, but a braked wheel between rolling and locked has -0.1 to 1.05"),
+        ("slip", 0, -6.0, "slip[1] = -6, but"),
+        ("adhesion", 5, 0.5, "adhesion[6] = 0.5, but the rail gives -"),
+    ],
+)
+def test_a_plant_that_shows_what_cannot_be(sample, signal, element, value, words):
+    """The sample is not kept, and the sentence names signal, time, value and what was expected."""
+    shown = showing(signal, lambda k, true: value if k == sample else true, element)
+    outcome, reason, written = same(lambda: Plant(wrong=shown), filter_=Filter)
+    assert (outcome, written) == (Outcome.IMPLAUSIBLE, sample)
+    assert f"At {sample * 1e-3:.3f} s the plant shows {words}" in reason
+
+
+@pytest.mark.parametrize(
+    ("signal", "change", "latest"),
+    [
+        ("speed", lambda k, true: 3.6 * true, 0),
+        ("speed", lambda k, true: -true, 0),
+        ("distance", lambda k, true: true + 1.0, 0),
+        ("distance", lambda k, true: -true, 3),
+        ("distance", lambda k, true: 1e-3 * true, 3),
+        ("distance", lambda k, true: 1.01 * true, 200),  # until 1 % is more than two samples of travel
+        ("distance", lambda k, true: min(true, 10.0), 510),  # 10 m at 20 m/s are 0.5 s
+        ("adhesion", lambda k, true: 8.0, 0),
+    ],
+    ids=["km/h", "backwards", "begins elsewhere", "other sign", "km", "odometer", "stuck", "percent"],
+)
+def test_a_plant_in_other_units_or_signs(signal, change, latest):
+    """It does not get far."""
+    outcome, reason, written = same(lambda: Plant(wrong=showing(signal, change)))
+    assert outcome is Outcome.IMPLAUSIBLE
+    assert written <= latest
+    assert f"shows {signal}" in reason
+
+
+def test_a_plant_that_starts_with_another_speed_than_it_was_asked():
+    outcome, reason, written = same(asked=72.0)
+    assert (outcome, written) == (Outcome.IMPLAUSIBLE, 0)
+    assert "At 0.000 s the plant shows speed = 20 m/s, but [start] speed asks for 71.26 to 72.74 m/s" in reason
+
+
+@settings(deadline=None)
+@given(
+    speed=st.floats(0.2, 80.0),
+    slowing=st.floats(-2.0, 11.7),
+    late=st.booleans(),
+    grid=st.sampled_from([0.0, 1e-3, 5e-3]),
+    rounding=st.sampled_from([0.0, 0.01 / 3.6, 0.1 / 3.6]),
+)
+def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, rounding):
+    """Whatever its speed and deceleration; its speed may be of the sample before, both may be rounded."""
+
+    def honest(k, truth):
+        shown = speed - slowing * 1e-3 * (k - late if k else 0)
+        gone = speed * 1e-3 * k - slowing * (1e-3 * k) ** 2 / 2
+        truth[OUTPUT["speed"]] = rounding * round(shown / rounding) if rounding else shown
+        truth[OUTPUT["distance"]] = grid * round(gone / grid) if grid else gone
+
+    plausibility = Plausibility(period=1e-3, start_speed=speed)
+    truth, inputs = np.full(OUTPUTS, np.nan), np.zeros(INPUTS)
+    for k in range(400):
+        honest(k, truth)
+        if truth[OUTPUT["speed"]][0] <= 0.1 and k:
+            break
+        assert plausibility.holds(k, truth, inputs), plausibility.reason(1e-3 * k)
+
+
+@settings(deadline=None, max_examples=30)
+@given(scale=st.floats(-1e3, 1e3).filter(lambda scale: abs(scale - 1) > 0.004), offset=st.floats(-20, 20))
+def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
+    """A stop of 25 m from 20 m/s, of which 0.1 %, one sample of travel and a centimetre are 5.5 cm."""
+
+    def wrong(k, truth):
+        truth[OUTPUT["distance"]] = scale * truth[OUTPUT["distance"]] + offset
+
+    plausibility, plant = Plausibility(period=1e-3, start_speed=20.0), Plant(slowing=8.0, wrong=wrong)
+    inputs = np.zeros(INPUTS)
+    rows = [plausibility.holds(0, plant.start(inputs), inputs)]
+    rows += [plausibility.holds(k, plant.step(inputs), inputs) for k in range(1, 2480)]
+    assert not all(rows)
 
 
 def test_a_law_for_fewer_groups_is_not_called_from_c():

@@ -6,9 +6,9 @@ import pytest
 
 from fmus.native.toolchain import shared_library
 from harness.fmu import crossing
-from harness.loop import compiled, compiled_cycle, library, sensors
+from harness.loop import compiled, compiled_cycle, library, plausible, sensors
 
-LOOP = {part: (library.KERNEL / part).read_text() for part in ("sensors.h", "sensors.c", "cycle.c", "run.c")}
+LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "run.c")}
 SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "edge.h": library._edge()}
 
 
@@ -17,6 +17,7 @@ SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "edge.h": library._
     [
         ("sensors.c", "Encoder", sensors._Encoder),
         ("sensors.c", "Service", sensors._Service),
+        ("plausible.c", "Plausibility", plausible.Plausibility),
         ("cycle.c", "Formula", compiled_cycle._Formula),
         ("cycle.c", "Cycle", compiled_cycle._Cycle),
         ("crossing.c", "Channel", crossing._Channel),
@@ -34,7 +35,7 @@ def test_members_stand_where_c_puts_them(source, name, mirror):
         f"EXPORT long long place(int which)\n{{\n    static const size_t at[] = {{{places}, sizeof({name})}};\n"
         "    return (long long)at[which];\n}\n"
     )
-    units = ("probe.c", "sensors.c") if source == "cycle.c" else ("probe.c",)
+    units = ("probe.c", "sensors.c", "plausible.c") if source == "cycle.c" else ("probe.c",)
     built = ctypes.CDLL(str(shared_library(SOURCES | {"probe.c": probe}, "probe", units=units)))
     built.place.restype = ctypes.c_longlong
     assert [built.place(k) for k in range(len(members))] == [getattr(mirror, member).offset for member in members]

@@ -107,7 +107,7 @@ WRONG = [
     ("limits.horizon=1e9", "[limits] horizon must be at most 10800 s, got 1000000000.0; no braking lasts three hours"),
     ("periods.communication=1e-9", "[periods] communication must be at least 1e-06 s"),
     ("periods.communication=10 us", "9e+06 samples; a stop holds 1e+06 at most"),
-    ("periods.trace=50 s", "is longer than [limits] horizon 20 s"),
+    ("periods.trace=50 s", "is shorter than 10 periods of [periods] trace, 50 s each"),
     ("adhesion.period=1e9 s", "[adhesion] period must be at most 100000 s"),
 ]
 

@@ -153,6 +153,20 @@ REFUSALS = [
     ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
     (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient or curve but no train_mass"),
     (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
+    (["track.force=-1e12"], "[track] force must be at least -1e+06 N, got -1000000000000.0."),
+    (["track.force=2 MN"], "[track] force must be at most 1e+06 N, got '2 MN'."),
+    (
+        ["track.curve=[{begin=0, radius=1e-9}]", "track.train_mass=84 t"],
+        "[track.curve[1]] radius must be 0, for straight track, or at least 10 m, got 1e-09 m.",
+    ),
+    (
+        [
+            "limits.horizon=40 s",
+            *(f"periods.{name}=100 s" for name in ("communication", "estimator", "controller", "trace")),
+        ],
+        "[limits] horizon 40 s is shorter than 10 periods of [periods] communication, 100 s each",
+    ),
+    (["periods.trace=20 s"], "[limits] horizon 90 s is shorter than 10 periods of [periods] trace, 20 s each"),
     (["limits.alpha_max=0"], "[limits] alpha_max must be above 0, got 0."),
     (
         ["limits.stop_speed=100 km/h"],

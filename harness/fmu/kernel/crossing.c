@@ -15,7 +15,6 @@
 typedef int Exchange(void *, const unsigned *, size_t, void *);
 typedef int DoStep(void *, double, double, int);
 
-enum { OK_OR_WARNING = 1 };
 enum { SET = 1, STEP = 2, GET = 4 };                         /* what to do */
 enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };       /* where it ended */
 
@@ -39,6 +38,12 @@ typedef struct {
     long long looks_back;
     long long status, at;                                    /* of the call that ended it; its channel, or the output */
 } Crossing;
+
+/* Whether a status is neither fmi2OK nor fmi2Warning: a number that is no status at all is an error, too. */
+static int failed(long long status)
+{
+    return status != 0 && status != 1;
+}
 
 static int send(const Crossing *c, const Channel *to)
 {
@@ -71,14 +76,14 @@ EXPORT int cross(Crossing *c, int what, double time)
 {
     if (what & SET)
         for (long long k = 0; k < c->n_senders; k++)
-            if ((c->status = send(c, c->senders + (c->at = k))) > OK_OR_WARNING)
+            if (failed(c->status = send(c, c->senders + (c->at = k))))
                 return SETTING;
     if (what & STEP)
-        if ((c->status = c->step(c->fmu, time, c->period, (int)c->looks_back)) > OK_OR_WARNING)
+        if (failed(c->status = c->step(c->fmu, time, c->period, (int)c->looks_back)))
             return STEPPING;
     if (what & GET) {
         for (long long k = 0; k < c->n_receivers; k++)
-            if ((c->status = receive(c, c->receivers + (c->at = k))) > OK_OR_WARNING)
+            if (failed(c->status = receive(c, c->receivers + (c->at = k))))
                 return GETTING;
         for (long long i = 0; i < c->n_outputs; i++)
             if (!isfinite(c->outputs[i])) {

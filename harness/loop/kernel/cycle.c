@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "plausible.h"
 #include "sensors.h"
 
 typedef int Cross(void *, int, double);
@@ -11,7 +12,7 @@ typedef int Advance(double *);
 typedef void Call(double *, const double *, const double *, double *);
 
 enum { SET_STEP_GET = 7 };
-enum { GOING, STANDING, PLANT_FAILED, DIVERGED, NO_COMMAND };
+enum { GOING, STANDING, PLANT_FAILED, DIVERGED, NO_COMMAND, IMPLAUSIBLE };
 enum { NEGATIVE_VARIANCE = -1 };                 /* beside the failures of the filter */
 enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS };
 
@@ -42,6 +43,7 @@ typedef struct {
     const long long *seen_of, *believed_of;      /* places in a reading; among the states */
     const double *radius;
     Formula law, valves;
+    Plausibility *plausibility;
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD];
@@ -173,6 +175,8 @@ EXPORT int cycle(Cycle *c, long long until)
             for (long long i = 0; i < c->present_count; i++)
                 c->truth[c->present[i]] = c->shown[i];
         }
+        if (!plausible(c->plausibility, k, c->truth, c->inputs))
+            return IMPLAUSIBLE;
         copy(row + c->true_at, c->truth, OUTPUTS);
         copy(row + c->sent_at, c->inputs, INPUTS);
         read_all(c, row + c->read_at);

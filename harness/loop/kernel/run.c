@@ -47,6 +47,12 @@ typedef struct {
     long long first, done, status, where;
 } Run;
 
+/* Whether a status is neither fmi2OK nor fmi2Warning: a number that is no status at all is an error, too. */
+static int failed(long long status)
+{
+    return status != 0 && status != 1;
+}
+
 static void remember(const Filter *f, long long row)
 {
     const double nothing = 0.0 / 0.0;
@@ -77,13 +83,13 @@ EXPORT int run(Run *run)
         const double *noise = run->noise + k * run->n_readings;
 
         run->where = SETTING;
-        if (run->n_inputs && (run->status = run->set(run->fmu, run->to, run->n_inputs, (double *)inputs)) > 1)
+        if (run->n_inputs && failed(run->status = run->set(run->fmu, run->to, run->n_inputs, (double *)inputs)))
             return 1;
         run->where = STEPPING;
-        if ((run->status = run->step(run->fmu, run->start + (run->first + k) * run->period, run->period, (int)run->looks_back)) > 1)
+        if (failed(run->status = run->step(run->fmu, run->start + (run->first + k) * run->period, run->period, (int)run->looks_back)))
             return 1;
         run->where = READING_OUTPUTS;
-        if ((run->status = run->get(run->fmu, run->of, run->n_outputs, run->outputs)) > 1)
+        if (failed(run->status = run->get(run->fmu, run->of, run->n_outputs, run->outputs)))
             return 1;
         run->where = NOT_FINITE;
         for (long long i = 0; i < run->n_outputs; i++)

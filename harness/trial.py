@@ -1,0 +1,155 @@
+"""A short run of a plant from outside before its stop: whether map, units and signs are what they are taken for.
+
+The train coasts, then brakes fully on a good rail. What is compared are ratios that physics knows: distance over the
+integral of the speed, speed over that of the acceleration, speed of the train over that of its wheels.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.loop.edge import COMMAND, FRICTION, INPUTS, OUTPUT
+from harness.loop.ports import Plant
+
+Matrix = NDArray[np.float64]
+
+_COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 to 5 s (UIC 540)
+_GOOD_RAIL = 0.4
+_WEAR = 0.08
+"""A new wheel and a worn one differ by as much; one that differs by more looks like a wheel in slide."""
+_LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
+_FACTORS = {
+    "the other sign": -1.0, "km/h for m/s": 3.6, "m/s for km/h": 1 / 3.6, "km for m": 1e-3, "m for km": 1e3,
+    "bar for Pa": 1e-5, "Pa for bar": 1e5, "revolutions per second for rad/s": 1 / (2 * math.pi),
+    "revolutions per minute for rad/s": 30 / math.pi, "percent for a ratio": 100.0,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What the run showed of a signal.
+
+    Attributes:
+        signal: Ours.
+        good: Whether it is as it must be.
+        sentence: Numbers, and what was expected.
+    """
+
+    signal: str
+    good: bool
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trial:
+    """The outputs of a plant that coasted and braked.
+
+    Attributes:
+        rows: A row for each sample, as in `harness.loop.edge`; NaN where the plant shows nothing.
+        coasting: Number of them before the brakes were applied.
+        period: Of the samples [s].
+    """
+
+    rows: Matrix
+    coasting: int
+    period: float
+
+
+def tried(plant: Plant, *, period: float, release: tuple[float, ...], brake: tuple[float, ...]) -> Trial:
+    """Let a plant coast and brake, until it has lost half of its speed or 5 s are over.
+
+    Args:
+        plant: Not yet started.
+        period: Its communication period [s].
+        release: Command of each group that leaves the brakes released.
+        brake: The one that applies them fully.
+
+    Raises:
+        PlantFailed: It refused a step.
+    """
+    inputs = np.zeros(INPUTS)
+    inputs[COMMAND], inputs[FRICTION] = release, _GOOD_RAIL
+    rows = [plant.start(inputs)]
+    coasting = max(round(_COAST / period), 2)
+    rows += [plant.step(inputs) for _ in range(coasting)]
+    inputs[COMMAND] = brake
+    speed = OUTPUT["speed"].start
+    for _ in range(max(round(_BRAKE / period), 2)):
+        rows.append(plant.step(inputs))
+        if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
+            break
+    return Trial(rows=np.array(rows), coasting=coasting + 1, period=period)
+
+
+def findings(
+    trial: Trial, *, speed: float, radius: tuple[float, ...], pressure: tuple[float, ...]
+) -> tuple[Finding, ...]:
+    """Return what a trial showed; a signal that the plant lacks is not among it.
+
+    Args:
+        trial: Of the plant.
+        speed: That it was asked to start with [m/s].
+        radius: Of the wheels of each group, as the harness believes [m].
+        pressure: Full brake cylinder pressure of each group [Pa].
+    """
+    shown = {name: trial.rows[:, place] for name, place in OUTPUT.items()}
+    v, x, a = (shown[name][:, 0] for name in ("speed", "distance", "acceleration"))
+    last, coasting = trial.coasting - 1, trial.coasting
+    found = [_ratio("speed", v[0], speed, 0.01, "m/s at the start, [start] speed is")]
+    found.append(_ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives"))
+    lost, gained = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
+    slowing = -lost / ((len(v) - coasting) * trial.period)
+    found.append(
+        Finding(
+            signal="pressure_command",
+            good=slowing >= _LEAST_DECELERATION,
+            sentence=f"full brakes slow the train by {slowing:.3g} m/s2, {_LEAST_DECELERATION:g} and more is expected",
+        )
+    )
+    if abs(lost) > 0.1:
+        found.append(_ratio("acceleration", gained, lost, 0.1, "m/s as its integral in braking, the speed changes by"))
+    for g, believed in enumerate(radius):
+        wheel, slip = shown["wheelset_speed"][last, g], shown["slip"][last, g]
+        name = f"wheelset_speed[{g + 1}]"
+        rolling = v[last] / wheel if wheel else math.inf
+        words = f"m of radius by speed over wheel speed; the harness believes {believed:.6g} m"
+        near = abs(rolling / believed - 1) <= _WEAR
+        hint = "" if near else _hint(believed / rolling)
+        if not near and not hint:
+            hint = (
+                f": a constant slip of {1 - believed / rolling:.0%}; give the controller and the estimator this r_wheel"
+            )
+        found.append(Finding(signal=name, good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}"))
+        if not math.isnan(slip):
+            good = abs(slip) <= 0.02 and shown["slip"][-1, g] > -0.005
+            sentence = (
+                f"is {slip:.3g} coasting and {shown['slip'][-1, g]:.3g} in full braking; 0, and then above, is expected"
+            )
+            found.append(Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence))
+        found.append(
+            _ratio(f"cylinder_pressure[{g + 1}]", shown["cylinder_pressure"][-1, g], pressure[g], 0.5, "Pa of")
+        )
+    for i, adhesion in enumerate(shown["adhesion"][-1]):
+        if not math.isnan(adhesion):
+            good = 0 < adhesion <= _GOOD_RAIL * 1.01
+            sentence = f"is {adhesion:.3g} in full braking; above 0 and at most mu0 = {_GOOD_RAIL:g} is expected"
+            found.append(Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence))
+    return tuple(found)
+
+
+def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> Finding:
+    """Compare a value with what it must be, up to a share of it, and name the mistake that the ratio looks like."""
+    ratio = value / expected if expected else math.inf
+    good = abs(ratio - 1) <= tolerance
+    return Finding(
+        signal=signal,
+        good=good,
+        sentence=f"shows {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
+    )
+
+
+def _hint(ratio: float) -> str:
+    likely = [words for words, factor in _FACTORS.items() if abs(ratio / factor - 1) < 0.08]
+    return f"; it looks like {likely[0]}" if likely else ""
