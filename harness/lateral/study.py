@@ -96,15 +96,11 @@ def conduct(
         simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
         with processes(workers) as pool:
             running = {pool.submit(one, case): case for case in missing}
-            try:
-                for done in as_completed(running):
-                    case = running[done]
-                    results[case] = done.result()
-                    _keep(kept / f"{key(case)}.json", case, results[case])
-                    tell(case, False)
-            except BaseException:
-                pool.shutdown(cancel_futures=True)
-                raise
+            for done in as_completed(running):
+                case = running[done]
+                results[case] = done.result()
+                _keep(kept / f"{key(case)}.json", case, results[case])
+                tell(case, False)
     return tuple(Result(case=case, measures=results[case]) for case in plan.cases)
 
 
