@@ -9,7 +9,7 @@ import signal
 import socket
 import struct
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -126,5 +126,6 @@ def main() -> None:
     # Ctrl-C goes to the whole group; the parent decides what becomes of the plant.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _end_with_parent()
-    with socket.socket(fileno=int(sys.argv[1])) as line:
+    # Whoever asked may be gone before the answer; then nobody wants it.
+    with socket.socket(fileno=int(sys.argv[1])) as line, suppress(ConnectionError):
         serve(line)

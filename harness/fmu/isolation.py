@@ -28,6 +28,7 @@ from harness.fmu.failure import Failure, FmuError, PlantFailed
 from harness.fmu.instance import unpacked
 from harness.fmu.mapping import Binding
 from harness.fmu.parameters import Values
+from harness.interrupted import deaf_children
 
 Vector = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ class IsolatedCoSimulation:
             folder = stack.enter_context(unpacked(self._description))
             ours, theirs = socket.socketpair()
             stack.callback(ours.close)
-            with theirs:
+            with theirs, deaf_children():
                 self._process = subprocess.Popen(
                     [
                         sys.executable,

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 PROGRAM = """
 import sys, synthetic_runner
 sys.modules["harness.assemble"] = synthetic_runner
-from harness.commands import main
+from harness.__main__ import main
 if __name__ == "__main__":
     main()
 """
