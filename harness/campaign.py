@@ -15,7 +15,7 @@ from harness.failure import sentence_of
 from harness.record.atomic import PARTIAL, write_text
 from harness.record.error import RecordError
 from harness.record.outcome import Outcome
-from harness.record.stop import read_stop
+from harness.record.stop import TRACE_FILE, read_stop
 from harness.run import SOURCES, Runner, make_folder, run
 from harness.scenario.campaign import Campaign, PlannedStop
 from harness.scenario.schema import Scenario
@@ -76,7 +76,8 @@ def run_campaigns(
         RecordError: Results cannot be written there; nothing was run.
     """
     for one in asked:
-        make_folder(one.directory)
+        name = one.campaign.name
+        make_folder(one.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
         write_description(one.campaign, one.directory)
     reports: list[dict[str, Report]] = [{} for _ in asked]
     waiting: list[_Order] = []
@@ -159,6 +160,8 @@ def is_there(stop: PlannedStop, directory: Path) -> bool:
     try:
         record = read_stop(directory)
     except RecordError:
+        return False
+    if not (directory / TRACE_FILE).is_file():  # it had found no place
         return False
     return record.digest == stop.scenario.digest() and record.versions.get(SOURCES) == sources_digest()
 

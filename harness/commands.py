@@ -91,10 +91,13 @@ def export(
     """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
     from fmus.native.package import pack
     from harness.export import controller_fmu
+    from harness.run import make_folder
     from harness.scenario.load import load
 
     scenario = load(file, overrides or [])
-    made = pack(controller_fmu(scenario), out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu")
+    place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
+    make_folder(place.parent, place.name)
+    made = pack(controller_fmu(scenario), place)
     say(str(made))
 
 
@@ -230,7 +233,7 @@ def tune_control(
     from harness.run import make_folder
     from harness.tune_control import GENERATIONS, POPULATION, RANGES, Found, search, text_of
 
-    make_folder(out.parent)
+    make_folder(out.parent, out.name)
     found: dict[str, Found] = {}
     for actuation in RANGES:
         with progress(f"{actuation} actuation: {GENERATIONS + 1} times {POPULATION} sets"):

@@ -109,8 +109,11 @@ def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> P
             f"binaries/{platform_folder()}/{source.identifier}{SUFFIX}": library.read_bytes(),
         } | {f"sources/{name}": text.encode() for name, text in source.files.items()}
     half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
-    with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in sorted(members.items()):
-            archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
-    half.replace(path)
+    try:
+        with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in sorted(members.items()):
+                archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
+        half.replace(path)
+    finally:
+        half.unlink(missing_ok=True)
     return path

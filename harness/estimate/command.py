@@ -84,7 +84,7 @@ def estimate(
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
     from harness.estimate.sources import recording_of_estimation
     from harness.estimate.spec import estimate_of, load_specification, prediction_for
-    from harness.record.atomic import replacing
+    from harness.record.atomic import write_bytes
     from harness.verdict.estimated import estimated
 
     specification = load_specification(file, overrides or [])
@@ -94,8 +94,7 @@ def estimate(
     _say_flags(recording)
     with progress(f"{specification.name}: filter"):
         told = estimate_of(specification, recording)
-    with replacing(folder / "estimates.nc") as partial:
-        told.to_netcdf(partial, engine="h5netcdf")
+    write_bytes(folder / "estimates.nc", bytes(told.to_netcdf(engine="h5netcdf")))
     _print_errors(recording, told)
     with progress(f"{specification.name}: figure"):
         picture = estimated(recording, told, prediction_for(specification).inputs, folder / "estimates.png")

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
@@ -16,6 +15,7 @@ from fmus.native import lower
 from harness.lateral.filters import CLASSES
 from harness.lateral.judge import measure
 from harness.lateral.run import Case, simulate
+from harness.record.atomic import write_text
 from harness.twins.lateral import PLANTS, TESTS, Trial
 from harness.workers import workers as processes
 
@@ -150,6 +150,4 @@ def _sources(package: str, names: Sequence[str] | None) -> list[tuple[str, str]]
 
 
 def _keep(file: Path, case: Case, measures: dict[str, Any]) -> None:
-    half = file.with_suffix(f".{os.getpid()}")
-    half.write_text(json.dumps({"case": asdict(case), "measures": measures}, allow_nan=False))
-    half.replace(file)
+    write_text(file, json.dumps({"case": asdict(case), "measures": measures}, allow_nan=False))

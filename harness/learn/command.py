@@ -56,15 +56,14 @@ def ride(
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
     from harness.learn.ride import read_ride, ride_beside, ride_figure
-    from harness.record.atomic import replacing
+    from harness.record.atomic import write_bytes
     from harness.verdict.style import save
 
     asked = read_ride(file)
     folder = out or Path("build/rides") / asked.name
     with progress(asked.name, 1.0) as shown:
         ridden = ride_beside(asked, file.parent, lambda share: shown.update(done=share))
-    with replacing(folder / "ride.nc") as partial:
-        ridden.trace.to_netcdf(partial, engine="h5netcdf")
+    write_bytes(folder / "ride.nc", bytes(ridden.trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(ridden.trace), folder / "ride.png")
     last = ridden.trace.isel(time=-1)
     sentence = f"{asked.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
