@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 from collections.abc import Generator
 from contextlib import contextmanager
 from types import FrameType
@@ -34,8 +35,15 @@ def stop_listening() -> None:
         signal.signal(number, signal.SIG_DFL)
 
 
+_held: list[list[int]] = []
+"""Signals of those `deaf_children` that are open, the innermost last."""
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise Interrupted(number)
+    if _held:
+        _held[-1].append(number)
+    else:
+        raise Interrupted(number)
 
 
 @contextmanager
@@ -43,13 +51,17 @@ def deaf_children() -> Generator[None]:
     """Let processes and threads that are started here never hear Ctrl-C, which a terminal sends to all.
 
     Whoever started them ends them. A mask is inherited where a handler is not: it holds from their first instruction
-    on, and a signal that comes now is heard afterwards.
+    on. A signal that comes to this process meanwhile is heard afterwards: who is half started reports a broken pipe.
     """
-    if os.name != "posix":
+    if os.name != "posix" or threading.current_thread() is not threading.main_thread():
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    _held.append([])
     try:
         yield
     finally:
+        numbers = _held.pop()
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number in numbers[:1]:
+            _interrupt(number, None)
