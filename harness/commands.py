@@ -89,14 +89,16 @@ def export(
     out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
 ) -> None:
     """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
-    from fmus.native.package import pack
-    from harness.export import controller_fmu
     from harness.run import make_folder
     from harness.scenario.load import load
 
     scenario = load(file, overrides or [])
     place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
     make_folder(place.parent, place.name)
+    # CasADi and the compiler come after the questions that need neither.
+    from fmus.native.package import pack
+    from harness.export import controller_fmu
+
     made = pack(controller_fmu(scenario), place)
     say(str(made))
 
