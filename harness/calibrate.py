@@ -11,9 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import typer
-from rich.console import Console
-
 from harness.record.atomic import write_text
 from harness.scenario.load import load
 from harness.workers import workers
@@ -118,19 +115,3 @@ def with_levels(text: str, levels: dict[str, float]) -> str:
     if count != 1:
         raise ValueError("a scenario of the library has exactly one line 'calibrated = …' in [adhesion]")
     return changed
-
-
-def add_to(app: typer.Typer) -> None:
-    """Put the command `calibrate` on the command line."""
-
-    @app.command(name="calibrate")
-    def command() -> None:  # pyright: ignore[reportUnusedFunction]  (typer keeps it)
-        """Fit the levels of the scenarios to the published distances of slip-based control, and write them."""
-        console = Console(highlight=False)
-        with Console(stderr=True).status("each line takes some ten stops"):
-            calibrate(
-                lambda one: console.print(
-                    f"{one.scenario}, {one.shape}: level {one.level:.5f}, {one.distance:.1f} m "
-                    f"(wanted {TARGETS[one.scenario]} m)"
-                )
-            )

@@ -1,8 +1,6 @@
 """Many stops at once: each in a process, each result kept as soon as it is there, none run twice."""
 
 import json
-import multiprocessing
-import signal
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
@@ -14,18 +12,18 @@ import pebble
 
 from fmus.build import choose
 from fmus.recipe import read_recipes
+from harness import workers as processes
 from harness.failure import sentence_of
 from harness.record.atomic import PARTIAL, write_text
 from harness.record.error import RecordError
 from harness.record.outcome import Outcome
-from harness.record.stop import read_stop
+from harness.record.stop import TRACE_FILE, read_stop
 from harness.run import SOURCES, Runner, make_folder, run
 from harness.scenario.campaign import Campaign, PlannedStop
 from harness.scenario.schema import Scenario
 from harness.sources import sources_digest
 from harness.verdict.compilers import OURS, makers
 from harness.verdict.results import CAMPAIGN_FILE
-from harness.workers import leave_with_parent
 
 State = Literal["found", "done", "ended_badly", "refused", "failed"]
 
@@ -66,7 +64,7 @@ def run_campaigns(
     """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
 
     A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`. Every
-    result that is written is whole; Ctrl-C ends the running stops and leaves the finished ones.
+    result that is written is whole; any exception ends the running stops and leaves the finished ones.
 
     Args:
         asked: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
@@ -79,10 +77,10 @@ def run_campaigns(
 
     Raises:
         RecordError: Results cannot be written there; nothing was run.
-        KeyboardInterrupt: After the running stops were ended.
     """
     for one in asked:
-        make_folder(one.directory)
+        name = one.campaign.name
+        make_folder(one.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
         write_description(one.campaign, one.directory)
     reports: list[dict[str, Report]] = [{} for _ in asked]
     waiting: list[_Order] = []
@@ -122,13 +120,18 @@ def _running(orders: Sequence[_Order], runner: Runner, workers: int) -> Generato
     if not orders:
         yield iter(())
         return
-    with _pool(min(workers, len(orders)), [order.folder for order in orders]) as pool:
-        yield _reports(
-            {
-                pool.schedule(_perform, args=[order.stop.scenario, order.folder, runner]): order  # in their order
-                for order in orders
-            }
-        )
+    try:
+        with processes.workers(min(workers, len(orders))) as pool:
+            yield _reports(
+                {
+                    pool.submit(_perform, order.stop.scenario, order.folder, runner): order  # in their order
+                    for order in orders
+                }
+            )
+    finally:
+        # What a process was writing when it was ended or crashed.
+        for half in (path for order in orders for path in order.folder.glob(PARTIAL)):
+            half.unlink(missing_ok=True)
 
 
 def _reports(running: dict[Future[tuple[State, str]], _Order]) -> Iterator[tuple[_Order, Report]]:
@@ -141,31 +144,6 @@ def _reports(running: dict[Future[tuple[State, str]], _Order]) -> Iterator[tuple
             except (pebble.ProcessExpired, CancelledError) as problem:
                 state, sentence = "failed", f"the process that ran it ended: {problem}"
             yield order, Report(stop=order.stop, state=state, sentence=sentence)
-
-
-@contextmanager
-def _pool(workers: int, directories: Sequence[Path]) -> Generator[pebble.ProcessPool]:
-    """Yield a pool of fresh processes; leave none of them and no half-written file behind."""
-    # "spawn": a forked child would inherit loaded FMUs and the threads of the progress bar in an unknown state.
-    pool = pebble.ProcessPool(
-        max_workers=workers, initializer=_start_worker, context=multiprocessing.get_context("spawn")
-    )
-    try:
-        yield pool
-        pool.close()
-    except BaseException:
-        pool.stop()
-        raise
-    finally:
-        pool.join()
-        for found in (path for directory in directories for path in directory.glob(PARTIAL)):
-            found.unlink(missing_ok=True)
-
-
-def _start_worker() -> None:
-    """Leave Ctrl-C to the parent, which ends the workers; but end with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    leave_with_parent()
 
 
 def _perform(scenario: Scenario, directory: Path, runner: Runner) -> tuple[State, str]:
@@ -185,6 +163,8 @@ def is_there(stop: PlannedStop, directory: Path) -> bool:
     try:
         record = read_stop(directory)
     except RecordError:
+        return False
+    if not (directory / TRACE_FILE).is_file():  # it had found no place
         return False
     if record.digest != stop.scenario.digest() or record.versions.get(SOURCES) != sources_digest():
         return False

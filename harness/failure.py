@@ -1,5 +1,6 @@
 """Which exceptions are sentences for the user, and whether they blame the question or the run."""
 
+import errno
 from dataclasses import dataclass
 
 from estimators.errors import EstimatorError
@@ -7,11 +8,14 @@ from fmus.errors import FmuError as BuildError
 from fmus.errors import WrongQuestion
 from harness.fmu.failure import FmuError, PlantFailed
 from harness.loop.compiled import LoopError
+from harness.record.atomic import Unwritten
 from harness.record.error import RecordError
 from harness.scenario.error import ScenarioError
 
 _QUESTIONS = (ScenarioError, RecordError, FmuError, EstimatorError, LoopError, WrongQuestion)
-_RUNS = (PlantFailed, BuildError)
+_RUNS = (PlantFailed, BuildError, Unwritten)
+_DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES}
+"""What files outside of results, built or temporary ones, meet on a full or protected disk."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,4 +37,6 @@ def sentence_of(problem: BaseException) -> Sentence | None:
         return Sentence(text=str(problem), wrong_question=True)
     if isinstance(problem, _RUNS):
         return Sentence(text=str(problem), wrong_question=False)
+    if isinstance(problem, OSError) and problem.errno in _DISK:
+        return Sentence(text=f"{problem.filename or 'a file'}: {problem.strerror}", wrong_question=False)
     return None

@@ -1,26 +1,67 @@
-"""Ctrl-C: a sentence and an exit code, never a traceback and never silence (which typer would make of it)."""
+"""Ctrl-C and SIGTERM: both end the program as an exception does, so that what is open is closed."""
 
-from collections.abc import Callable, Generator
+import os
+import signal
+import threading
+from collections.abc import Generator
 from contextlib import contextmanager
+from types import FrameType
 
-import typer
-from rich.console import Console
+_MEANINGS = {signal.SIGINT: "Interrupted", signal.SIGTERM: "Terminated"}
 
-INTERRUPTED = 130
+
+class Interrupted(BaseException):
+    """Somebody wants the program to end.
+
+    No `Exception`, which a program may answer, and no `KeyboardInterrupt`, which typer ends without a word.
+    """
+
+    def __init__(self, number: int) -> None:
+        """Say which signal it was."""
+        super().__init__(_MEANINGS[signal.Signals(number)])
+        self.code = 128 + number
+        """Exit code, as shells have it."""
+
+
+def listen() -> None:
+    """Raise `Interrupted` in the main thread at a signal; called in the main thread."""
+    for number in _MEANINGS:
+        signal.signal(number, _interrupt)
+
+
+def stop_listening() -> None:
+    """Let a signal end the program at once, without a word: it is about to end."""
+    for number in _MEANINGS:
+        signal.signal(number, signal.SIG_DFL)
+
+
+_held: list[list[int]] = []
+"""Signals of those `deaf_children` that are open, the innermost last."""
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if _held:
+        _held[-1].append(number)
+    else:
+        raise Interrupted(number)
 
 
 @contextmanager
-def sentence_when_interrupted(console: Console) -> Generator[None]:
-    """End with exit code 130 and say that results, each written whole or not at all, are kept."""
+def deaf_children() -> Generator[None]:
+    """Let processes and threads that are started here never hear Ctrl-C, which a terminal sends to all.
+
+    Whoever started them ends them. A mask is inherited where a handler is not: it holds from their first instruction
+    on. A signal that comes to this process meanwhile is heard afterwards: who is half started reports a broken pipe.
+    """
+    if os.name != "posix" or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    _held.append([])
     try:
         yield
-    except KeyboardInterrupt:
-        console.print("Interrupted; what had finished is kept.", highlight=False)
-        raise typer.Exit(INTERRUPTED) from None
-
-
-@contextmanager
-def status(console: Console, what: str) -> Generator[Callable[[str], None]]:
-    """Show what is being done, `what: step`; yields what tells the step."""
-    with sentence_when_interrupted(console), console.status(what) as shown:
-        yield lambda step: shown.update(f"{what}: {step}")
+    finally:
+        numbers = _held.pop()
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number in numbers[:1]:
+            _interrupt(number, None)

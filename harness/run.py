@@ -1,12 +1,13 @@
 """One scenario, run and kept."""
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
 from harness.record.error import RecordError
-from harness.record.stop import Stop, write_stop
+from harness.record.stop import FILES, Stop, write_stop
 from harness.scenario.error import ScenarioError
 from harness.scenario.schema import Scenario
 from harness.sources import sources_digest
@@ -33,11 +34,15 @@ class Runner(Protocol):
         ...
 
 
-def make_folder(directory: Path) -> None:
+def make_folder(directory: Path, *files: str) -> None:
     """Make the folder for results, before anybody waits for one.
 
+    Args:
+        directory: The folder.
+        files: Names of those that will be written there.
+
     Raises:
-        RecordError: It cannot be made.
+        RecordError: It cannot be made or not be written, or a file's place is taken by a folder.
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -45,6 +50,11 @@ def make_folder(directory: Path) -> None:
         raise RecordError(
             f"{directory}: results cannot be written there: {problem.strerror}; name another folder by --out"
         ) from problem
+    if not os.access(directory, os.W_OK):
+        raise RecordError(f"{directory}: results cannot be written there: no permission; name another folder by --out")
+    taken = next((directory / name for name in files if (directory / name).is_dir()), None)
+    if taken is not None:
+        raise RecordError(f"{taken}: a file is to be written there, and it is a folder; move it or name another --out")
 
 
 def run(
@@ -54,9 +64,10 @@ def run(
 
     Raises:
         RecordError: Results cannot be written there; nothing was run.
+        Unwritten: The result could not be written.
         ScenarioError: The scenario asks for something that its parties cannot do; it names the scenario.
     """
-    make_folder(directory)
+    make_folder(directory, *FILES)
     try:
         stop = runner(scenario, progress, tell)
     except ScenarioError as problem:

@@ -9,15 +9,11 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Any, cast
 
 import numpy as np
-import typer
 from numpy.typing import NDArray
-from rich.console import Console
 
-from harness.record.atomic import write_text
-from harness.run import make_folder
 from harness.scenario.campaign import PlannedStop, load_campaign
 from harness.scenario.merge import merged
 from harness.scenario.schema import Scenario
@@ -53,7 +49,7 @@ From what slip on there is a peak to seek depends on what sensors can tell from 
 
 _ENDLESS = 2000.0  # m, where the train does not stop
 _SEED = 2021
-_POPULATION, _GENERATIONS = 32, 5
+POPULATION, GENERATIONS = 32, 5
 
 Vector = NDArray[np.float64]
 
@@ -105,8 +101,8 @@ def search(
     *,
     processes: int = 2,
     rails: Path = RAILS,
-    population: int = _POPULATION,
-    generations: int = _GENERATIONS,
+    population: int = POPULATION,
+    generations: int = GENERATIONS,
 ) -> Found:
     """Search the parameters for one kind of actuation.
 
@@ -186,27 +182,3 @@ def _distance(scenario: Scenario) -> float:
 
     distance = braking_distance(scenario)
     return _ENDLESS if distance is None else distance
-
-
-def add_to(app: typer.Typer) -> None:
-    """Put the command `tune-control` on the command line."""
-
-    @app.command(name="tune-control")
-    def command(  # pyright: ignore[reportUnusedFunction]  (typer keeps it)
-        out: Annotated[Path, typer.Option(help="The file of parameters.")] = Path("controllers/seeker.toml"),
-        workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
-    ) -> None:
-        """Search the parameters of adhesion-based control on the training rails, and write them."""
-        make_folder(out.parent)
-        console, found = Console(highlight=False), dict[str, Found]()
-        for actuation in RANGES:
-            with Console(stderr=True).status(f"{actuation} actuation: {_GENERATIONS + 1} times {_POPULATION} sets"):
-                found[actuation] = search(
-                    actuation,
-                    lambda number, best, actuation=actuation: console.print(
-                        f"{actuation} actuation, generation {number}: {100 * best:+.2f} % against slip-based control"
-                    ),
-                    processes=workers,
-                )
-            console.print(text_of({actuation: found[actuation]}), markup=False, soft_wrap=True)
-        write_text(out, text_of(found))

@@ -4,33 +4,72 @@ import multiprocessing
 import os
 import signal
 import sys
+import tempfile
 import threading
 import time
-from collections.abc import Generator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Generator
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import get_context, resource_tracker
 from types import FrameType
-from typing import Final
+from typing import Final, ParamSpec, TypeVar
+
+import pebble
+
+from harness.interrupted import deaf_children
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 
 _THREADS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
+P = ParamSpec("P")
+T = TypeVar("T")
+
 
 @contextmanager
-def workers(count: int) -> Generator[ProcessPoolExecutor]:
-    """Yield a pool of `count` processes.
+def workers(count: int) -> Generator[Executor]:
+    """Yield a pool of `count` processes; when the block ends by an exception, they are ended at once.
 
-    Their linear algebra has one thread each: matrices of a few dozen columns gain nothing from more, and threads that
-    wait for each other on a busy machine make it ten times slower.
+    A process that crashes fails its task with `pebble.ProcessExpired`, and another takes its place. Their linear
+    algebra has one thread each: matrices of a few dozen columns gain nothing from more, and threads that wait for each
+    other on a busy machine make it ten times slower. Their temporary files lie in a folder that goes with the pool,
+    however they ended.
     """
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
+    with (
+        tempfile.TemporaryDirectory(prefix="railgrip-workers-", ignore_cleanup_errors=True) as scratch,
+        _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": scratch}),
+    ):
         # Spawned, because CasADi holds threads, and because a library reads the variables when it is loaded.
-        with ProcessPoolExecutor(count, get_context("spawn"), initializer=leave_with_parent) as pool:
-            yield pool
+        pool = pebble.ProcessPool(count, initializer=_start_worker, context=get_context("spawn"))
+        try:
+            yield _Pool(pool)
+            pool.close()
+        except BaseException:
+            pool.stop()
+            raise
+        finally:
+            pool.join()
+
+
+class _Pool(Executor):
+    """Pebble's pool as an executor; its processes, and the threads that start them, are deaf to Ctrl-C."""
+
+    def __init__(self, pool: pebble.ProcessPool) -> None:
+        self._pool = pool
+        # Started by the first process otherwise, it would lift the mask on its way.
+        resource_tracker.ensure_running()
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        with deaf_children():
+            return self._pool.schedule(fn, args=args, kwargs=kwargs)
+
+
+@contextmanager
+def _environment(values: dict[str, str]) -> Generator[None]:
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
     finally:
         for name, value in before.items():
             if value is None:
@@ -39,7 +78,7 @@ def workers(count: int) -> Generator[ProcessPoolExecutor]:
                 os.environ[name] = value
 
 
-def leave_with_parent() -> None:
+def _start_worker() -> None:
     """End this process when the one that started it is gone, however that ended; called in its main thread.
 
     Workers hold both ends of their own queue: they would not notice, finish what lies in it, and then wait for ever.
@@ -48,22 +87,19 @@ def leave_with_parent() -> None:
     parent = multiprocessing.parent_process()
     assert parent is not None, "for a process that multiprocessing started"
 
-    orphaned = threading.Event()
-
     def leave(number: int, frame: FrameType | None) -> None:
-        if orphaned.is_set():
-            sys.exit(1)
-        # A pool that ends its workers means at once, without a word.
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        os.kill(os.getpid(), signal.SIGTERM)
+        sys.exit(1)
 
     def wait() -> None:
         parent.join()
-        orphaned.set()
-        for _ in range(_TRIES):  # the pool takes the exit for a failed task, and takes the next from its queue
-            os.kill(os.getpid(), signal.SIGTERM)
+        for _ in range(_TRIES if os.name == "posix" else 0):
+            # The pool takes the exit for a failed task, and takes the next from its queue.
+            os.kill(os.getpid(), signal.SIGUSR1)
             time.sleep(0.1)
         os._exit(1)
 
-    signal.signal(signal.SIGTERM, leave)
+    # A pool that ends its workers means at once, be they in a loop in C.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if os.name == "posix":
+        signal.signal(signal.SIGUSR1, leave)
     threading.Thread(target=wait, name="leave with parent", daemon=True).start()

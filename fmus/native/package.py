@@ -101,8 +101,11 @@ def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> P
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
-    half.write_bytes(zipped(source, flags=flags))
-    half.replace(path)
+    try:
+        half.write_bytes(zipped(source, flags=flags))
+        half.replace(path)
+    finally:
+        half.unlink(missing_ok=True)
     return path
 
 

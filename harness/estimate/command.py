@@ -1,22 +1,15 @@
 """Commands of this room: observability, estimate and rig; `add_to` puts them on the command line."""
 
 import csv
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
-from harness.interrupted import status
+from harness.console import complain, progress, say, show_table
 
 if TYPE_CHECKING:
     import xarray
-
-# Where nobody watches, a table is not cut to a screen that is not there.
-_out = Console(width=None if sys.stdout.isatty() else 140)
-_err = Console(stderr=True)
 
 OUT = Path("build/estimate")
 
@@ -54,34 +47,30 @@ def observability(
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
-    with status(_err, f"{specification.name}: recording"):
+    with progress(f"{specification.name}: recording"):
         recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
     if data is not None:
         _say_flags(recording)
-        with status(_err, f"{specification.name}: filter"):
+        with progress(f"{specification.name}: filter"):
             recording = with_estimates_as_truth(specification, recording)
-    with status(_err, f"{specification.name}: windows"):
+    with progress(f"{specification.name}: windows"):
         observed = observe(specification, recording)
-    table = Table(
-        box=None, header_style="bold", title="Rank of the readings and their derivatives", title_justify="left"
-    )
-    for column in ("at", "rank", "derivatives", "not determined"):
-        table.add_column(column)
-    for point in observed.points:
-        found = point.found
-        table.add_row(
-            f"{point.time:.2f} s, {point.what}",
-            f"{found.rank} of {len(found.states)}",
-            str(found.order),
-            ", ".join(found.undetermined) or "-",
-        )
-    _out.print(table)
+    ranks = [
+        {
+            "at": f"{point.time:.2f} s, {point.what}",
+            "rank": f"{point.found.rank} of {len(point.found.states)}",
+            "derivatives": str(point.found.order),
+            "not determined": ", ".join(point.found.undetermined) or "-",
+        }
+        for point in observed.points
+    ]
+    show_table(ranks, title="Rank of the readings and their derivatives")
     windows = observed.windows
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
     shown = tuple(gate.inputs) if gate is not None else prediction_for(specification).inputs[:2]
     picture = information(recording, windows, folder / "observability.png", inputs=shown)
-    _out.print(f"{folder}/observability.csv, {picture}", highlight=False, soft_wrap=True)
+    say(f"{folder}/observability.csv, {picture}")
 
 
 def estimate(
@@ -95,24 +84,23 @@ def estimate(
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
     from harness.estimate.sources import recording_of_estimation
     from harness.estimate.spec import estimate_of, load_specification, prediction_for
-    from harness.record.atomic import replacing
+    from harness.record.atomic import write_bytes
     from harness.verdict.estimated import estimated
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
-    with status(_err, f"{specification.name}: recording"):
+    with progress(f"{specification.name}: recording"):
         recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
     _say_flags(recording)
-    with status(_err, f"{specification.name}: filter"):
+    with progress(f"{specification.name}: filter"):
         told = estimate_of(specification, recording)
-    with replacing(folder / "estimates.nc") as partial:
-        told.to_netcdf(partial, engine="h5netcdf")
+    write_bytes(folder / "estimates.nc", bytes(told.to_netcdf(engine="h5netcdf")))
     _print_errors(recording, told)
-    with status(_err, f"{specification.name}: figure"):
+    with progress(f"{specification.name}: figure"):
         picture = estimated(recording, told, prediction_for(specification).inputs, folder / "estimates.png")
-    _out.print(f"{folder}/estimates.nc, {picture}", highlight=False, soft_wrap=True)
+    say(f"{folder}/estimates.nc, {picture}")
     if told.attrs["ended"]:
-        _err.print(f"{specification.name}: {told.attrs['ended']}", style="red", highlight=False, markup=False)
+        complain(f"{specification.name}: {told.attrs['ended']}")
         raise typer.Exit(3)
 
 
@@ -120,28 +108,24 @@ def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
     from harness.estimate.rig import study
 
-    with status(_err, "roller rig") as tell:
-        rows = study(out, tell)
-    table = Table(
-        box=None, header_style="bold", title="Adhesion and pad friction against the truth", title_justify="left"
-    )
-    heads = ("scenario", "filter", "α rmse", "α outside events", "longest > 0.02", "kept", "μ rmse", "μ bias", "μ NEES")
-    for column in heads:
-        table.add_column(column)
-    for row in rows:
-        table.add_row(
-            row.scenario,
-            row.filter,
-            f"{row.alpha_rmse:.4f}",
-            f"{row.alpha_outside:.4f}",
-            f"{1e3 * row.longest:.0f} ms",
-            "yes" if row.kept else "no",
-            f"{row.mu_b_rmse:.4f}",
-            f"{row.mu_b_bias:+.4f}",
-            f"{row.mu_b_nees:.2g}",
-        )
-    _out.print(table)
-    _out.print(f"{out}/rig.md", highlight=False, soft_wrap=True)
+    with progress("roller rig") as shown:
+        rows = study(out, lambda what: shown.update(doing=what))
+    figures = [
+        {
+            "scenario": row.scenario,
+            "filter": row.filter,
+            "α rmse": f"{row.alpha_rmse:.4f}",
+            "α outside events": f"{row.alpha_outside:.4f}",
+            "longest > 0.02": f"{1e3 * row.longest:.0f} ms",
+            "kept": "yes" if row.kept else "no",
+            "μ rmse": f"{row.mu_b_rmse:.4f}",
+            "μ bias": f"{row.mu_b_bias:+.4f}",
+            "μ NEES": f"{row.mu_b_nees:.2g}",
+        }
+        for row in rows
+    ]
+    show_table(figures, title="Adhesion and pad friction against the truth")
+    say(f"{out}/rig.md")
 
 
 def add_to(app: typer.Typer) -> None:
@@ -154,7 +138,7 @@ def add_to(app: typer.Typer) -> None:
 def _say_flags(recording: "xarray.Dataset") -> None:
     """Print what was mended in a user's file."""
     for sentence in recording.attrs.get("flags", ()):
-        _out.print(f"{recording.attrs['name']}: {sentence}", highlight=False, markup=False, soft_wrap=True)
+        say(f"{recording.attrs['name']}: {sentence}")
 
 
 def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
@@ -165,20 +149,19 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
     if not known:
         return
-    table = Table(box=None, header_style="bold", title=f"{recording.attrs['name']}: estimate minus truth")
-    for column in ("state", "rmse", "bias", "largest", "NEES", "within 2 sd"):
-        table.add_column(column, justify="left" if column == "state" else "right")
-    for state in known:
-        found = judge(recording, told, state)
-        table.add_row(
-            state,
-            f"{found.rmse:.4g}",
-            f"{found.bias:+.4g}",
-            f"{found.largest:.4g}",
-            f"{found.nees:.3g}",
-            f"{100 * found.covered:.1f} %",
-        )
-    _out.print(table)
+    judged = {state: judge(recording, told, state) for state in known}
+    rows = [
+        {
+            "state": state,
+            "rmse": f"{found.rmse:.4g}",
+            "bias": f"{found.bias:+.4g}",
+            "largest": f"{found.largest:.4g}",
+            "NEES": f"{found.nees:.3g}",
+            "within 2 sd": f"{100 * found.covered:.1f} %",
+        }
+        for state, found in judged.items()
+    ]
+    show_table(rows, title=f"{recording.attrs['name']}: estimate minus truth", right=tuple(rows[0])[1:])
 
 
 def _write_windows(windows: object, path: Path) -> None:

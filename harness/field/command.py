@@ -4,13 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from harness.interrupted import sentence_when_interrupted, status
-
-_out = Console()
-_err = Console(stderr=True)
+from harness.console import progress, say
 
 Scenario = Annotated[
     Path | None, typer.Option("--scenario", metavar="FILE.toml", help="Field test; the library's unless given.")
@@ -31,10 +26,10 @@ def field(
     from harness.field.report import write_report
     from harness.twins.field_scenario import field_scenario
 
-    with status(_err, "field test") as tell:
-        page = write_report(field_scenario(scenario), out, tell=tell)
-    _out.print(page.read_text(encoding="utf-8"), markup=False, highlight=False, soft_wrap=True)
-    _out.print(str(page), highlight=False, soft_wrap=True)
+    with progress("field test") as shown:
+        page = write_report(field_scenario(scenario), out, tell=lambda what: shown.update(doing=what))
+    say(page.read_text(encoding="utf-8"))
+    say(str(page))
 
 
 def tune(
@@ -60,21 +55,19 @@ def tune(
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     chosen = field_scenario(scenario)
     model = prediction()
-    with status(_err, "twin") as tell:
-        made = brakings(chosen, TUNING, tell)
+    with progress("twin") as shown:
+        made = brakings(chosen, TUNING, lambda case: shown.update(doing=case))
     tasks = [task_of(braking, model) for _, braking in made.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{chosen.name}-{kind}.npz"
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with sentence_when_interrupted(_err), Progress(*columns, console=_err) as bar:
-        task = bar.add_task("generation", total=generations)
+    with progress("generations", generations, counted=True) as shown:
         found = search_for(
             kind,
             tasks,
             model,
             search,
             checkpoint,
-            lambda generation, best: bar.update(task, completed=generation, description=f"best {best:.6f} m/s"),
+            lambda generation, best: shown.update(done=generation, doing=f"best {best:.6f} m/s"),
         )
     command = (
         f"railgrip tune {kind} --population {population} --generations {generations} --stage {stage} --seed {seed} "
@@ -87,5 +80,5 @@ def tune(
         command=command,
         results={"objective": found.value, "generations": float(len(found.history))},
     )
-    _out.print(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations", highlight=False)
-    _out.print(str(out), highlight=False, soft_wrap=True)
+    say(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations")
+    say(str(out))

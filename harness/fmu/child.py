@@ -9,7 +9,7 @@ import json
 import pickle
 import socket
 import struct
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -130,6 +130,7 @@ def _plant(opening: Opening) -> CoSimulation:
 
 def serve_on(number: int) -> None:
     """Say that this process is ready, and serve on the socket of a file descriptor."""
-    with socket.socket(fileno=number) as line:
+    # Whoever asked may be gone before the answer; then nobody wants it.
+    with socket.socket(fileno=number) as line, suppress(ConnectionError):
         send(line, ANSWER, b"")
         serve(line)

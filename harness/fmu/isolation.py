@@ -32,6 +32,7 @@ from harness.fmu.instance import unpacked
 from harness.fmu.keeper import REPORT
 from harness.fmu.mapping import Binding
 from harness.fmu.parameters import Values
+from harness.interrupted import deaf_children
 from harness.limits import FMU_LIMITS, FmuLimits
 
 Vector = NDArray[np.float64]
@@ -105,7 +106,7 @@ class IsolatedCoSimulation:
             stack.callback(ours.close)
             life, its_life = socket.socketpair()
             stack.callback(life.close)
-            with theirs, its_life:
+            with theirs, its_life, deaf_children():
                 # Isolated, -I: neither the current folder nor PYTHONPATH decides what is imported.
                 self._process = subprocess.Popen(
                     [sys.executable, "-I", str(KEEPER), str(theirs.fileno()), str(its_life.fileno()), self._how()],

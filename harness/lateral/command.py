@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from harness.console import progress, say
 
 
 def add_to(app: typer.Typer) -> None:
@@ -24,10 +24,8 @@ def lateral(
 
     plan = QUICK if quick else FULL
     folder = out / "quick" if quick else out
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("lateral", total=len(plan.cases))
-        results = conduct(plan, folder, workers=workers, tell=lambda case, found: bar.advance(task))
-        bar.update(task, description="report")
-        page = write_report(plan, results, folder, tell=lambda what: bar.update(task, description=what))
-    Console().print(str(page), highlight=False, soft_wrap=True)
+    with progress("lateral", len(plan.cases), counted=True) as shown:
+        results = conduct(plan, folder, workers=workers, tell=lambda case, found: shown.advance())
+        shown.update(doing="report")
+        page = write_report(plan, results, folder, tell=lambda what: shown.update(doing=what))
+    say(str(page))

@@ -16,6 +16,7 @@ from harness.lateral.tables import (
     spread,
     write_csv,
 )
+from harness.record.atomic import write_text
 from harness.twins.lateral import PLANTS
 from harness.verdict.style import save
 
@@ -37,7 +38,8 @@ def write_report(
         pictures += [f"![{case.test.name}]({name})", ""]
     confidence = spread([0.0] * plan.seeds).confidence
     page = directory / "lateral.md"
-    page.write_text(
+    write_text(
+        page,
         "\n".join(
             [
                 "# Wheelset with lateral and yaw dynamics",
@@ -83,6 +85,5 @@ def write_report(
                 *pictures,
             ]
         ),
-        encoding="utf-8",
     )
     return page

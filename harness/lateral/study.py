@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
@@ -16,6 +15,7 @@ from fmus.native import lower
 from harness.lateral.filters import CLASSES
 from harness.lateral.judge import measure
 from harness.lateral.run import Case, simulate
+from harness.record.atomic import write_text
 from harness.twins.lateral import PLANTS, TESTS, Trial
 from harness.workers import workers as processes
 
@@ -96,15 +96,11 @@ def conduct(
         simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
         with processes(workers) as pool:
             running = {pool.submit(one, case): case for case in missing}
-            try:
-                for done in as_completed(running):
-                    case = running[done]
-                    results[case] = done.result()
-                    _keep(kept / f"{key(case)}.json", case, results[case])
-                    tell(case, False)
-            except BaseException:
-                pool.shutdown(cancel_futures=True)
-                raise
+            for done in as_completed(running):
+                case = running[done]
+                results[case] = done.result()
+                _keep(kept / f"{key(case)}.json", case, results[case])
+                tell(case, False)
     return tuple(Result(case=case, measures=results[case]) for case in plan.cases)
 
 
@@ -154,6 +150,4 @@ def _sources(package: str, names: Sequence[str] | None) -> list[tuple[str, str]]
 
 
 def _keep(file: Path, case: Case, measures: dict[str, Any]) -> None:
-    half = file.with_suffix(f".{os.getpid()}")
-    half.write_text(json.dumps({"case": asdict(case), "measures": measures}, allow_nan=False))
-    half.replace(file)
+    write_text(file, json.dumps({"case": asdict(case), "measures": measures}, allow_nan=False))

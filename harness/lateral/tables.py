@@ -15,6 +15,7 @@ from scipy.stats import binom
 from harness.lateral.filters import NAMES
 from harness.lateral.judge import QUANTITIES
 from harness.lateral.study import Result
+from harness.record.atomic import replacing
 from harness.twins.lateral import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
@@ -125,7 +126,7 @@ def write_csv(rows: Sequence[dict[str, Any]], path: Path) -> Path:
         }
         for row in rows
     ]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(flat[0]))
         writer.writeheader()
         writer.writerows(flat)

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from harness.console import progress, say
 from harness.scenario.error import ScenarioError
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def learn(
     if file is not None and quick:
         raise ScenarioError("--quick is of the paper's study; your own runs are taken as they are.")
     page = _paper(inputs, quick, out or OUT, workers) if file is None else _own(file, inputs, out, workers)
-    Console().print(str(page), highlight=False, soft_wrap=True)
+    say(str(page))
 
 
 def ride(
@@ -57,27 +56,24 @@ def ride(
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
     from harness.learn.ride import read_ride, ride_beside, ride_figure
-    from harness.record.atomic import replacing
+    from harness.record.atomic import write_bytes
     from harness.verdict.style import save
 
     asked = read_ride(file)
     folder = out or Path("build/rides") / asked.name
-    with _progress() as bar:
-        task = bar.add_task(asked.name, total=1.0)
-        ridden = ride_beside(asked, file.parent, lambda share: bar.update(task, completed=share))
-    with replacing(folder / "ride.nc") as partial:
-        ridden.trace.to_netcdf(partial, engine="h5netcdf")
+    with progress(asked.name, 1.0) as shown:
+        ridden = ride_beside(asked, file.parent, lambda share: shown.update(done=share))
+    write_bytes(folder / "ride.nc", bytes(ridden.trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(ridden.trace), folder / "ride.png")
     last = ridden.trace.isel(time=-1)
-    shown = f"{asked.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
+    sentence = f"{asked.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
     if float(last["friction_sd"]) > 0:
-        shown += f" ± {float(last['friction_sd']):.3f}"
-    shown += f", true {asked.car.friction:.3f} in the mean"
+        sentence += f" ± {float(last['friction_sd']):.3f}"
+    sentence += f", true {asked.car.friction:.3f} in the mean"
     if ridden.apart is not None:
-        shown += f"; sample by sample within {ridden.apart:.1e} of the same readings at once"
-    console = Console()
-    console.print(shown, highlight=False, soft_wrap=True)
-    console.print(f"{folder}/ride.nc", highlight=False, soft_wrap=True)
+        sentence += f"; sample by sample within {ridden.apart:.1e} of the same readings at once"
+    say(sentence)
+    say(f"{folder}/ride.nc")
 
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
@@ -88,14 +84,9 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     from harness.record.atomic import write_text
 
     size = QUICK if quick else FULL
-    with _progress() as bar:
-        task = bar.add_task("learn", total=pieces(size))
-
-        def tell(name: str) -> None:
-            bar.update(task, advance=1, description=name)
-
-        made = study(size, inputs=inputs or "longitudinal", workers=workers, tell=tell)
-        bar.update(task, description="figures and FMUs")
+    with progress("learn", pieces(size), counted=True) as shown:
+        made = study(size, inputs=inputs or "longitudinal", workers=workers, tell=shown.advance)
+        shown.update(doing="figures and FMUs")
         drawn = draw(made, out)
         _export(estimators_of(made), out)
     pictures = "\n".join(f"![{path.stem}]({path.name})" for path in drawn)
@@ -115,16 +106,13 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
     network = asked.network if inputs is None else asked.network.model_copy(update={"inputs": inputs})
     folder = out or OUT.with_name(f"learn_{asked.name}")
     labels = file.parent / asked.runs.labels
-    with _progress() as bar:
-        task = bar.add_task("reading", total=len(read_labels(labels)))
-
-        def tell(name: str) -> None:
-            bar.update(task, advance=1, description=name)
-
-        read = read_folder(file.parent / asked.runs.folder, labels, asked.data, tell)
-        bar.update(task, description="training and judging", total=len(read.runs) + own_pieces(read.runs))
-        text, trained = judge_own(read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=tell)
-        bar.update(task, description="FMUs")
+    with progress("learn", len(read_labels(labels)), counted=True) as shown:
+        read = read_folder(file.parent / asked.runs.folder, labels, asked.data, shown.advance)
+        shown.update(doing="training and judging", total=len(read.runs) + own_pieces(read.runs))
+        text, trained = judge_own(
+            read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=shown.advance
+        )
+        shown.update(doing="FMUs")
         _export(trained, folder)
     page = folder / "report.md"
     write_text(page, text)
@@ -142,14 +130,3 @@ def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Pat
         with replacing(out / f"{name}.json") as partial:
             save(one, partial)
         pack(as_fmu(one.online()), out / f"{name}.fmu")
-
-
-def _progress() -> Progress:
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    return Progress(*columns, console=Console(stderr=True), transient=True)

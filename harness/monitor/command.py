@@ -4,10 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
+from harness.console import progress, say, show_table
 from harness.monitor.transducers import PRESSURE_OFFSET
 
 
@@ -30,24 +28,23 @@ def monitor(
     from harness.monitor.page import draw, rows_of, verdict_on
     from harness.monitor.watch import Design, watch
 
-    console = Console()
-    with Console(stderr=True).status("reading") as status:
+    with progress("reading") as shown:
         found = stops_in(
             folder,
             None if column_map is None else load_specification(column_map),
-            lambda done, of: status.update(f"stop {done} of {of}"),
+            lambda done, of: shown.update(doing=f"stop {done} of {of}"),
         )
     for sentence in found.sentences:
-        console.print(sentence, highlight=False, markup=False, soft_wrap=True)
+        say(sentence)
     if not found.evidence:
         from harness.estimate.error import EstimationError
 
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()
     history = watch(found.evidence, design)
-    _print(console, rows_of(history, found.names))
-    console.print(verdict_on(history, design), highlight=False, soft_wrap=True)
-    console.print(str(draw(history, design, out or folder / "monitor.png")), highlight=False, soft_wrap=True)
+    show_table(rows_of(history, found.names))
+    say(verdict_on(history, design))
+    say(str(draw(history, design, out or folder / "monitor.png")))
 
 
 def monitor_study(
@@ -64,18 +61,9 @@ def monitor_study(
     from harness.monitor.study import evidence_of_life, lives, study
     from harness.monitor.watch import Design, watch
 
-    console, design, asked = Console(), Design(), lives(seeds, stops, pressure_offset)
-    with Console(stderr=True).status("living") as status:
-        verdict = study(asked, design, workers=workers, tell=lambda done: status.update(f"life {done} of {seeds}"))
-    _print(console, verdict.rows())
+    design, asked = Design(), lives(seeds, stops, pressure_offset)
+    with progress("lives", seeds, counted=True) as shown:
+        verdict = study(asked, design, workers=workers, tell=lambda done: shown.update(done=done))
+    show_table(verdict.rows())
     first = watch(evidence_of_life(asked[0]), design)
-    console.print(str(draw(first, design, out / "life.png")), highlight=False, soft_wrap=True)
-
-
-def _print(console: Console, rows: list[dict[str, str]]) -> None:
-    table = Table(box=None, header_style="bold")
-    for column in rows[0]:
-        table.add_column(column)
-    for row in rows:
-        table.add_row(*(escape(cell) for cell in row.values()))
-    console.print(table)
+    say(str(draw(first, design, out / "life.png")))

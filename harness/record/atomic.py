@@ -5,6 +5,11 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
+
+class Unwritten(Exception):
+    """A result could not be written; nothing of it was left, and what was there before is untouched."""
+
+
 PARTIAL = ".*.partial"
 """Pattern of what a process that was killed while writing leaves behind."""
 
@@ -14,17 +19,28 @@ def replacing(path: Path) -> Generator[Path]:
     """Yield a path to write beside `path`; it takes its place when the block ends well, else vanishes.
 
     Ctrl-C counts as a failure: whoever finds `path` finds all of it.
+
+    Raises:
+        Unwritten: The disk is full, or may not be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
-        yield partial
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            yield partial
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as problem:
+        raise Unwritten(f"{path}: cannot be written: {problem.strerror or problem}") from problem
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a whole text file, or leave what was there."""
+    """Write a whole text file, or leave what was there; see `replacing`."""
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a whole file, or leave what was there; see `replacing`."""
     with replacing(path) as partial:
-        partial.write_text(text, encoding="utf-8")
+        partial.write_bytes(content)

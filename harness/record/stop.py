@@ -18,6 +18,8 @@ from harness.record.trace import read_trace, thinned, write_trace
 from harness.scenario.schema import Scenario
 
 STOP_FILE = "stop.json"
+FILES = (STOP_FILE, TRACE_FILE)
+"""What `write_stop` writes into a folder."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,13 +74,17 @@ class StopRecord:
 
 
 def write_stop(stop: Stop, directory: Path) -> None:
-    """Write trace.nc and then stop.json: where stop.json is, the trace is whole.
+    """Write trace.nc and then stop.json; where a trace is beside stop.json, it is whole and of this stop.
 
-    The same stop gives the same bytes; there is no clock time in them. The trace keeps a row each
+    A trace may find no place where the figures still do: they are kept without it. The same stop gives the same
+    bytes; there is no clock time in them. The trace keeps a row each
     `periods.trace`.
+
+    Raises:
+        Unwritten: The disk is full, or may not be written.
     """
-    (directory / STOP_FILE).unlink(missing_ok=True)
-    write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+    for name in FILES:
+        (directory / name).unlink(missing_ok=True)
     content = {
         "outcome": stop.outcome.value,
         "reason": stop.reason,
@@ -92,7 +98,10 @@ def write_stop(stop: Stop, directory: Path) -> None:
     }
     # JSON has no NaN: a figure that does not exist (no estimator, no lock) is null.
     text = json.dumps(_without_nan(content), indent=1, ensure_ascii=False, allow_nan=False)
-    write_text(directory / STOP_FILE, text + "\n")
+    try:
+        write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+    finally:
+        write_text(directory / STOP_FILE, text + "\n")
 
 
 def read_stop(directory: Path) -> StopRecord:

@@ -5,6 +5,7 @@ to 6).
 """
 
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.record.atomic import replacing
+from harness.record.atomic import write_bytes
 from harness.record.error import RecordError
 from harness.record.signals import GROUPS, WHEELSETS, Signal
 
@@ -71,7 +72,8 @@ def write_trace(trace: xarray.Dataset, path: Path) -> None:
     Written through h5netcdf, not through xarray, which would add fill values and attributes of its own
     version's taste.
     """
-    with replacing(path) as partial, h5netcdf.File(partial, "w") as file:
+    image = BytesIO()  # HDF5 answers a full disk by a crash; a file that is made in memory is written by Python
+    with h5netcdf.File(image, "w") as file:
         file.dimensions = {str(name): size for name, size in trace.sizes.items()}
         for name in (*trace.coords, *trace.data_vars):
             samples = trace[name]
@@ -88,6 +90,7 @@ def write_trace(trace: xarray.Dataset, path: Path) -> None:
             )
             for key in sorted(samples.attrs):
                 variable.attrs[key] = samples.attrs[key]
+    write_bytes(path, image.getvalue())
 
 
 def read_trace(path: Path) -> xarray.Dataset:

@@ -1,6 +1,7 @@
 """Figures over a campaign: the friction of its scenarios, the adhesion that was used, the distances."""
 
 from collections.abc import Sequence
+from math import isfinite
 
 import numpy as np
 import xarray
@@ -22,7 +23,10 @@ _CONTROLLER_COLOURS = {
 }
 
 
-_STOP_MARGINS = {"left": 0.055, "right": 0.875, "bottom": 0.045, "top": 0.93, "wspace": 0.06, "hspace": 0.1}
+_STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
+
+_MOST_BARS = 9
+"""Scenarios side by side, whose bars still have room for a number."""
 
 _DARK = {"full_brake", "slip_two_state", "ideal_bound"}
 
@@ -41,7 +45,7 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
         for wheelsets in style.alike(list(mu0.T)):
             label = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.spelled(wheelsets)}"
             panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=label)
-        style.dress(panel, y="maximum friction $\\mu_0$", title=stop.record.scenario["name"].replace("_", " "))
+        style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
     panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
@@ -79,7 +83,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
         panel,
         x="time since the brake demand [s]",
         y="adhesion of wheelset 1",
-        title=f"{abc.record.scenario['name'].replace('_', ' ')}, actuation {abc.record.scenario['actuation']['kind']}, "
+        title=f"{_title(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
         f"sensors {abc.record.scenario['sensors']['kind']}: "
         f"{sbc.record.metrics.distance:.1f} m with SBC, {abc.record.metrics.distance:.1f} m with ABC",
     )
@@ -90,7 +94,12 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
 
 
 def distance_figure(rows: Sequence[Row]) -> Figure:
-    """Return the braking distances of each scenario and controller, with the published ones as marks."""
+    """Return the braking distances of each scenario and controller, with the published ones as marks.
+
+    A bar for each where a bar has room for its number, else the distribution over the cases of a scenario.
+    """
+    if len({row.label for row in rows}) > _MOST_BARS:
+        return _distribution_figure(rows)
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
     scenarios = list(dict.fromkeys(row.label for row in rows))
     controllers = [name for name in _CONTROLLER_COLOURS if any(row.controller == name for row in rows)]
@@ -133,69 +142,150 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
     return made
 
 
+def _distribution_figure(rows: Sequence[Row]) -> Figure:
+    """Return a line for each scenario, setting and controller: every stop a dot, quartiles a bar, the median a mark."""
+    lines: dict[tuple[str, str, str, str], dict[str, list[float]]] = {}
+    for row in rows:
+        if row.distance_m is not None:
+            line = lines.setdefault((row.scenario, row.actuation, row.sensors, row.polach), {})
+            line.setdefault(row.controller, []).append(row.distance_m)
+    counts = [len(line) for line in lines.values()]
+    made = style.figure(10, 0.9 * len(lines) + 0.42 * sum(counts))
+    panels = made.subplots(
+        len(lines), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": [n + 0.6 for n in counts]}
+    )[:, 0]
+    for panel, ((scenario, actuation, sensors, polach), line) in zip(panels, lines.items(), strict=True):
+        for place, (controller, distances) in enumerate(line.items()):
+            colour = _CONTROLLER_COLOURS[controller]
+            # Dots beside each other in the order of the stops: chance, for a reader, and the same in every drawing.
+            beside = place + 0.3 * (np.arange(len(distances)) % 7 - 3) / 3
+            panel.plot(distances, beside, ".", color=colour, markersize=4, alpha=0.5)
+            low, median, high = np.percentile(distances, [25, 50, 75])
+            panel.plot([low, high], [place, place], color=colour, linewidth=6, alpha=0.6, solid_capstyle="butt")
+            panel.plot([median, median], [place - 0.35, place + 0.35], color=style.BLACK, linewidth=2)
+            panel.annotate(
+                f"{median:.0f} m ({min(distances):.0f}–{max(distances):.0f}), {len(distances)} stops",
+                (1.01, place), xycoords=("axes fraction", "data"), va="center", fontsize=8,
+            )  # fmt: skip
+        name = scenario.replace("_", " ")
+        style.dress(panel, title=f"{name}: actuation {actuation}, sensors {sensors}, creep curve {polach}")
+        panel.set_yticks(range(len(line)), [CONTROLLERS[controller] for controller in line])
+        panel.set_ylim(len(line) - 0.4, -0.6)
+    panels[-1].set_xlabel("braking distance [m]: stops, quartiles, median (range)")
+    return made
+
+
 def stop_figure(stop: Result) -> Figure:
     """Return what an engineer asks of one stop: a column for each ω-group, rows from speed to pressure.
 
     Speeds of train and wheelset; slip and the slip of greatest adhesion; adhesion with its estimate ±2σ and the
-    greatest possible; the same of the pad friction; cylinder pressure.
+    greatest possible; the same of the pad friction; cylinder pressure. What a plant from outside hides, and nobody
+    estimates, has no row.
     """
     trace = stop.record.trace()
     time = trace["time"].values
-    made = style.figure(14, 11, _STOP_MARGINS)
-    panels = made.subplots(5, GROUPS, sharex=True, sharey="row")
-    rows = (
-        "speed [km/h]",
-        "slip [%]",
-        "adhesion",
-        "pad friction",
-        "cylinder pressure [bar]",
-    )
-    for group, column in enumerate(panels.T):
-        speed, slip, adhesion, friction, pressure = column
-        train = style.KMH * trace["speed"].values
-        speed.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
-        true_slip = trace["slip"].values[:, group]
-        speed.plot(time, train * (1 - true_slip), color=style.BLUE, linewidth=0.9, label="wheelset")
-        slip.plot(time, 100 * true_slip, color=style.BLUE, linewidth=0.9, label="slip")
-        # A plant that does not show its brakes has no bound.
-        if "peak_adhesion" in trace:
-            best_slip, best = trace["peak_slip"].values[:, group], trace["peak_adhesion"].values[:, group]
-            slip.plot(time, 100 * best_slip, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
-            adhesion.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
-        adhesion.plot(time, trace["group_adhesion"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
-        friction.plot(time, trace["pad_friction"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
-        for panel, name in ((adhesion, "estimate_adhesion"), (friction, "estimate_pad_friction")):
-            if name in trace:
-                _believed(panel, time, trace, name, group)
-        pressure.plot(
-            time, trace["cylinder_pressure"].values[:, group] / 1e5, color=style.BLUE, linewidth=0.9, label="cylinder"
-        )
-        speed.set_title(f"group {group + 1}", fontsize=10)
-        pressure.set_xlabel("time [s]")
-    for row, label in zip(panels, rows, strict=True):
-        for panel in row:
+    rows = {label: draw for label, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[label])}
+    height = 1.3 + 1.94 * len(rows)
+    made = style.figure(14, height, {**_STOP_MARGINS, "bottom": 0.5 / height, "top": 1 - 0.77 / height})
+    panels = made.subplots(len(rows), GROUPS, sharex=True, sharey="row", squeeze=False)
+    for row, (label, draw) in zip(panels, rows.items(), strict=True):
+        for group, panel in enumerate(row):
+            draw(panel, time, trace, group)
             panel.grid(visible=True, color="#DDDDDD", linewidth=0.6)
             panel.spines[["top", "right"]].set_visible(False)
         row[0].set_ylabel(label)
         row[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+    for group in range(GROUPS):
+        panels[0, group].set_title(f"group {group + 1}", fontsize=10)
+        panels[-1, group].set_xlabel("time [s]")
     panels[0, 0].set_xlim(0, time[-1])
-    # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
-    panels[1, 0].set_yscale("log")
-    panels[1, 0].set_ylim(0.1, 120)
-    panels[1, 0].set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
-    panels[1, 0].yaxis.set_minor_locator(NullLocator())
-    panels[2, 0].set_ylim(0, None)
-    panels[4, 0].set_ylim(0, None)
-    # The belief before the first brake application may be wide open; it must not squeeze what follows.
-    panels[3, 0].set_ylim(0.2, 0.6)
     metrics, scenario = stop.record.metrics, stop.record.scenario
+    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
     made.suptitle(
-        f"{scenario['name'].replace('_', ' ')}: {CONTROLLERS[scenario['controller']['kind']]}, actuation "
+        f"{_title(stop)}: {CONTROLLERS[scenario['controller']['kind']]}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
-        f"{metrics.duration:.1f} s, {100 * metrics.utilisation:.1f} % of the possible adhesion used",
+        f"{metrics.duration:.1f} s{used}",
         x=0.01, ha="left", fontsize=11,
     )  # fmt: skip
     return made
+
+
+def _title(stop: Result) -> str:
+    """Return the name of a scenario; of a random rail the seed, too, for it is one draw of many."""
+    scenario = stop.record.scenario
+    name = scenario["name"].replace("_", " ")
+    return f"{name}, seed {scenario['seed']}" if scenario["adhesion"]["kind"] == "random" else name
+
+
+def _shown(trace: xarray.Dataset, name: str) -> bool:
+    return name in trace and bool(np.isfinite(trace[name].values).any())
+
+
+def _draw_speed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
+    train = style.KMH * trace["speed"].values
+    panel.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
+    if _shown(trace, "slip"):
+        wheelset = train * (1 - trace["slip"].values[:, group])
+        panel.plot(time, wheelset, color=style.BLUE, linewidth=0.9, label="wheelset")
+
+
+def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
+    panel.plot(time, 100 * trace["slip"].values[:, group], color=style.BLUE, linewidth=0.9, label="slip")
+    if _shown(trace, "peak_slip"):
+        best = 100 * trace["peak_slip"].values[:, group]
+        panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
+    # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
+    panel.set_yscale("log")
+    panel.set_ylim(0.1, 120)
+    panel.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+    panel.yaxis.set_minor_locator(NullLocator())
+
+
+def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
+    # A plant that does not show its brakes has no bound.
+    if _shown(trace, "peak_adhesion"):
+        best = trace["peak_adhesion"].values[:, group]
+        panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
+    _draw_true_and_believed(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
+    panel.set_ylim(0, None)
+
+
+def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
+    _draw_true_and_believed(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
+    # The belief before the first brake application may be wide open; it must not squeeze what follows.
+    panel.set_ylim(0.2, 0.6)
+
+
+def _draw_pressure(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
+    pressure = trace["cylinder_pressure"].values[:, group] / 1e5
+    panel.plot(time, pressure, color=style.BLUE, linewidth=0.9, label="cylinder")
+    panel.set_ylim(0, None)
+
+
+def _draw_true_and_believed(
+    panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, truth: str, belief: str, group: int
+) -> None:
+    if _shown(trace, truth):
+        panel.plot(time, trace[truth].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
+    if _shown(trace, belief):
+        _believed(panel, time, trace, belief, group)
+
+
+_ROWS = {
+    "speed [km/h]": _draw_speed,
+    "slip [%]": _draw_slip,
+    "adhesion": _draw_adhesion,
+    "pad friction": _draw_friction,
+    "cylinder pressure [bar]": _draw_pressure,
+}
+
+_SIGNALS = {
+    "speed [km/h]": ("speed",),
+    "slip [%]": ("slip",),
+    "adhesion": ("group_adhesion", "estimate_adhesion"),
+    "pad friction": ("pad_friction", "estimate_pad_friction"),
+    "cylinder pressure [bar]": ("cylinder_pressure",),
+}
 
 
 def _believed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:

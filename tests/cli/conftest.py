@@ -11,7 +11,7 @@ import pytest
 import synthetic_runner
 
 import harness.scenario
-from harness.__main__ import main
+from harness.commands import main
 
 LIBRARY = Path(harness.scenario.__file__).parent / "library"
 ROOT = Path(__file__).parents[2]

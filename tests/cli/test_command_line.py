@@ -84,6 +84,24 @@ def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, 
     assert "taken/out: results cannot be written there: Not a directory; name another folder by --out" in done.err
 
 
+@pytest.mark.parametrize(
+    ("command", "place"),
+    [
+        (("run", "wet.toml"), "stop.json"),
+        (("run", "wet.toml"), "trace.nc"),
+        (("campaign", "pair.toml"), "campaign.json"),
+        (("campaign", "pair.toml"), "index.html"),
+        (("export", "wet.toml"), ""),
+    ],
+    ids=lambda value: value if isinstance(value, str) else " ".join(value),
+)
+def test_a_folder_where_a_file_goes_is_found_before_anything_runs(railgrip, project, command, place):
+    (project / "out" / place).mkdir(parents=True)
+    done = railgrip(*command, "--set", "description=break", "--out", "out")
+    assert done.code == 2
+    assert f"{Path('out') / place}: a file is to be written there, and it is a folder" in done.err
+
+
 def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
     with pytest.raises(RuntimeError, match="a mistake of the program"):
         railgrip("run", "wet.toml", "--set", "description=break")

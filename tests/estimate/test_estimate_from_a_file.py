@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from harness.__main__ import app
+from harness.commands import app
 from harness.estimate.error import EstimationError
 from harness.estimate.recorded.specified import taken_for
 from harness.estimate.recording import recording_of

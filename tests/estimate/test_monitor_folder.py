@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import harness.scenario
-from harness.__main__ import app
+from harness.commands import app
 from harness.estimate.recorded.specified import taken_for
 from harness.estimate.spec import load_specification
 from harness.monitor.evidence import evidence_of

@@ -10,6 +10,7 @@ from scipy.io import savemat
 
 from harness.estimate.error import EstimationError
 from harness.estimate.recorded.cleaning import spikes, standing
+from harness.estimate.recorded.flag import Flag, summary
 from harness.estimate.recorded.grid import input_on_grid, on_grid
 from harness.estimate.recorded.read import Taken, recorded
 from harness.estimate.recorded.table import DataTable
@@ -147,8 +148,74 @@ def test_a_spike_is_left_out_and_a_step_is_not(tmp_path):
 def test_white_noise_alone_is_not_thinned():
     """Beyond 8σ a Gaussian has 1e-15 of its mass; the scale is estimated, which costs some of that margin."""
     noise = np.random.default_rng(1).standard_normal(20_000)
-    assert spikes(noise, 8.0).sum() == 0
-    assert spikes(np.round(20.0 - 1e-3 * np.arange(20_000) + noise, 1), 8.0).sum() == 0
+    time = 1e-2 * np.arange(noise.size)
+    assert spikes(time, noise, 8.0).sum() == 0
+    assert spikes(time, np.round(20.0 - 1e-3 * np.arange(20_000) + noise, 1), 8.0).sum() == 0
+
+
+@pytest.fixture(scope="module")
+def valves():
+    """Cylinder pressure of a group whose valves open for 20 ms and more, a sample each millisecond [s], [Pa].
+
+    A cylinder of first order, filled with 80 ms from 6 bar and vented with 60 ms: physics, no recording of ours, so
+    that every sample is known to be right.
+    """
+    period, seed = 1e-3, np.random.default_rng(3)
+    pressure, supply, course = 3.0e5, 6.0e5, []
+    while len(course) < 20_000:
+        for target, time_constant, pulse in (
+            (0.0, 60e-3, seed.uniform(20e-3, 40e-3)),
+            (None, 1.0, seed.uniform(0.05, 0.5)),
+            (supply, 80e-3, seed.uniform(20e-3, 40e-3)),
+            (None, 1.0, seed.uniform(0.05, 0.5)),
+        ):
+            for _ in range(round(pulse / period)):
+                if target is not None:
+                    pressure += period / time_constant * (target - pressure)
+                course.append(pressure)
+    return period * np.arange(len(course)), np.array(course)
+
+
+@pytest.mark.parametrize("noise", [100.0, 1000.0], ids="{:g} Pa".format)
+@pytest.mark.parametrize("every", [1, 2, 5, 10])
+def test_spikes_are_left_out_and_pulses_of_valves_are_not(valves, every, noise):
+    """Not one sample of a pulse, and every spike of 1 bar."""
+    seed = np.random.default_rng(every)
+    time, pressure = valves[0][::every], valves[1][::every].copy()
+    pressure += noise * seed.standard_normal(pressure.size)
+    assert spikes(time, pressure, 8.0).sum() == 0
+    # Beside a pulse a spike may make a sample of it look like one: nobody could tell.
+    course = valves[1][::every]
+    resting = np.convolve(np.abs(np.gradient(course)) > 0.0, np.ones(9), mode="same") == 0.0
+    struck = np.flatnonzero(resting[:-1])[5::37]
+    assert struck.size > 10
+    pressure[struck] += seed.choice([-1e5, 1e5], struck.size)
+    np.testing.assert_array_equal(np.flatnonzero(spikes(time, pressure, 8.0)), struck)
+
+
+@pytest.mark.parametrize(("period", "length"), [(1e-3, 3), (5e-3, 3), (10e-3, 1)])
+def test_a_spike_is_shorter_than_a_pulse_of_a_valve(period, length):
+    time = period * np.arange(400)
+    for samples in (length, length + 1):
+        values = 3e5 + 50.0 * np.random.default_rng(7).standard_normal(time.size)
+        values[200 : 200 + samples] -= 4e4
+        expected = list(range(200, 200 + samples)) if samples == length else []
+        assert np.flatnonzero(spikes(time, values, 8.0)).tolist() == expected
+
+
+def test_two_spikes_with_a_sample_between_them_are_found_and_the_ends_are_kept():
+    time = 1e-2 * np.arange(300)
+    values = np.random.default_rng(5).standard_normal(time.size)
+    values[[0, 100, 102, 299]] += 1e3
+    assert np.flatnonzero(spikes(time, values, 8.0)).tolist() == [100, 102]
+
+
+def test_many_gaps_are_told_by_their_time_and_many_spikes_by_their_samples():
+    gaps = [Flag(signal="speed", kind="gap", begin=k, end=k + 0.5, samples=0) for k in range(7)]
+    strikes = [Flag(signal="speed", kind="spike", begin=k, end=k, samples=1) for k in range(7)]
+    sentences = summary([*gaps, *strikes])
+    assert sentences[5] == "speed: 2 more like these (gap), 3.5 s in all."
+    assert sentences[11] == "speed: 2 more like these (spike), 7 samples in all."
 
 
 def test_a_frozen_sensor_is_left_out_after_its_last_reading(tmp_path):

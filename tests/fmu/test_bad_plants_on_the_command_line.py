@@ -15,7 +15,7 @@ import pytest
 from mule_fmu import mule, quick_stop
 
 from harness import assemble
-from harness.__main__ import main
+from harness.commands import main
 from harness.fmu import IsolatedCoSimulation, open_plant
 from harness.record.stop import read_stop
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from mule_fmu import mule, quick_stop
 
-from harness.__main__ import main
+from harness.commands import main
 from harness.fmu import Signal, bind, describe
 
 ROOT = Path(__file__).parents[2]

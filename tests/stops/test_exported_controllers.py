@@ -7,8 +7,8 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from fmus.native.package import pack
-from harness.__main__ import main
 from harness.assemble import controlled_groups, run_stop
+from harness.commands import main
 from harness.export import controller_fmu
 from harness.fmu import CoSimulation, Signal, bind, describe
 from harness.scenario.campaign import load_campaign

@@ -1,11 +1,13 @@
 """Figures have labels and units, show the data of the results, and make one self-contained page."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from harness.record.error import RecordError
+from harness.record.trace import write_trace
 from harness.verdict import style
 from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from harness.verdict.panels import Panels
@@ -72,6 +74,42 @@ def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
     assert labels == ["speed [km/h]", "slip [%]", "adhesion", "pad friction", "cylinder pressure [bar]"]
     assert len(made.axes) == 20
     assert made.axes[0].lines[0].get_ydata()[0] == pytest.approx(80.0)
+
+
+def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
+    kept = write_campaign(tmp_path, lambda stop: stop.name == "random-ideal-slip_two_state")
+    (stop,) = read_results(tmp_path).stops
+    trace = stop.record.trace().drop_vars("pad_friction")
+    trace["cylinder_pressure"] = trace["cylinder_pressure"] * np.nan
+    write_trace(trace, stop.record.directory / "trace.nc")
+    hidden = replace(stop.record, metrics=replace(stop.record.metrics, utilisation=float("nan")))
+    made = stop_figure(replace(stop, record=hidden))
+    labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
+    assert labels == ["speed [km/h]", "slip [%]", "adhesion"]
+    assert all(panel.lines for panel in made.axes)
+    assert "nan" not in made.get_suptitle()
+    assert "adhesion used" not in made.get_suptitle()
+    # One draw of many says which.
+    assert made.get_suptitle().startswith(f"random, seed {kept.stops[0].scenario.seed}: ")
+
+
+def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
+    """A line for each controller, with a dot for each stop, and no taller for more stops."""
+    rows = rows_of(read_results(folder))
+    many = [
+        replace(row, case=f"seed {seed}", distance_m=row.distance_m + seed)
+        for seed in range(30)
+        for row in rows
+        if row.distance_m is not None
+    ]
+    made = distance_figure(many)
+    assert len(made.axes) == 3
+    for panel in made.axes:
+        assert len(panel.get_yticklabels()) == 2
+        assert sorted(len(line.get_xdata()) for line in panel.lines) == [2, 2, 2, 2, 30, 30]
+        assert [text.get_text().endswith(", 30 stops") for text in panel.texts] == [True, True]
+    assert "[m]" in made.axes[-1].get_xlabel()
+    assert made.get_figheight() == distance_figure([*many, *many]).get_figheight()
 
 
 def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):

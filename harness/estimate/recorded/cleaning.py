@@ -10,7 +10,11 @@ from harness.estimate.recorded.flag import Flag, flags_of, intervals
 
 Vector = NDArray[np.float64]
 
-_NEIGHBOURS = 7  # samples in whose median a sample is judged: up to three in a row can be found off
+_LONGEST = 3  # samples in a row that can be found off
+_BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
+_NEIGHBOURS = 7  # samples whose median is none of a spike
+_JUMP = 2.0  # times what the signal moves beside a spike; the peak of a ramp stands off by just that
+_VALVE_PULSE = 20e-3  # s: valves of a wheel-slide protection open for 20 to 40 ms, and the cylinder answers
 _SURROUNDINGS = 101  # samples that say what is usual here: braking is rougher than coasting
 _GAUSSIAN = 1.4826  # standard deviation of a Gaussian over its median absolute deviation
 
@@ -64,7 +68,7 @@ def cleaned(signal: str, time: Vector, values: Vector, treatment: Treatment) -> 
     if treatment.holds and values.size:
         new = np.concatenate([[True], np.diff(values) != 0.0])
         time, values = time[new], values[new]
-    leave_out("spike", spikes(values, treatment.spike))
+    leave_out("spike", spikes(time, values, treatment.spike))
     return time, values, flags
 
 
@@ -80,24 +84,48 @@ def standing(time: Vector, values: Vector, longest: float) -> NDArray[np.bool_]:
     return found
 
 
-def spikes(values: Vector, deviations: float) -> NDArray[np.bool_]:
-    """Return samples that stand out of their neighbours: a Hampel filter with a scale of the surroundings.
+def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]:
+    """Return samples that leave the line between their neighbours and come back, both at once, shape (k,).
 
-    The scale is the larger of the noise nearby and over all, but no less than the resolution, so that a quantised
-    signal is not judged by its own steps. Noise is taken from second differences, which a ramp does not raise and a
-    median of few samples, often the very sample that is judged, does not lower. A step, or a dynamic of more than
-    three samples, is none.
+    Off is what lies further from that line than `deviations` of the noise, and at least `_JUMP` times as far as the
+    signal moves beside it and across it: so neither a step nor a corner nor the peak of a ramp is a spike. It lasts
+    three samples at most and is shorter than `_VALVE_PULSE`: what takes longer may be a brake
+    that was vented. The first and the last sample, which come from and go to nowhere, are none.
 
-    Source: Pearson, Outliers in process modeling and identification (2002).
+    The noise is the larger of what is usual nearby and over all, but no less than the resolution, so that a quantised
+    signal is not judged by its own steps. It is taken from second differences, which a ramp does not raise.
+
+    Args:
+        time: Rising instants [s], shape (k,).
+        values: Shape (k,), finite.
+        deviations: Of the noise, that make a spike.
     """
+    found = np.zeros(values.size, dtype=np.bool_)
     if values.size < _NEIGHBOURS:
-        return np.zeros(values.size, dtype=np.bool_)
-    off = np.abs(values - median_filter(values, _NEIGHBOURS, mode="nearest"))
+        return found
     # A second difference of white noise has the variance 1 + 4 + 1.
     bend = np.abs(np.diff(values, 2, prepend=values[0], append=values[-1])) * (_GAUSSIAN / np.sqrt(6.0))
-    nearby = median_filter(bend, min(_SURROUNDINGS, values.size), mode="nearest")
+    nearby = median_filter(bend, min(_SURROUNDINGS, values.size), mode="mirror")
     scale = np.maximum(nearby, max(float(np.median(bend)), _resolution(values)))
-    return off > deviations * scale
+    # Two spikes with a sample between them leave that one where the others are.
+    apart = np.abs(values - median_filter(values, _NEIGHBOURS, mode="mirror")) > deviations * scale
+    padded = np.pad(values, _BESIDE, mode="reflect")
+    steps = np.abs(np.diff(padded))
+    period = float(np.median(np.diff(time)))
+    for length in range(1, _LONGEST + 1):
+        if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
+            break
+        first = np.arange(1, values.size - length)
+        before, after = padded[first + _BESIDE - 1], padded[first + _BESIDE + length]
+        inside = first[:, None] + np.arange(length)
+        line = before[:, None] + (after - before)[:, None] * np.arange(1, length + 1) / (length + 1)
+        off = np.abs(values[inside] - line)
+        # Two steps before and two after; a second spike close by takes part in two of them.
+        beside = np.sort(np.stack([steps[first + k] for k in (0, 1, 3 + length, 4 + length)]), axis=0)[1]
+        moving = np.maximum(beside, np.abs(after - before))
+        spike = apart[inside] & (off > deviations * scale[inside]) & (off > _JUMP * moving[:, None])
+        found[inside[spike.all(axis=1)]] = True
+    return found
 
 
 def _resolution(values: Vector) -> float:

@@ -72,6 +72,8 @@ def summary(flags: Sequence[Flag], most: int = 5) -> list[str]:
     for (signal, kind), found in groups.items():
         told += [str(flag) for flag in found[:most]]
         if len(found) > most:
-            samples = sum(flag.samples for flag in found)
-            told.append(f"{signal}: {len(found) - most} more like these ({kind}), {samples} samples in all.")
+            # A gap has no samples, it has a length.
+            samples, length = sum(flag.samples for flag in found), sum(flag.end - flag.begin for flag in found)
+            extent = f"{samples} samples" if samples else f"{length:.3g} s"
+            told.append(f"{signal}: {len(found) - most} more like these ({kind}), {extent} in all.")
     return told

@@ -1,0 +1,386 @@
+"""The command line.
+
+Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
+"""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from harness.bench.command import add_to as add_bench
+from harness.console import complain, progress, remark, say, show_table
+from harness.engine import Engine
+from harness.estimate.command import add_to as add_estimate
+from harness.field.command import add_to as add_field
+from harness.lateral.command import add_to as add_lateral
+from harness.learn.command import add_to as add_learn
+from harness.map_command import add_to as add_map
+from harness.monitor.command import add_to as add_monitor
+from harness.scenario.error import ScenarioError
+from harness.verdict.panels import Panels
+
+if TYPE_CHECKING:
+    # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
+    from harness.campaign import Asked
+    from harness.run import Runner
+    from harness.verdict.baseline import Baseline, Findings
+    from harness.verdict.table import Row
+
+WRONG_QUESTION = 2
+RUN_FAILED = 3
+
+app = typer.Typer(
+    name="railgrip",
+    help="The open bench for railway braking at low adhesion.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+DrawnPanels = Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")]
+File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
+]
+Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
+BASELINES = Path("tests/baselines")
+REGRESS = Path("build/regress")
+
+
+@app.command()
+def run(
+    file: File,
+    overrides: Overrides = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
+    engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
+) -> None:
+    """Run one scenario and print its figures."""
+    from harness.run import run as run_scenario
+    from harness.scenario.load import load
+
+    scenario = load(file, overrides or [])
+    directory = out or Path("build/runs") / scenario.name
+    with progress(scenario.name, scenario.start.speed) as shown:
+        stop = run_scenario(
+            scenario,
+            directory,
+            _runner(engine),
+            lambda speed: shown.update(done=scenario.start.speed - speed),
+            remark,
+        )
+    metrics = stop.metrics
+    # A plant from outside may not show its adhesion; then there is no share of it to tell.
+    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
+        used += (
+            f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
+        )
+    say(f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}")
+    say(f"{directory}/stop.json")
+    if stop.outcome.value != "standstill":
+        _fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
+
+
+@app.command()
+def export(
+    file: File,
+    overrides: Overrides = None,
+    out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
+) -> None:
+    """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
+    from harness.run import make_folder
+    from harness.scenario.load import load
+
+    scenario = load(file, overrides or [])
+    place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
+    make_folder(place.parent, place.name)
+    # CasADi and the compiler come after the questions that need neither.
+    from fmus.native.package import pack
+    from harness.export import controller_fmu
+
+    made = pack(controller_fmu(scenario), place)
+    say(str(made))
+
+
+@app.command()
+def campaign(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE.toml ...", help="Campaign files.")],
+    overrides: Overrides = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for results, DIR/NAME for several campaigns; build/NAME unless given."),
+    ] = None,
+    workers: Workers = 2,
+    fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
+    panels: Annotated[
+        Panels | None, typer.Option(help="Of which stops the panels are drawn, whatever the campaigns say.")
+    ] = None,
+) -> None:
+    """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
+    from harness.campaign import Asked
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.report import write_report
+    from harness.verdict.results import read_results
+    from harness.verdict.table import rows_of
+
+    planned = [load_campaign(file, overrides or []) for file in files]
+    own = out if out is not None and len(files) == 1 else None
+    asked = [Asked(one, own or (out or Path("build")) / one.name) for one in planned]
+    twice = next((one for one in asked if [a.directory for a in asked].count(one.directory) > 1), None)
+    if twice is not None:
+        raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
+
+    def draw(number: int, drawing: Callable[[str], None]) -> None:
+        one = asked[number]
+        write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
+
+    problem = _run_campaigns(asked, workers=workers, fresh=fresh, finished=draw)
+    for one in asked:
+        _print_rows(rows_of(read_results(one.directory)))
+        say(f"{one.directory}/index.html")
+    if problem:
+        raise typer.Exit(problem)
+
+
+@app.command()
+def report(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
+    panels: DrawnPanels = Panels.ALL,
+) -> None:
+    """Make one page of table, figures and definitions from the results in a folder."""
+    from harness.verdict.report import write_report
+
+    with progress("report") as shown:
+        page = write_report(directory, panels=panels, tell=lambda what: shown.update(doing=f"drawing {what}"))
+    say(str(page))
+
+
+@app.command()
+def regress(
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
+    workers: Workers = 2,
+    across_compilers: Annotated[
+        bool, typer.Option("--across-compilers", help="Campaigns alone, with FMUs of another compiler: within 0.5 %.")
+    ] = False,
+) -> None:
+    """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
+    from harness.verdict.baseline import compare, comparison_rows, load_baseline
+
+    problem = 0
+    for path in _baseline_files(baselines):
+        baseline = load_baseline(path)
+        if across_compilers:
+            if baseline.campaign is None:
+                continue
+            baseline = baseline.across_compilers()
+        code, findings = _found(baseline, path, out / path.stem, workers)
+        problem = code or problem
+        comparisons = compare(baseline, findings)
+        _print_table(path.name, comparison_rows(comparisons))
+        strayed = [comparison.name for comparison in comparisons if comparison.state != "kept"]
+        if strayed:
+            problem = RUN_FAILED
+            what = "stops" if baseline.campaign is not None else "figures"
+            complain(
+                f"{path.name}: {len(strayed)} of {len(comparisons)} {what} did not keep to their baseline: "
+                f"{', '.join(strayed)}; if that is right, `railgrip accept --reason '…'`"
+            )
+    if problem:
+        raise typer.Exit(problem)
+
+
+@app.command()
+def accept(
+    reason: Annotated[str, typer.Option(help="What changed, and why the new numbers are right.")],
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
+) -> None:
+    """Move the baselines to the results of the last regress, for a reason."""
+    from harness.verdict.baseline import (
+        accepted,
+        compare,
+        comparison_rows,
+        findings_of,
+        load_baseline,
+        read_findings,
+        write_baseline,
+    )
+    from harness.verdict.results import read_results
+
+    for path in _baseline_files(baselines):
+        baseline, folder = load_baseline(path), out / path.stem
+        findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
+        moved = tuple(comparison for comparison in compare(baseline, findings) if comparison.state != "kept")
+        write_baseline(accepted(baseline, findings, reason), path)
+        _print_table(f"{path.name}: accepted", comparison_rows(moved))
+
+
+@app.command()
+def calibrate() -> None:
+    """Fit the levels of the scenarios to the published distances of slip-based control, and write them."""
+    from harness.calibrate import TARGETS
+    from harness.calibrate import calibrate as fit_levels
+
+    with progress("levels, some ten stops each"):
+        fit_levels(
+            lambda one: say(
+                f"{one.scenario}, {one.shape}: level {one.level:.5f}, {one.distance:.1f} m "
+                f"(wanted {TARGETS[one.scenario]} m)"
+            )
+        )
+
+
+@app.command("tune-control")
+def tune_control(
+    out: Annotated[Path, typer.Option(help="The file of parameters.")] = Path("controllers/seeker.toml"),
+    workers: Workers = 2,
+) -> None:
+    """Search the parameters of adhesion-based control on the training rails, and write them."""
+    from harness.record.atomic import write_text
+    from harness.run import make_folder
+    from harness.tune_control import GENERATIONS, POPULATION, RANGES, Found, search, text_of
+
+    make_folder(out.parent, out.name)
+    found: dict[str, Found] = {}
+    for actuation in RANGES:
+        with progress(f"{actuation} actuation: {GENERATIONS + 1} times {POPULATION} sets"):
+            found[actuation] = search(
+                actuation,
+                lambda number, best, actuation=actuation: say(
+                    f"{actuation} actuation, generation {number}: {100 * best:+.2f} % against slip-based control"
+                ),
+                processes=workers,
+            )
+        say(text_of({actuation: found[actuation]}))
+    write_text(out, text_of(found))
+
+
+add_map(app)
+add_estimate(app)
+add_bench(app)
+add_lateral(app)
+add_monitor(app)
+add_field(app)
+add_learn(app)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; a user's mistake ends in a sentence, never in a traceback."""
+    try:
+        app(arguments)
+    except Exception as problem:
+        from harness.failure import sentence_of
+
+        sentence = sentence_of(problem)
+        if sentence is None:
+            raise
+        complain(sentence.text)
+        sys.exit(WRONG_QUESTION if sentence.wrong_question else RUN_FAILED)
+
+
+def _runner(engine: Engine = Engine.AUTO) -> "Runner":
+    # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
+    from harness.assemble import run_stop
+
+    return partial(run_stop, engine=engine)
+
+
+def _run_campaigns(
+    asked: "Sequence[Asked]",
+    *,
+    workers: int,
+    fresh: bool,
+    finished: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
+) -> int:
+    """Run campaigns with progress; return the exit code that their stops call for.
+
+    `finished` is called with the number of a campaign that is complete, and with what tells the user of its doing.
+    """
+    from harness.campaign import Report, run_campaigns
+
+    names = ", ".join(one.campaign.name for one in asked)
+    with progress(names, sum(len(one.campaign.stops) for one in asked), counted=True) as shown:
+
+        def tell(report: Report) -> None:
+            shown.advance()
+            if report.state not in {"found", "done"}:
+                complain(f"{report.stop.name}: {report.sentence}")
+
+        def complete(number: int) -> None:
+            finished(number, lambda what: shown.update(doing=f"drawing {what}"))
+            shown.update(doing="")
+
+        reports = run_campaigns(asked, _runner(), workers=workers, fresh=fresh, tell=tell, finished=complete)
+    states = {report.state for reported in reports for report in reported}
+    if "refused" in states:
+        return WRONG_QUESTION
+    return RUN_FAILED if states & {"failed", "ended_badly"} else 0
+
+
+def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
+    """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
+    from harness.campaign import Asked
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.baseline import findings_of, write_findings
+    from harness.verdict.results import read_results
+
+    if baseline.campaign is not None:
+        asked = [Asked(load_campaign(path.parent / baseline.campaign), out)]
+        code = _run_campaigns(asked, workers=workers, fresh=False)
+        return code, findings_of(read_results(out))
+    from harness.headlines import headlines
+
+    with progress(path.stem) as shown:
+        findings = headlines(str(baseline.study), lambda what: shown.update(doing=what))
+    write_findings(findings, out)
+    return 0, findings
+
+
+def _baseline_files(folder: Path) -> list[Path]:
+    found = sorted(folder.glob("*.toml"))
+    if not found:
+        raise ScenarioError(f"{folder}: there is no baseline file (*.toml) in it")
+    return found
+
+
+def _print_rows(rows: "Sequence[Row]") -> None:
+    from harness.verdict.table import CONTROLLERS
+
+    texts = [
+        {
+            "scenario": row.label,
+            "actuation": row.actuation,
+            "sensors": row.sensors,
+            "creep curve": row.polach,
+            "controller": CONTROLLERS.get(row.controller, row.controller),
+            "distance": f"{row.distance_m:.1f} m" if row.distance_m is not None else row.outcome,
+            "paper": "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f} m",
+            "vs SBC": "" if row.reduction_vs_sbc is None else f"{-row.reduction_vs_sbc:+.1%}",
+            "paper vs SBC": "" if row.paper_reduction is None else f"{-row.paper_reduction:+.1%}",
+            "used": "" if row.utilisation is None else f"{row.utilisation:.1%}",
+        }
+        for row in rows
+    ]
+    _print_table("", texts)
+
+
+def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
+    if not rows:
+        say(f"{title}: nothing changed" if title else "no results")
+        return
+    numeric = {"distance", "paper", "vs SBC", "paper vs SBC", "used", "accepted", "found", "change", "tolerance"} | {
+        name for name in rows[0] if "[m]" in name
+    }
+    show_table(rows, title=title, right=numeric)
+
+
+def _fail(sentence: str) -> NoReturn:
+    complain(sentence)
+    raise typer.Exit(RUN_FAILED)

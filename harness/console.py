@@ -1,0 +1,150 @@
+"""What people are told: results on standard output, everything else on standard error; text is shown as it is.
+
+rich is used for tables and bars alone: of what users wrote, its markup and emoji would make other text.
+"""
+
+import sys
+import time
+from collections.abc import Collection, Generator, Mapping, Sequence
+from contextlib import contextmanager
+from threading import Event, Thread
+from typing import Any, Final, Protocol
+
+from rich.console import Console
+
+REMINDER: Final = 10.0
+"""Time between two lines of progress where nobody watches [s]."""
+
+
+def _console(**settings: Any) -> Console:
+    return Console(markup=False, emoji=False, highlight=False, **settings)
+
+
+# Where nobody watches, a table is not cut to a screen that is not there.
+_out = _console(width=None if sys.stdout.isatty() else 140)
+_err = _console(stderr=True)
+
+
+def say(text: str) -> None:
+    """Print a line of the result."""
+    _out.print(text, soft_wrap=True)
+
+
+def remark(text: str) -> None:
+    """Print a line that is no result on standard error."""
+    _err.print(text, soft_wrap=True)
+
+
+def complain(text: str) -> None:
+    """Print what went wrong on standard error."""
+    _err.print(text, style="red", soft_wrap=True)
+
+
+def show_table(rows: Sequence[Mapping[str, str]], *, title: str = "", right: Collection[str] = ()) -> None:
+    """Print rows of equal columns.
+
+    Args:
+        rows: Column → cell; at least one.
+        title: Above it, or empty.
+        right: Columns of numbers.
+    """
+    from rich.table import Table
+
+    table = Table(title=title or None, box=None, title_justify="left", header_style="bold")
+    for column in rows[0]:
+        table.add_column(column, justify="right" if column in right else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*row.values())
+    _out.print(table)
+
+
+class Progress(Protocol):
+    """What shows how far something is."""
+
+    def update(self, *, doing: str | None = None, done: float | None = None, total: float | None = None) -> None:
+        """Show what is being done, how much is done, and of how much; None leaves it as it is."""
+        ...
+
+    def advance(self, doing: str | None = None) -> None:
+        """Show that one more is done."""
+        ...
+
+
+@contextmanager
+def progress(name: str, total: float | None = None, *, counted: bool = False) -> Generator[Progress]:
+    """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
+
+    Args:
+        name: What is being done.
+        total: How much there is to do; None where nobody knows.
+        counted: Whether that is a number of things, and not a share.
+    """
+    with _bar(name, total, counted) if _err.is_terminal else _lines(name, total, counted) as shown:
+        yield shown
+
+
+@contextmanager
+def _bar(name: str, total: float | None, counted: bool) -> Generator[Progress]:
+    from rich import progress as rich
+
+    text = rich.TextColumn("{task.description}", markup=False)
+    measure = () if total is None else (rich.BarColumn(), rich.MofNCompleteColumn()) if counted else (rich.BarColumn(),)
+    with rich.Progress(
+        rich.SpinnerColumn(), text, *measure, rich.TimeElapsedColumn(), console=_err, transient=True
+    ) as bar:
+        yield _Bar(bar, bar.add_task(name, total=total), name)
+
+
+class _Bar:
+    def __init__(self, bar: Any, task: Any, name: str) -> None:
+        self._bar, self._task, self._name = bar, task, name
+
+    def update(self, *, doing: str | None = None, done: float | None = None, total: float | None = None) -> None:
+        description = None if doing is None else _described(self._name, doing)
+        self._bar.update(self._task, description=description, completed=done, total=total)
+
+    def advance(self, doing: str | None = None) -> None:
+        self._bar.advance(self._task)
+        self.update(doing=doing)
+
+
+@contextmanager
+def _lines(name: str, total: float | None, counted: bool) -> Generator[Progress]:
+    lines, ended, start = _Lines(name, total, counted), Event(), time.monotonic()
+
+    def remind() -> None:
+        while not ended.wait(REMINDER):
+            remark(f"{lines}, {time.monotonic() - start:.0f} s")
+
+    thread = Thread(target=remind, name="progress", daemon=True)
+    thread.start()
+    try:
+        yield lines
+    finally:
+        ended.set()
+        thread.join()
+
+
+class _Lines:
+    def __init__(self, name: str, total: float | None, counted: bool) -> None:
+        self._name, self._doing, self._done, self._total, self._counted = name, "", 0.0, total, counted
+
+    def update(self, *, doing: str | None = None, done: float | None = None, total: float | None = None) -> None:
+        self._doing = self._doing if doing is None else doing
+        self._done = self._done if done is None else done
+        self._total = self._total if total is None else total
+
+    def advance(self, doing: str | None = None) -> None:
+        self.update(doing=doing, done=self._done + 1)
+
+    def __str__(self) -> str:
+        text = _described(self._name, self._doing)
+        if self._total is None:
+            return text
+        return f"{text}, " + (
+            f"{self._done:.0f} of {self._total:.0f}" if self._counted else f"{self._done / self._total:.0%}"
+        )
+
+
+def _described(name: str, doing: str) -> str:
+    return f"{name}: {doing}" if doing else name

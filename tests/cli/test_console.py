@@ -1,0 +1,112 @@
+"""What people are told, where somebody watches and where nobody does."""
+
+import ast
+import os
+import pty
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+import harness
+from harness import console
+
+HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
+
+
+def test_help_loads_nothing_that_a_stop_needs():
+    """These take seconds, and nobody who asks for help waits for a plant."""
+    ask = "import sys; from harness.__main__ import main\ntry: main(['--help'])\nfinally: print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
+    assert "campaign" in done.stdout
+    assert done.returncode == 0, done.stderr
+    assert HEAVY.isdisjoint(done.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize("text", ["gone:x:.toml", "[red]gone[/red].toml", "gone[/].toml"])
+def test_what_users_wrote_is_shown_as_it_is(railgrip, text):
+    done = railgrip("run", text)
+    assert done.code == 2
+    assert f"{text}: there is no such file" in done.err
+
+
+def test_cells_of_a_table_are_shown_as_they_are(capfd):
+    console.show_table([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t")
+    out = capfd.readouterr().out
+    assert ":x: [red]t" in out
+    assert "a :x:" in out
+    assert "[bold]:x:  [/]" in out
+
+
+def test_one_module_alone_talks_to_people():
+    """So that all of it looks alike, and no text is taken for markup."""
+    root = Path(harness.__file__).parent
+    users = [path.relative_to(root).as_posix() for path in root.rglob("*.py") if "rich" in imports_of(path)]
+    assert users == ["console.py"]
+
+
+def imports_of(path: Path) -> set[str]:
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
+    return {name.partition(".")[0] for name in names}
+
+
+@pytest.mark.parametrize(
+    ("settings", "line"),
+    [
+        ({"total": 8, "counted": True}, "table1 :x:: drawing [a], 2 of 8, "),
+        ({"total": 8}, "table1 :x:: drawing [a], 25%, "),
+        ({}, "table1 :x:: drawing [a], "),
+    ],
+)
+def test_where_nobody_watches_a_line_comes_now_and_then(monkeypatch, capfd, settings, line):
+    monkeypatch.setattr(console, "REMINDER", 0.02)
+    before = threading.active_count()
+    with console.progress("table1 :x:", **settings) as shown:
+        shown.advance()
+        shown.advance("drawing [a]")
+        err = ""
+        while line not in err:  # else the test hangs, which is a failure, too
+            err += capfd.readouterr().err
+    assert "\x1b" not in err
+    assert threading.active_count() == before
+
+
+def test_what_is_done_before_the_first_line_leaves_none(capfd):
+    with console.progress("quick", 1) as shown:
+        shown.advance()
+    assert capfd.readouterr().err == ""
+
+
+WATCHED = """
+from harness import console
+with console.progress("stop :x:", 4, counted=True) as shown:
+    shown.advance("[red]drawing")
+with console.progress("endless") as shown:
+    shown.update(doing="work")
+console.say("result :x:")
+"""
+
+
+def test_on_a_terminal_a_bar_is_shown():
+    ours, theirs = pty.openpty()
+    with subprocess.Popen(
+        [sys.executable, "-c", WATCHED], stdout=theirs, stderr=theirs, env=os.environ | {"TERM": "xterm"}
+    ) as process:
+        os.close(theirs)
+        shown = b""
+        try:
+            while piece := os.read(ours, 4096):
+                shown += piece
+        except OSError:  # the end of a terminal on Linux
+            pass
+        os.close(ours)
+    assert process.returncode == 0, shown
+    text = shown.decode()
+    assert "stop :x:: [red]drawing" in text
+    assert "1/4" in text
+    assert "endless: work" in text
+    assert "result :x:" in text

@@ -1,0 +1,118 @@
+"""Ctrl-C and SIGTERM, whenever they come: a sentence and an exit code, no traceback, and nothing left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from fmus.build import fmu
+
+LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
+ROOT = Path(__file__).parents[2]
+
+pytestmark = pytest.mark.skipif(not Path("/proc").exists(), reason="looks processes up in /proc")
+
+
+def members(group: int) -> list[int]:
+    """Return the processes of a session that still run; one that has ended stays until somebody asks how."""
+    found: list[int] = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, _, session, *_ = status.read_text().rpartition(")")[2].split()
+        except OSError:  # it ended meanwhile
+            continue
+        if int(session) == group and state != "Z":
+            found.append(int(status.parent.name))
+    return found
+
+
+def until(state, patience=300.0):
+    """Wait for a state; the machine may be busy with other tests."""
+    end = time.monotonic() + patience
+    while not state():
+        assert time.monotonic() < end, "it did not come to that"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A folder for results and one for temporary files, with a campaign and a stop of a plant from outside."""
+    (tmp_path / "temporary").mkdir()
+    text = (LIBRARY / "foreign_train.toml").read_text(encoding="utf-8")
+    foreign = text.replace("../../../build/fmus/ForeignTrain.fmu", str(fmu("ForeignTrain")))
+    # At a crawl on a long way: it runs as long as anybody waits.
+    (tmp_path / "foreign.toml").write_text(foreign, encoding="utf-8")
+    (tmp_path / "pair.toml").write_text(
+        'name = "pair"\nscenarios = ["foreign.toml"]\n[axes.seed.one]\nseed = 1\n[axes.seed.two]\nseed = 2\n',
+        encoding="utf-8",
+    )
+    return tmp_path
+
+
+def ended(place, arguments, moment, number, *, to_all):
+    """Start the command line, send a signal at a moment; return what it said and its exit code."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "harness", *arguments],
+        cwd=place,
+        env=os.environ | {"TMPDIR": str(place / "temporary"), "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        until(lambda: moment(place, process.pid) or process.poll() is not None)
+        assert process.poll() is None, process.communicate()
+        # A terminal sends Ctrl-C to all, `kill` and a service manager SIGTERM to one.
+        (os.killpg if to_all else os.kill)(process.pid, number)
+        sent = time.monotonic()
+        out, err = process.communicate(timeout=300)
+        until(lambda: not members(process.pid))
+        return out, err, process.returncode, time.monotonic() - sent
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+
+
+def loading(_, process):
+    """While modules are loaded: the library of numpy is there."""
+    return "numpy" in Path(f"/proc/{process}/maps").read_text()
+
+
+def workers_start(_, process):
+    return len(members(process)) > 2
+
+
+def plant_runs(place, _):
+    return len(list((place / "temporary").rglob("modelDescription.xml"))) > 0
+
+
+RUN, CAMPAIGN = ("run", "foreign.toml", "--out", "out"), ("campaign", "pair.toml", "--out", "out")
+
+
+@pytest.mark.parametrize(("number", "to_all"), [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGTERM, True)])
+@pytest.mark.parametrize(
+    ("arguments", "moment"),
+    [(RUN, loading), (RUN, plant_runs), (CAMPAIGN, workers_start), (CAMPAIGN, plant_runs)],
+    ids=["run-loading", "run-plant", "campaign-workers", "campaign-plant"],
+)
+def test_a_signal_ends_the_program_with_a_sentence_and_leaves_nothing(place, arguments, moment, number, to_all):
+    out, err, code, _ = ended(place, arguments, moment, number, to_all=to_all)
+    word = "Interrupted" if number == signal.SIGINT else "Terminated"
+    told = [line for line in err.splitlines() if "a process of its own" not in line and not line.endswith(" s")]
+    assert told == [f"{word}; what had finished is kept."], err
+    assert code == 128 + number
+    assert out == ""
+    assert list((place / "temporary").iterdir()) == []
+    assert [path for path in (place / "out").rglob("*") if path.name.endswith(".partial")] == []
+
+
+def test_workers_do_not_go_on_when_the_campaign_is_ended(place):
+    """Within two seconds on an idle machine; a tenfold of that where others compute, too."""
+    *_, took = ended(place, CAMPAIGN, plant_runs, signal.SIGINT, to_all=True)
+    assert took < 20.0

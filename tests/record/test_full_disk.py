@@ -1,0 +1,117 @@
+"""A full disk ends a command in a sentence: exit 3, nothing half, and what fits is kept.
+
+The limit of a file's size stands for the disk: the system answers beyond it as it does beyond the disk's end.
+"""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from matplotlib.figure import Figure
+from synthetic_runner import run_stop
+
+from harness.campaign import is_there
+from harness.failure import sentence_of
+from harness.record.atomic import Unwritten, replacing, write_text
+from harness.record.stop import read_stop, write_stop
+from harness.record.trace import write_trace
+from harness.scenario.campaign import PlannedStop
+from harness.scenario.load import load
+from harness.verdict.style import save
+
+ROOT = Path(__file__).parents[2]
+WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"
+
+
+@pytest.fixture
+def disk():
+    """Set how many bytes a file may have; lifted at the end."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def dataset(_):
+    return xarray.Dataset({"x": ("time", np.random.default_rng(1).standard_normal(4000))})
+
+
+WRITERS = {
+    "text": lambda path: write_text(path, "x" * 9000),
+    "trace": lambda path: write_trace(dataset(path), path),
+    "figure": lambda path: save(Figure(figsize=(5, 5), facecolor="red"), path),
+}
+
+
+@pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
+def test_what_finds_no_place_leaves_what_was_there_and_nothing_half(tmp_path, disk, write):
+    path = tmp_path / "result"
+    path.write_text("before", encoding="utf-8")
+    disk(1000)
+    with pytest.raises(Unwritten, match=r"result: cannot be written: File too large"):
+        write(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["result"]
+    assert path.read_text(encoding="utf-8") == "before"
+
+
+def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(tmp_path, disk):
+    scenario = load(WET, ["periods.communication=10 ms", "periods.estimator=10 ms", "periods.controller=10 ms"])
+    stop = run_stop(scenario)
+    write_stop(stop, tmp_path)
+    size = (tmp_path / "stop.json").stat().st_size
+    assert (tmp_path / "trace.nc").stat().st_size > size + 100
+    disk(size + 100)
+    with pytest.raises(Unwritten, match=r"trace\.nc: cannot be written"):
+        write_stop(stop, tmp_path)
+    assert [file.name for file in tmp_path.iterdir()] == ["stop.json"]
+    assert read_stop(tmp_path).metrics.distance == stop.metrics.distance
+    assert not is_there(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path)
+    disk(size - 100)
+    with pytest.raises(Unwritten, match=r"stop\.json: cannot be written"):
+        write_stop(stop, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_the_runs_failure_and_no_wrong_question(tmp_path):
+    with pytest.raises(Unwritten) as caught, replacing(tmp_path / "a"):
+        raise OSError(28, "No space left on device")
+    sentence = sentence_of(caught.value)
+    assert sentence is not None
+    assert not sentence.wrong_question
+    assert sentence.text == f"{tmp_path / 'a'}: cannot be written: No space left on device"
+    elsewhere = sentence_of(OSError(28, "No space left on device", "model.c"))
+    assert elsewhere is not None
+    assert elsewhere.text == "model.c: No space left on device"
+
+
+PROGRAM = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
+import synthetic_runner
+sys.modules["harness.assemble"] = synthetic_runner
+from harness.__main__ import main
+main()
+"""
+
+
+def test_the_command_line_ends_with_3_and_the_distance_is_not_lost(tmp_path):
+    """In a process of its own, where HDF5 used to end it by a crash."""
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, "9000", "run", str(WET), "--out", "out"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 3, done.stderr
+    assert [line for line in done.stderr.splitlines() if not line.endswith(" s")] == [
+        "out/trace.nc: cannot be written: File too large"
+    ]
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["stop.json"]
+    assert json.loads((tmp_path / "out" / "stop.json").read_text(encoding="utf-8"))["distance_m"] > 0
