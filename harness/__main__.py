@@ -100,6 +100,8 @@ def run(
         f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}",
         highlight=False,
     )
+    for sentence in metrics.doubts():
+        _out.print(f"{scenario.name}: {sentence}", highlight=False, markup=False, soft_wrap=True)
     _out.print(f"{directory}/stop.json", highlight=False)
     if stop.outcome.value != "standstill":
         _fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")

@@ -139,7 +139,7 @@ def stop_figure(stop: Result) -> Figure:
     Speeds of train and wheelset; slip and the slip of greatest adhesion; adhesion with its estimate ±2σ and the
     greatest possible; the same of the pad friction; cylinder pressure.
     """
-    trace = stop.record.trace()
+    trace, metrics = stop.record.trace(), stop.record.metrics
     time = trace["time"].values
     made = style.figure(14, 11, _STOP_MARGINS)
     panels = made.subplots(5, GROUPS, sharex=True, sharey="row")
@@ -164,9 +164,15 @@ def stop_figure(stop: Result) -> Figure:
             adhesion.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
         adhesion.plot(time, trace["group_adhesion"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
         friction.plot(time, trace["pad_friction"].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
-        for panel, name in ((adhesion, "estimate_adhesion"), (friction, "estimate_pad_friction")):
+        for panel, name, outside in (
+            (adhesion, "estimate_adhesion", metrics.adhesion_outside),
+            (friction, "estimate_pad_friction", metrics.pad_friction_outside),
+        ):
             if name in trace:
                 _believed(panel, time, trace, name, group)
+            if outside is not None and np.isfinite(outside[group]):
+                panel.text(0.98, 0.96, f"{outside[group]:.0%} outside ±2σ", transform=panel.transAxes, ha="right",
+                           va="top", fontsize=8)  # fmt: skip
         pressure.plot(
             time, trace["cylinder_pressure"].values[:, group] / 1e5, color=style.BLUE, linewidth=0.9, label="cylinder"
         )
@@ -188,11 +194,12 @@ def stop_figure(stop: Result) -> Figure:
     panels[4, 0].set_ylim(0, None)
     # The belief before the first brake application may be wide open; it must not squeeze what follows.
     panels[3, 0].set_ylim(0.2, 0.6)
-    metrics, scenario = stop.record.metrics, stop.record.scenario
+    scenario = stop.record.scenario
+    consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     made.suptitle(
         f"{scenario['name'].replace('_', ' ')}: {CONTROLLERS[scenario['controller']['kind']]}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
-        f"{metrics.duration:.1f} s, {100 * metrics.utilisation:.1f} % of the possible adhesion used",
+        f"{metrics.duration:.1f} s, {100 * metrics.utilisation:.1f} % of the possible adhesion used{consistency}",
         x=0.01, ha="left", fontsize=11,
     )  # fmt: skip
     return made
