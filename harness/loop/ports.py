@@ -66,22 +66,31 @@ class Estimator(Protocol):
         covariance: Shape (n, n).
         held: Inputs during the next period, shape (nu,); written by the loop.
         seen: Readings at its end, NaN where nothing new was read, shape (m,); written by the loop.
-        used: 1 for every reading that the last step used, else 0, shape (m,).
     """
 
     mean: Vector
     covariance: Matrix
     held: Vector
     seen: Vector
+
+    def advance(self) -> None:
+        """Predict over one period with `held`, then condition on `seen`; raise ArithmeticError when that fails."""
+        ...
+
+
+@runtime_checkable
+class Filter(Estimator, Protocol):
+    """An estimator that says how far its readings were from what it expected.
+
+    Attributes:
+        used: 1 for every reading that the last step used, else 0, shape (m,).
+    """
+
     used: Vector
 
     @property
     def squared_innovation(self) -> float:
         """Normalised innovation squared of the last step, of `used.sum()` degrees; 0 before the first."""
-        ...
-
-    def advance(self) -> None:
-        """Predict over one period with `held`, then condition on `seen`; raise ArithmeticError when that fails."""
         ...
 
 

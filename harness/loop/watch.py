@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.sight import Sight
-from harness.loop.ports import Estimator
+from harness.loop.ports import Filter
 from harness.loop.reading import READING, READINGS
 from harness.record import signals
 from harness.record.recorder import Recorder
@@ -45,7 +45,7 @@ class Believer:
         wheel_radius: As the estimator believes it, one for each group [m].
     """
 
-    filter: Estimator
+    filter: Filter
     seen: Indices
     speed: int
     wheelset_speed: Indices
