@@ -93,6 +93,7 @@ def estimate(
     data: Data = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
+    from harness.estimate.plausible import strange_estimates, strange_signals
     from harness.estimate.sources import recording_of_estimation
     from harness.estimate.spec import estimate_of, load_specification, prediction_for
     from harness.record.atomic import replacing
@@ -104,15 +105,19 @@ def estimate(
         recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
     _say_flags(recording)
     with status(_err, f"{specification.name}: filter"):
+        prediction = prediction_for(specification)
         told = estimate_of(specification, recording)
     with replacing(folder / "estimates.nc") as partial:
         told.to_netcdf(partial, engine="h5netcdf")
     _print_errors(recording, told)
+    strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(told)
     with status(_err, f"{specification.name}: figure"):
-        picture = estimated(recording, told, prediction_for(specification).inputs, folder / "estimates.png")
+        picture = estimated(recording, told, prediction.inputs, folder / "estimates.png")
     _out.print(f"{folder}/estimates.nc, {picture}", highlight=False, soft_wrap=True)
-    if told.attrs["ended"]:
-        _err.print(f"{specification.name}: {told.attrs['ended']}", style="red", highlight=False, markup=False)
+    problems = [*strange, *([told.attrs["ended"]] if told.attrs["ended"] else [])]
+    for sentence in problems:
+        _err.print(f"{specification.name}: {sentence}", style="red", highlight=False, markup=False, soft_wrap=True)
+    if problems:
         raise typer.Exit(3)
 
 
@@ -162,17 +167,23 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     from harness.estimate.judge import judge
     from harness.estimate.recording import TRUTH
 
+    _out.print(
+        f"{recording.attrs['name']}: median NIS is {told.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
+        "filter is surer than its readings allow.",
+        highlight=False, markup=False, soft_wrap=True,
+    )  # fmt: skip
     known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
     if not known:
         return
     table = Table(box=None, header_style="bold", title=f"{recording.attrs['name']}: estimate minus truth")
-    for column in ("state", "rmse", "bias", "largest", "NEES", "within 2 sd"):
+    for column in ("state", "rmse", "of the best constant", "bias", "largest", "NEES", "within 2 sd"):
         table.add_column(column, justify="left" if column == "state" else "right")
     for state in known:
         found = judge(recording, told, state)
         table.add_row(
             state,
             f"{found.rmse:.4g}",
+            f"{found.constant:.4g}",
             f"{found.bias:+.4g}",
             f"{found.largest:.4g}",
             f"{found.nees:.3g}",

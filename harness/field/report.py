@@ -117,6 +117,9 @@ def _case(scores: dict[str, Score], worst: dict[str, float]) -> list[str]:
         )
         for title, s in scores.items()
     ]  # fmt: skip
+    best = next(iter(scores.values()))
+    rows.append(("the best constant", "", "", "", "", "", "", f"{best.adhesion_constant:.4f}",
+                 f"{best.pad_friction_constant:.4f}", f"{best.mean_pad_friction_constant:.4f}"))  # fmt: skip
     names = (
         "noises", "(14), cases 1–5 [m/s]", "O_6 [m/s]", "NIS", "NEES", "speed RMSE [m/s]", "distance",
         "adhesion RMSE", "pad friction RMSE", "mean pad friction RMSE",
@@ -167,6 +170,14 @@ def _seeds(spread: Spread) -> list[str]:
         )
         for title, scores in spread.scores.items()
     ]
+    every = next(iter(spread.scores.values()))
+    rows.append(
+        (
+            "the best constant", "", told([s.adhesion_constant for s in every], ".4f"),
+            told([s.pad_friction_constant for s in every], ".4f"),
+            told([s.mean_pad_friction_constant for s in every], ".4f"), "",
+        )
+    )  # fmt: skip
     return [
         f"## Case 6 with {len(spread.tracks)} sets of sensors",
         "",
