@@ -113,9 +113,7 @@ def party(
     noise = np.square(sensors)
     column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
-        filter_ = CompiledFilter(
-            prediction(name), literal_density(first, period), noise, period, order=1
-        )
+        filter_ = CompiledFilter(prediction(name), literal_density(first, period), noise, period, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.held[:] = 0.0

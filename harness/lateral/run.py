@@ -90,10 +90,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     vehicle = PLANTS[case.plant]
     drawn = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
     table = np.column_stack([drawn.inputs, drawn.track_rate, np.full(len(drawn.inputs), case.speed)])
-    parties = [
-        party(name, drawn.conditions[0], case.irregularity, sensors=vehicle.sensors)
-        for name in names
-    ]
+    parties = [party(name, drawn.conditions[0], case.irregularity, sensors=vehicle.sensors) for name in names]
     records: list[Record] = []
     with wheelset(case.speed, vehicle.parameters) as plant:
         plant.start(drawn.inputs[0])
