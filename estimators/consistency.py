@@ -1,4 +1,10 @@
-"""Does a filter know what it does not know? Errors and innovations measured in their own claimed spread."""
+"""Does a filter know what it does not know? Errors and innovations measured in their own claimed spread.
+
+Two questions to innovations, the same for every filter of this project. `nis_ratio` says how consistent a filter is: a
+figure. `lost_at` says whether its belief means anything: innovations ten times what the filter claims, for most of a
+hundred steps, are no matter of tuning. A belief can be lost and finite (a maximum friction of 1e42), so that finiteness
+alone does not tell.
+"""
 
 import math
 from collections.abc import Sequence
@@ -62,6 +68,53 @@ def chi_square_bounds(degrees: int, runs: int = 1, confidence: float = 0.95) -> 
     tail = 0.5 * (1.0 - confidence)
     low, high = chi2.ppf((tail, 1.0 - tail), degrees * runs) / runs
     return float(low), float(high)
+
+
+WINDOW = 100
+"""Steps over which `lost_at` judges: one odd reading, or the first steps of a start, must not decide."""
+
+FAR = 10.0
+"""How many times its claimed deviation an innovation may have before the claim means nothing."""
+
+
+def nis_ratio(squared: ArrayLike, degrees: ArrayLike) -> float | None:
+    """Return the median of NIS over the median of its chi-square: 1 for a consistent filter, None without readings.
+
+    Above 1 the filter is surer than its readings allow, below 1 less sure. The median, because a few outliers would
+    decide a mean.
+
+    Args:
+        squared: NIS of each step, shape (k,).
+        degrees: Readings that each step used, shape (k,); steps of none are left out.
+    """
+    nis, used = np.asarray(squared, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
+    read = used > 0
+    return float(np.median(nis[read] / chi2.median(used[read]))) if read.any() else None
+
+
+def lost_at(squared: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = None) -> int | None:
+    """Return the step at which a filter's belief is known to be meaningless, None while it is not.
+
+    A step speaks against the filter if its NIS is beyond the 99.9 % bound of its chi-square even with deviations `FAR`
+    times as large, is no number, or if the filter left out most of what was read as outliers. A filter is lost at the
+    end of the first `WINDOW` steps (of all, where there are fewer) most of which speak against it.
+
+    Args:
+        squared: NIS of each step, shape (k,).
+        degrees: Readings that each step used, shape (k,).
+        readings: That there were, shape (k,); as many as were used when None.
+    """
+    nis, used = np.asarray(squared, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
+    there = used if readings is None else np.asarray(readings, dtype=np.float64)
+    steps = np.flatnonzero(there > 0)
+    if steps.size == 0:
+        return None
+    bound = FAR**2 * chi2.ppf(0.999, np.maximum(used[steps], 1.0))
+    against = ~(nis[steps] <= bound) | (2.0 * used[steps] < there[steps])
+    window = min(WINDOW, steps.size)
+    total = np.concatenate([[0], np.cumsum(against)])
+    lost = np.flatnonzero(2 * (total[window:] - total[:-window]) > window)
+    return int(steps[lost[0] + window - 1]) if lost.size else None
 
 
 def delay(time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step_at: float, tolerance: float) -> float:

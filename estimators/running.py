@@ -5,13 +5,22 @@ from typing import Protocol
 import numpy as np
 
 from estimators.belief import Estimate, Vector
+from estimators.ekf import Innovation
 
 
 class Filter(Protocol):
     """A filter on values, as `estimators.ekf.ExtendedKalmanFilter`."""
 
-    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
-        """Return the belief one period after `prior`."""
+    def predict(self, prior: Estimate, held: Vector) -> Estimate:
+        """Return the belief one period after `prior`, before anything is seen."""
+        ...
+
+    def innovation(self, predicted: Estimate, held: Vector, seen: Vector) -> Innovation:
+        """Return what the readings say beyond `predicted`."""
+        ...
+
+    def condition(self, predicted: Estimate, held: Vector, innovation: Innovation) -> Estimate:
+        """Return the belief after the readings."""
         ...
 
 
@@ -23,6 +32,8 @@ class Running:
         covariance: Shape (n, n).
         held: Inputs of the next step, shape (nu,), zero at first.
         seen: Readings of the next step, shape (m,), NaN at first.
+        used: 1 for every reading that the last step used, shape (m,), 0 at first.
+        squared_innovation: Normalised innovation squared of the last step, 0 at first.
     """
 
     def __init__(self, filter_: Filter, first: Estimate, *, inputs: int, outputs: int) -> None:
@@ -30,14 +41,20 @@ class Running:
         self._filter = filter_
         self._belief = first
         self.mean, self.covariance = first.mean.copy(), first.covariance.copy()
-        self.held, self.seen = np.zeros(inputs), np.full(outputs, np.nan)
+        self.held, self.seen, self.used = np.zeros(inputs), np.full(outputs, np.nan), np.zeros(outputs)
+        self.squared_innovation = 0.0
 
     def advance(self) -> None:
         """Move the belief on by one period, from the arrays `held` and `seen`.
 
         Raises:
-            FilterDiverged: As the filter's step; the belief stays what it was.
+            FilterDiverged: As the filter's steps; the belief stays what it was.
         """
-        self._belief = belief = self._filter.step(self._belief, self.held, self.seen)
+        predicted = self._filter.predict(self._belief, self.held)
+        innovation = self._filter.innovation(predicted, self.held, self.seen)
+        self._belief = belief = self._filter.condition(predicted, self.held, innovation)
+        self.used[:] = 0.0
+        self.used[innovation.rows] = 1.0
+        self.squared_innovation = innovation.squared
         self.mean[:] = belief.mean
         self.covariance[:] = belief.covariance

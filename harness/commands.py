@@ -82,6 +82,8 @@ def run(
             f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
         )
     say(f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}")
+    for sentence in metrics.doubts():
+        say(f"{scenario.name}: {sentence}")
     say(f"{directory}/stop.json")
     if stop.outcome.value != "standstill":
         _fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")

@@ -64,7 +64,7 @@ def rig(tell: Tell) -> list[Finding]:
 def field(tell: Tell) -> list[Finding]:
     """Return what was recovered of the track in case 6, and the errors of both tuned filters in it."""
     from harness.field.filtering import filter_of, follow, prediction, task_of
-    from harness.field.noise import LIBRARY, load_noise
+    from harness.field.noise import LIBRARY, PHYSICAL, load_noise
     from harness.field.runs import TEST, brakings
     from harness.field.score import score, track_score
     from harness.twins.field_scenario import field_scenario
@@ -82,8 +82,9 @@ def field(tell: Tell) -> list[Finding]:
     model = prediction()
     task = task_of(braking, model)
     filter_ = filter_of(model, task.period)
-    for name in ("paper", "consistent"):
-        told = score(task, follow(task, filter_, load_noise(LIBRARY / f"{name}.toml")))
+    noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in ("paper", "consistent")} | {"physical": PHYSICAL}
+    scores = {name: score(task, follow(task, filter_, noise)) for name, noise in noises.items()}
+    for name, told in scores.items():
         who = f"field {TEST}, noises '{name}'"
         found += [
             Finding(name=f"{who}: braking distance, relative error", value=told.distance, unit="1", tolerance=5e-5),
@@ -91,7 +92,13 @@ def field(tell: Tell) -> list[Finding]:
             _mean(f"{who}: pad friction RMSE", told.pad_friction),
             _mean(f"{who}: mean pad friction RMSE", told.mean_pad_friction),
         ]
-    return found
+    best, who = scores["physical"], f"field {TEST}, the best constant"
+    return [
+        *found,
+        _mean(f"{who}: adhesion RMSE", best.adhesion_constant),
+        _mean(f"{who}: pad friction RMSE", best.pad_friction_constant),
+        _mean(f"{who}: mean pad friction RMSE", best.mean_pad_friction_constant),
+    ]
 
 
 def monitor(tell: Tell) -> list[Finding]:

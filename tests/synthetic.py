@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import chi2
 
 import harness.scenario
 from harness.record.bound import Brake, with_bound
@@ -65,6 +66,8 @@ def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_
             "estimate_adhesion_sd": 0.01,
             "estimate_pad_friction": 0.35,
             "estimate_pad_friction_sd": 0.01,
+            "estimate_nis": chi2.median(17),
+            "estimate_readings": 17.0,
         }
     signals |= changes
     kept = (*PLANT, *SENT, *READINGS, *(ESTIMATES if estimates else ()))

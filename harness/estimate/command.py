@@ -82,6 +82,7 @@ def estimate(
     data: Data = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
+    from harness.estimate.plausible import strange_estimates, strange_signals
     from harness.estimate.sources import recording_of_estimation
     from harness.estimate.spec import estimate_of, load_specification, prediction_for
     from harness.record.atomic import write_bytes
@@ -93,14 +94,18 @@ def estimate(
         recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
     _say_flags(recording)
     with progress(f"{specification.name}: filter"):
+        prediction = prediction_for(specification)
         told = estimate_of(specification, recording)
     write_bytes(folder / "estimates.nc", bytes(told.to_netcdf(engine="h5netcdf")))
     _print_errors(recording, told)
+    strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(told)
     with progress(f"{specification.name}: figure"):
-        picture = estimated(recording, told, prediction_for(specification).inputs, folder / "estimates.png")
+        picture = estimated(recording, told, prediction.inputs, folder / "estimates.png")
     say(f"{folder}/estimates.nc, {picture}")
-    if told.attrs["ended"]:
-        complain(f"{specification.name}: {told.attrs['ended']}")
+    problems = [*strange, *([told.attrs["ended"]] if told.attrs["ended"] else [])]
+    for sentence in problems:
+        complain(f"{specification.name}: {sentence}")
+    if problems:
         raise typer.Exit(3)
 
 
@@ -146,6 +151,10 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     from harness.estimate.judge import judge
     from harness.estimate.recording import TRUTH
 
+    say(
+        f"{recording.attrs['name']}: median NIS is {told.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
+        "filter is surer than its readings allow."
+    )
     known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
     if not known:
         return
@@ -154,6 +163,7 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
         {
             "state": state,
             "rmse": f"{found.rmse:.4g}",
+            "of the best constant": f"{found.constant:.4g}",
             "bias": f"{found.bias:+.4g}",
             "largest": f"{found.largest:.4g}",
             "NEES": f"{found.nees:.3g}",

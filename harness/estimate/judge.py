@@ -19,6 +19,7 @@ class Judgement:
     Attributes:
         samples: How many were judged.
         rmse: Root of the mean square.
+        constant: The same of the best constant, the mean of the truth: what a filter must be better than.
         bias: Mean.
         largest: Largest magnitude.
         nees: Mean of (error/sd)²: 1 for a filter that knows its error, above it believes too much.
@@ -28,6 +29,7 @@ class Judgement:
 
     samples: int
     rmse: float
+    constant: float
     bias: float
     largest: float
     nees: float
@@ -68,6 +70,7 @@ def judge(
     return Judgement(
         samples=int(chosen.sum()),
         rmse=float(np.sqrt(np.mean(e**2))),
+        constant=float(np.std(truth_of(recording, state)[chosen])),
         bias=float(np.mean(e)),
         largest=float(np.max(np.abs(e))),
         nees=float(np.mean((e / s) ** 2)),

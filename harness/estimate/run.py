@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from estimators.belief import Estimate
 from estimators.compiled import CompiledFilter
+from estimators.consistency import FAR, lost_at, nis_ratio
 from estimators.ekf import ExtendedKalmanFilter
 from estimators.errors import FilterDiverged
 from estimators.gate import Gate
 from estimators.prediction import CasadiPrediction
+from estimators.running import Running
 from fmus.native import Model, lower
 from harness.estimate.error import EstimationError
 from harness.estimate.recording import columns, period_of
@@ -123,8 +125,9 @@ def estimate(
     Returns:
         `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time)
         with its degrees of freedom `readings` (time), and `covariance` (time, state, state_) when asked for. The
-        first sample is the start. If the filter diverges the rest is NaN and the attribute `ended` says why, else
-        it is empty.
+        first sample is the start. The attribute `ended` says why its beliefs mean nothing, and from when on, else it is
+        empty: the filter could not go on, when the rest is NaN, or is lost (`estimators.consistency.lost_at`).
+        `nis_ratio` is the median of NIS over its expected one, NaN where nothing was read.
 
     Raises:
         EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
@@ -151,7 +154,7 @@ def estimate(
     innovation = seen - (
         _expected(prediction, mean, inputs, period, settings.gate) if told.expected is None else told.expected
     )
-    ended = f"{told.problem} At {recording['time'].values[told.done]:.3f} s." if told.problem else ""
+    ratio = nis_ratio(told.nis[: told.done], told.used[: told.done])
     variables: dict[str, tuple[tuple[str, ...], Matrix]] = {
         "mean": (("time", "state"), mean),
         "sd": (("time", "state"), told.sd),
@@ -164,8 +167,25 @@ def estimate(
     return xarray.Dataset(
         variables,
         coords={"time": recording["time"], "state": list(states), "output": list(outputs)},
-        attrs={"ended": ended, "period": period, "name": recording.attrs.get("name", "")},
+        attrs={
+            "ended": _end(told, seen, recording["time"].values),
+            "period": period,
+            "name": recording.attrs.get("name", ""),
+            "nis_ratio": np.nan if ratio is None else ratio,
+        },
     )
+
+
+def _end(told: "_Told", seen: Matrix, time: Matrix) -> str:
+    """Return since when the beliefs mean nothing, in a sentence, or nothing."""
+    # The first sample is the start: it was read, but no step used it.
+    lost = lost_at(told.nis[1 : told.done], told.used[1 : told.done], np.isfinite(seen[1 : told.done]).sum(axis=1))
+    if lost is not None:
+        return (
+            f"Filter: lost; its innovations are more than {FAR:g} times what it claims, or it leaves out most of what "
+            f"it reads. At {time[lost + 1]:.3f} s."
+        )
+    return f"{told.problem} At {time[told.done]:.3f} s." if told.problem else ""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -250,15 +270,20 @@ def _stepped(
     """Run a filter sample by sample."""
     count = len(seen)
     told = _Told.of(belief, count, None, covariance)
+    running = (
+        filter_
+        if isinstance(filter_, CompiledFilter)
+        else (Running(filter_, belief, inputs=inputs.shape[1], outputs=seen.shape[1]))
+    )
     for k in range(1, count):
+        running.held[:], running.seen[:] = inputs[k], seen[k]
         try:
-            belief = filter_.step(belief, inputs[k], seen[k])
+            running.advance()
         except FilterDiverged as problem:
             told.problem = str(problem)
             break
-        if isinstance(filter_, CompiledFilter):
-            told.nis[k], told.used[k] = filter_.squared_innovation, filter_.used.sum()
-        told.take(belief)
+        told.nis[k], told.used[k] = running.squared_innovation, running.used.sum()
+        told.take(Estimate(mean=running.mean.copy(), covariance=running.covariance.copy()))
         if k % AT_ONCE == 0:
             progress(k, count)
     progress(count, count)

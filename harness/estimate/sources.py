@@ -10,7 +10,7 @@ import xarray
 
 from harness.estimate.error import EstimationError
 from harness.estimate.recorded.specified import taken_for
-from harness.estimate.spec import SourceTable, Specification
+from harness.estimate.spec import SourceTable, Specification, check_mass
 
 Maker = Callable[[str, int | None], xarray.Dataset]
 """Scenario and seed, None for the scenario's own, to a recording."""
@@ -32,6 +32,7 @@ def recording_of_estimation(
     Raises:
         EstimationError: There is no such twin, scenario or file, or no estimate can be made of it; in a sentence.
     """
+    check_mass(specification)
     if data is not None:
         recording = taken_for(specification, data).recording
     else:

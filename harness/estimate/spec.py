@@ -200,12 +200,39 @@ def prediction_for(specification: Specification) -> CasadiPrediction:
     Raises:
         ScenarioError: There is no such parameter, or its unit has another dimension.
     """
-    model = specification.model
-    units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
-    parameters = in_units(f"{specification.name}: [model.parameters]", model.parameters, units)
+    model, parameters = specification.model, parameters_for(specification)
     if model.outputs is not None:
         return prediction_seeing(model.class_, model.outputs, parameters)
     return prediction_of(model.class_, parameters)
+
+
+def parameters_for(specification: Specification) -> dict[str, float]:
+    """Return [model.parameters] of an estimation in the units of the model.
+
+    Raises:
+        EstimationError: There is no such parameter, or its unit has another dimension.
+    """
+    model = specification.model
+    units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
+    return in_units(f"{specification.name}: [model.parameters]", model.parameters, units)
+
+
+def check_mass(specification: Specification) -> None:
+    """Compare the mass in [course] with that of the model, where both are of a train.
+
+    Raises:
+        EstimationError: They are of two trains.
+    """
+    known = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
+    parts = [value for name, value in known.items() if name.partition("[")[0] == "m_wheelset"]
+    if specification.course is None or not parts:
+        return
+    mass, whole = specification.course.mass, sum(parts)
+    if abs(mass - whole) > 1e-3 * whole:
+        raise EstimationError(
+            f"{specification.name}: [course] mass is {mass:g} kg, m_wheelset of {specification.model.class_} add up to "
+            f"{whole:g} kg; track force and filter are of one train, change [course] or [model.parameters]."
+        )
 
 
 def settings_for(specification: Specification, period: float) -> Settings:

@@ -36,6 +36,10 @@ class Score:
         pad_friction_of: Of each group, shape (4,).
         mean_pad_friction: Error of μ_B weighted by what each group brakes with, which is what the train feels; its
             RMSE.
+        adhesion_constant: RMSE of the best constant for the adhesion of all groups, known only afterwards: what a
+            filter must be better than.
+        pad_friction_constant: The same of μ_B.
+        mean_pad_friction_constant: The same of the train's mean μ_B.
     """
 
     deviation: float
@@ -48,6 +52,9 @@ class Score:
     pad_friction: float
     pad_friction_of: Array
     mean_pad_friction: float
+    adhesion_constant: float
+    pad_friction_constant: float
+    mean_pad_friction_constant: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,8 +84,9 @@ def score(task: Task, followed: Followed) -> Score:
         raise EstimationError(f"{task.braking.name}: its truth is not known; only twins tell.")
     terms = terms_of(task, followed)
     after = slice(task.braking.brake + round(SETTLED / task.period), None)
-    error = (followed.mean - task.truth)[after]
-    pads, adhesions = error[:, 1 + GROUPS : 1 + 2 * GROUPS], error[:, 1 + 2 * GROUPS :]
+    of_pads, of_adhesions = slice(1 + GROUPS, 1 + 2 * GROUPS), slice(1 + 2 * GROUPS, None)
+    error, truth = (followed.mean - task.truth)[after], task.truth[after]
+    pads, adhesions = error[:, of_pads], error[:, of_adhesions]
     # Torque at the same μ_B: units times radius times pressure.
     share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.held[after, :GROUPS]
     share /= share.sum(axis=1, keepdims=True)
@@ -95,6 +103,9 @@ def score(task: Task, followed: Followed) -> Score:
         pad_friction=_rms(pads),
         pad_friction_of=np.sqrt((pads**2).mean(axis=0)),
         mean_pad_friction=_rms((pads * share).sum(axis=1)),
+        adhesion_constant=float(np.std(truth[:, of_adhesions])),
+        pad_friction_constant=float(np.std(truth[:, of_pads])),
+        mean_pad_friction_constant=float(np.std((truth[:, of_pads] * share).sum(axis=1))),
     )
 
 

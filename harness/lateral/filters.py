@@ -18,7 +18,7 @@ from estimators.compiled import CompiledFilter
 from estimators.prediction import CasadiPrediction
 from fmus.native import lower
 from harness.loop.compiled import Observer, Source
-from harness.twins.lateral import ACCELEROMETER, GYROSCOPE, PERIOD, Condition, Irregularity
+from harness.twins.lateral import PAPER_SENSORS, PERIOD, Condition, Irregularity
 
 Name = Literal["literal", "known_track", "unknown_track"]
 NAMES: Final[tuple[Name, ...]] = get_args(Name)
@@ -26,7 +26,7 @@ NAMES: Final[tuple[Name, ...]] = get_args(Name)
 FURTHER: Final = ("track_rate", "speed")
 """Columns that filters may see and the plant does not need."""
 
-READING_NOISE: Final = (ACCELEROMETER**2, GYROSCOPE**2)
+READING_NOISE: Final = (PAPER_SENSORS[0] ** 2, PAPER_SENSORS[1] ** 2)
 
 # What one step of 50 µs adds, for dy, dpsi, gamma, U, F; Mal et al. (2020), eq. (38) to (40).
 LITERAL_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
@@ -94,7 +94,13 @@ def literal_density(condition: Condition, period: float) -> Vector:
     return np.array(LITERAL_NOISE[condition.name]) / period
 
 
-def party(name: Name, first: Condition, irregularity: Irregularity, period: float = PERIOD) -> Party:
+def party(
+    name: Name,
+    first: Condition,
+    irregularity: Irregularity,
+    period: float = PERIOD,
+    sensors: tuple[float, float] = PAPER_SENSORS,
+) -> Party:
     """Return a filter at its start.
 
     Args:
@@ -102,10 +108,12 @@ def party(name: Name, first: Condition, irregularity: Irregularity, period: floa
         first: Condition at the start; only the literal filter is told.
         irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
         period: Of its steps [s].
+        sensors: Standard deviations of the readings.
     """
+    noise = np.square(sensors)
     column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
-        filter_ = CompiledFilter(prediction(name), literal_density(first, period), READING_NOISE, period, order=1)
+        filter_ = CompiledFilter(prediction(name), literal_density(first, period), noise, period, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.held[:] = 0.0
@@ -123,7 +131,7 @@ def party(name: Name, first: Condition, irregularity: Irregularity, period: floa
             density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
             mean += [0.0, 0.0]
             variance += [1e-5**2, 1e-5**2]
-        filter_ = CompiledFilter(prediction(name), density, READING_NOISE, period)
+        filter_ = CompiledFilter(prediction(name), density, noise, period)
         filter_.start(mean, variance)
         sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
     return Party(name=name, filter=filter_, observer=Observer(name=name, filter=filter_, sources=sources))

@@ -13,18 +13,25 @@ SPEED: Final = 25.0
 SEED: Final = 1
 TOLERANCE: Final = 0.05
 """Relative, of rms errors: half a million steps of a filter at 1e-7 of its scale are another machine's arithmetic."""
-FILTERS: Final = {"paper": ("literal", "known_track", "unknown_track"), "softer": ("known_track",)}
+FILTERS: Final = {
+    "paper": ("literal", "known_track", "unknown_track"),
+    "softer": ("known_track",),
+    "slightly_softer": ("known_track",),
+    "service": ("known_track", "unknown_track"),
+}
 """By plant."""
 
 
 def headlines(tell: Callable[[str], None]) -> list[Finding]:
-    """Return what the filters make of one transition through all conditions, and of a contact that is softer."""
+    """Return what the filters make of one transition through all conditions, of softer contacts and other sensors."""
     tell("lateral")
     found: list[Finding] = []
-    with workers(len(FILTERS)) as pool:
+    with workers(2) as pool:
         for plant, measured in zip(FILTERS, pool.map(_measured, FILTERS), strict=True):
             for name in FILTERS[plant]:
                 found += _of_filter(f"lateral, {plant}, {name}", name, measured)
+            constant = measured["constant"]["friction"]
+            found.append(_figure(f"lateral, {plant}, the best constant: friction RMSE", constant, TOLERANCE * constant))
             if measured["observability"] is not None:
                 least = min(value for value in measured["observability"]["service"] if value is not None)
                 found.append(_figure(f"lateral, {plant}: least sd of mu0, service sensors", least, TOLERANCE * least))

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.condition import ConditionDetector, confusion
-from estimators.consistency import delay
+from estimators.consistency import delay, lost_at, nis_ratio
 from estimators.observability import along
 from fmus.native import lower
-from harness.lateral.filters import READING_NOISE, Name, prediction
+from harness.lateral.filters import Name, prediction
 from harness.lateral.run import EVERY, Trace
-from harness.twins.lateral import CONDITIONS
+from harness.loop.compiled import Beliefs
+from harness.twins.lateral import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
 
 Array = NDArray[np.float64]
 
@@ -37,9 +38,6 @@ SHARE_TOLERANCE: Final = 0.10
 
 WINDOW: Final = 0.5
 """Seconds of readings from which the friction is to be told."""
-
-SERVICE_NOISE: Final = (0.05**2, 1e-3**2)
-"""Variances of a reading each 50 µs from sensors that vehicles carry: 0.05 m/s2 and 1 mrad/s; an estimate."""
 
 DETECTOR: Final = ConditionDetector(
     levels={condition.name: condition.mu0 for condition in CONDITIONS}, confidence=0.9, hold=0.05, model_deviation=0.01
@@ -130,7 +128,9 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
     errors[filter][quantity]: rmse, bias, peak, nees (mean of e²/σ², one for a consistent filter), settling [s] (worst
     over the changes of condition, null if ever not). detection[filter]: confusion, delays [s] after the start and each
     change. levels[filter][condition]: mean and rms error of mu0 from `WINDOW` after each change on. observability:
-    standard deviation of mu0 from each window. diverged[filter]: instant [s] or null.
+    standard deviation of mu0 from each window. constant[quantity]: rms error of the best constant, its mean.
+    lost[filter]: instant [s] at which the filter failed or its innovations said that its belief means nothing, or null.
+    nis[filter]: median over the expected one, null if it never read.
 
     Args:
         trace: The run.
@@ -145,12 +145,24 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
         "detection": {name: _detection(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
         "levels": {name: _levels(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
         "observability": _observability(trace) if observe else None,
-        "diverged": {
-            name: belief.diverged_at * trace.period / EVERY if belief.diverged else None
-            for name, belief in trace.beliefs.items()
-        },
+        "constant": {name: float(np.std(trace.truth[name])) for name in QUANTITIES},
+        "lost": {name: _lost(trace, belief) for name, belief in trace.beliefs.items()},
+        "nis": {name: _nis(belief) for name, belief in trace.beliefs.items()},
         "wall": trace.wall,
     }
+
+
+def _lost(trace: Trace, belief: Beliefs) -> float | None:
+    row = lost_at(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
+    instants = [] if row is None else [float(trace.time[row])]
+    if belief.diverged:
+        instants.append(belief.diverged_at * trace.period / EVERY)
+    return min(instants, default=None)
+
+
+def _nis(belief: Beliefs) -> float | None:
+    nis = belief.squared_innovation
+    return nis_ratio(nis, np.where(np.isfinite(nis), len(READINGS), 0))
 
 
 def _error(trace: Trace, quantity: str, said: Belief) -> dict[str, float | None]:
@@ -222,8 +234,8 @@ def _observability(trace: Trace) -> dict[str, Any]:
     known: dict[str, Any] = {}
     # y, dy, psi, dpsi, log mu0: sizes of a normal run.
     scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
-    for sensors, noise in (("paper", READING_NOISE), ("service", SERVICE_NOISE)):
-        found = along(model, x, u, trace.period, np.array(noise) / EVERY, scale, window, window)
+    for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
+        found = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
         deviations = found.deviation[:, 4] * trace.mu0[found.start]
         known[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
     starts = np.arange(0, len(x) - window + 1, window)

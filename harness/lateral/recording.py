@@ -15,7 +15,7 @@ def recorded(case: Case) -> xarray.Dataset:
     Row k has what was read at the end of step k and the inputs that were held during it.
     """
     drawn = course(case.test, case.seed, case.irregularity)
-    with wheelset(case.speed, PLANTS[case.plant]) as plant:
+    with wheelset(case.speed, PLANTS[case.plant].parameters) as plant:
         plant.start(drawn.inputs[0])
         outputs = run(plant, drawn.inputs, readings=tuple(READINGS), noise=drawn.noise).outputs
     states = {"y": "lateral_position", "dy": "lateral_velocity", "psi": "yaw_angle", "dpsi": "yaw_rate"}

@@ -4,20 +4,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from harness.lateral.figures import test_figure
-from harness.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SERVICE_NOISE, SHARE_TOLERANCE, WINDOW
+from harness.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SHARE_TOLERANCE, WINDOW
 from harness.lateral.run import Case, simulate
 from harness.lateral.study import Plan, Result
 from harness.lateral.tables import (
     detection_lines,
     error_rows,
     error_tables,
+    innovation_lines,
     level_lines,
     observability_lines,
     spread,
     write_csv,
 )
 from harness.record.atomic import write_text
-from harness.twins.lateral import PLANTS
+from harness.twins.lateral import PLANTS, SERVICE_SENSORS
 from harness.verdict.style import save
 
 
@@ -59,11 +60,18 @@ def write_report(
                 "## Errors",
                 "",
                 *error_tables(rows),
+                "## What innovations tell of the filters",
+                "",
+                "Lost: innovations were ten times what the filter claims, or it failed; its belief means nothing from "
+                "then on. NIS: median over the expected one, 1 for a consistent filter. The best constant is what "
+                "knows nothing but the mean of the true friction of the run.",
+                "",
+                *innovation_lines(results),
                 "## Where friction can be known at all",
                 "",
                 f"Standard deviation to which μ0 is told by {WINDOW:g} s of readings alone, the track known and the "
                 "model exact (from the observability Gramian along the true run): a bound for every filter. Service "
-                f"sensors: {SERVICE_NOISE[0] ** 0.5:g} m/s² and {SERVICE_NOISE[1] ** 0.5:g} rad/s at 50 µs. Windows of "
+                f"sensors: {SERVICE_SENSORS[0]:g} m/s² and {SERVICE_SENSORS[1]:g} rad/s at 50 µs. Windows of "
                 f"{plan.seeds} seeds.",
                 "",
                 *observability_lines(results),

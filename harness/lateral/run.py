@@ -36,7 +36,7 @@ class Case:
     Attributes:
         test: Which conditions, when.
         speed: Along the track [m/s].
-        plant: Name in `PLANTS`: what the filters' model leaves out.
+        plant: Name in `PLANTS`: what the filters' model leaves out, and how good the sensors are.
         seed: Of track and sensors.
         irregularity: Of the track.
     """
@@ -87,11 +87,12 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     Raises:
         harness.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
-    drawn = course(case.test, case.seed, case.irregularity)
+    vehicle = PLANTS[case.plant]
+    drawn = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
     table = np.column_stack([drawn.inputs, drawn.track_rate, np.full(len(drawn.inputs), case.speed)])
-    parties = [party(name, drawn.conditions[0], case.irregularity) for name in names]
+    parties = [party(name, drawn.conditions[0], case.irregularity, sensors=vehicle.sensors) for name in names]
     records: list[Record] = []
-    with wheelset(case.speed, PLANTS[case.plant]) as plant:
+    with wheelset(case.speed, vehicle.parameters) as plant:
         plant.start(drawn.inputs[0])
         begin = time.perf_counter()
         for (first, last), condition in zip(drawn.segments, drawn.conditions, strict=True):

@@ -25,6 +25,8 @@ PLANT_TITLES: Final = {
     "paper": "plant as the filters know it",
     "twisting": "plant with a twisting axle",
     "softer": "plant with a contact 5 % softer",
+    "slightly_softer": "plant with a contact 1 % softer",
+    "service": "plant as the filters know it, service sensors",
 }
 TITLES: Final = {
     "literal": "literal",
@@ -146,6 +148,25 @@ def error_tables(rows: Sequence[dict[str, Any]]) -> list[str]:
                 lines.append(_line([row["test"], what, TITLES[row["filter"]], *(str(row[f]) for f in FIGURES)]))
         lines.append("")
     return lines
+
+
+def innovation_lines(results: Sequence[Result]) -> list[str]:
+    """Return Markdown: how many runs each filter was lost in, its NIS, and its friction against the best constant."""
+    lines = _header(
+        ["plant", "speed [m/s]", "test", "filter", "lost, of runs", "first [s]", "NIS", "friction RMSE",
+         "of the best constant"]
+    )  # fmt: skip
+    for (plant, speed, test), runs in groups(results).items():
+        constant = spread(run.measures["constant"]["friction"] for run in runs)
+        for name in NAMES:
+            instants = [run.measures["lost"][name] for run in runs]
+            lost = [instant for instant in instants if instant is not None]
+            lines.append(
+                _line([PLANT_TITLES[plant], f"{speed:g}", test, TITLES[name], f"{len(lost)} of {len(runs)}",
+                       f"{min(lost):.2g}" if lost else "–", str(spread(run.measures["nis"][name] for run in runs)),
+                       str(spread(run.measures["errors"][name]["friction"]["rmse"] for run in runs)), str(constant)])
+            )  # fmt: skip
+    return [*lines, ""]
 
 
 def observability_lines(results: Sequence[Result]) -> list[str]:

@@ -1,6 +1,6 @@
 """How good is it? The paper's split, and the splits that tell recognition of a run from estimation of friction."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -38,6 +38,7 @@ class Score:
         rmse_of_mean, mae_of_mean: Of the predictor that always says the mean label of what was trained on.
         coverage: Share of labels inside the 90 % interval, where the estimator gives one.
         width: Mean width of that interval.
+        mae_of_rule: Of who is told only whether the rail is dry and says the mean label of training on such rails.
     """
 
     starts: int
@@ -50,6 +51,7 @@ class Score:
     mae_of_mean: float
     coverage: float | None = None
     width: float | None = None
+    mae_of_rule: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,13 +181,22 @@ def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Re
     }
 
 
-def judge(ensemble: Ensemble, mean_label: float, runs: Iterable[Run]) -> Score:
-    """Judge the estimator for all speeds on runs it has not seen; one estimate every 20 m."""
-    estimates, truth = [], []
-    for run in runs:
+def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequence[float] | None = None) -> Score:
+    """Judge the estimator for all speeds on runs it has not seen; one estimate every 20 m.
+
+    Args:
+        ensemble: The estimator.
+        mean_label: Of what it was trained on.
+        runs: New ones.
+        rule: For each run, the mean label of training on rails as dry, or as little dry, as its own.
+    """
+    estimates, truth, ruled = [], [], []
+    for k, run in enumerate(runs):
         made = ensemble(spectral_features(run))
         estimates.append(np.column_stack([made.friction, made.lower, made.upper]))
         truth.append(np.full(len(made.friction), run.friction))
+        if rule is not None:
+            ruled.append(np.full(len(made.friction), rule[k]))
     whole, y = np.vstack(estimates), np.concatenate(truth)
     error = whole[:, 0] - y
     return Score(
@@ -195,6 +206,7 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Iterable[Run]) -> Score:
         rmse_of_mean=_rms(y - mean_label), mae_of_mean=float(np.abs(y - mean_label).mean()),
         coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()),
         width=float((whole[:, 2] - whole[:, 1]).mean()),
+        mae_of_rule=float(np.abs(np.concatenate(ruled) - y).mean()) if ruled else None,
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from harness.learn.gather import spectral_features
 from harness.learn.measured import readings
 from harness.learn.reduction import CHANNELS, SPECTRAL, Run, reduce
 from harness.learn.runs import campaign
+from harness.learn.study import FULL, dry_or_not, passes
 from harness.twins.instrumented_car import MPH, Pass
 from harness.verdict.baseline import Finding
 from harness.workers import workers
@@ -48,6 +49,10 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
     ]
     mean = scores["bias inside"].mae_of_mean
     found.append(Finding(name=f"{who}, always the mean: MAE", value=mean, unit="1", tolerance=LEVEL * mean))
+    sets = passes(FULL)
+    said = dry_or_not(sets)["campaign"]
+    rule = float(np.mean([abs(run.friction - said[run.name]) for run in sets["campaign"]]))
+    found.append(Finding(name="learn, dry or not: MAE", value=rule, unit="1", tolerance=LEVEL * rule))
     for motion in COMBINATIONS["longitudinal, lateral, yaw"]:
         level = float(np.mean([run.blocks[:, CHANNELS[motion]].mean() for run in runs]))
         found.append(

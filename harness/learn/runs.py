@@ -49,11 +49,16 @@ def campaign(*, seed: int = 1, length: float = 400.0) -> tuple[Pass, ...]:
 
 
 def abroad(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tuple[Pass, ...]]:
-    """Return the same runs repeated, and elsewhere: each set changes one thing and every noise."""
+    """Return the same runs repeated, and elsewhere: each set changes one thing and every noise.
+
+    On one surface for all, friction is what it was, but the slope of the creep curve no longer goes with it. An
+    estimator of friction has as much to tell there as elsewhere; one that knows which film lies on the rail, nothing.
+    """
     return {
         "same track, another day": tuple(replace(p, length=length, seed=2) for p in passes),
         "other irregularities": tuple(replace(p, length=length, seed=3, track_seed=2) for p in passes),
         "other direction": tuple(replace(p, length=length, seed=4, backwards=True) for p in passes),
+        "one surface for all": tuple(replace(p, length=length, seed=6, condition="wet") for p in passes),
         "other track class": tuple(replace(p, length=length, seed=5, track="erri-high", track_seed=3) for p in passes),
     }
 

@@ -163,13 +163,20 @@ def concluded(
             tables["honest"].setdefault(name, {})[s] = score
     ensemble, mean = all_speeds.result()
     sets = {"campaign": named["campaign"], **away}
+    rule = dry_or_not(passes(size))
     return Study(
         recipe=recipe,
         split=tables["split"],
         decays=tables["decays"],
         inputs=tables["inputs"],
         honest=tables["honest"],
-        general={name: {s: judge(ensemble, mean, _at(runs, s)) for s in size.speeds} for name, runs in sets.items()},
+        general={
+            name: {
+                s: judge(ensemble, mean, _at(runs, s), [rule[name][run.name] for run in _at(runs, s)])
+                for s in size.speeds
+            }
+            for name, runs in sets.items()
+        },
         ensemble=ensemble,
         networks={s: one.result() for s, one in networks.items()},
         exchanged={s: one.result() for s, one in others.items()},
@@ -240,16 +247,23 @@ def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
     return made, float(labels.mean())
 
 
+def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]]:
+    """Return for each pass of each set the mean label of the design's passes on rails as dry, or not dry, as its own.
+
+    It takes no estimator to tell a dry rail from a covered one: what an estimator is good for begins beyond this.
+    """
+    labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
+    mean = {dry: float(np.mean(found)) for dry, found in labels.items()}
+    return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
+
+
 def over_speeds(row: Mapping[int, Score]) -> Score:
-    """Return the mean over speeds; coverage and width too where every speed has them."""
+    """Return the mean over speeds; coverage, width and the rule's error too where every speed has them."""
     scores = list(row.values())
     mean = average(scores)
-    if any(s.coverage is None for s in scores):
-        return mean
+    further = {name: [getattr(s, name) for s in scores] for name in ("coverage", "width", "mae_of_rule")}
     return replace(
-        mean,
-        coverage=float(np.mean([s.coverage for s in scores if s.coverage is not None])),
-        width=float(np.mean([s.width for s in scores if s.width is not None])),
+        mean, **{name: float(np.mean(values)) for name, values in further.items() if all(v is not None for v in values)}
     )
 
 

@@ -64,8 +64,9 @@ def report(made: Study) -> str:
     lines += [
         "Trained on 200 m runs of its own (other seeds, tracks ERRI low and FRA 6, friction spread within each "
         "condition): networks estimate the slope of the creep curve from lateral and yaw acceleration, a second stage "
-        "says which friction goes with it. MAE, in brackets that of the mean label of its training; coverage and width "
-        "of the 90 % interval over all speeds.",
+        "says which friction goes with it. MAE, in brackets that of the mean label of its training; dry or not: MAE of "
+        "who is told only whether the rail is dry, and says the mean label of its training on such rails; coverage and "
+        "width of the 90 % interval; the last three over all speeds.",
         "",
         *_general(made.general, speeds),
         "",
@@ -87,8 +88,9 @@ def _general(rows: Rows, speeds: list[int]) -> list[str]:
     for name, row in rows.items():
         mean = over_speeds(row)
         cells = [_beside(row[s]) for s in speeds] + [_beside(mean)]
-        body.append([name, *cells, f"{100 * (mean.coverage or 0):.0f} %", _f(mean.width or 0)])
-    return _table(["", *(f"{s} mph" for s in speeds), "all", "coverage", "width"], body)
+        rule = "" if mean.mae_of_rule is None else _f(mean.mae_of_rule)
+        body.append([name, *cells, rule, f"{100 * (mean.coverage or 0):.0f} %", _f(mean.width or 0)])
+    return _table(["", *(f"{s} mph" for s in speeds), "all", "dry or not", "coverage", "width"], body)
 
 
 def _scores(rows: Rows, speeds: list[int], *, beside: bool = False) -> list[str]:

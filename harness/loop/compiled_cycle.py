@@ -19,7 +19,7 @@ from harness.loop.reading import READINGS
 from harness.loop.sensors import IdealSensors, ServiceSensors
 from harness.loop.watch import NEGATIVE, Believer, complete
 from harness.record.recorder import Recorder
-from harness.record.signals import BELIEVED, GROUPS, PLANT, SENT, SPREAD
+from harness.record.signals import BELIEVED, GROUPS, INNOVATION, PLANT, SENT, SPREAD
 from harness.record.signals import READINGS as READ
 
 Vector = NDArray[np.float64]
@@ -68,6 +68,7 @@ class FilterInC(Protocol):
     covariance: NDArray[np.float64]
     held: Vector
     seen: Vector
+    used: Vector
 
     @property
     def entry(self) -> tuple[int, int, int]:
@@ -77,6 +78,9 @@ class FilterInC(Protocol):
     def failure(self, outcome: int) -> str:
         """Return what a number that its step returns means."""
         ...
+
+
+_BELIEF = {"believed": BELIEVED, "spread": SPREAD, "innovation": INNOVATION}
 
 
 class _Formula(ctypes.Structure):
@@ -90,21 +94,20 @@ class _Cycle(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in ("mu0", "begins", "forces")),
         ("grid", ctypes.c_double),
         *((name, ctypes.c_void_p) for name in ("service", "shown_by_ideal", "advance", "block", "held", "seen")),
-        *((name, ctypes.c_void_p) for name in ("mean", "covariance", "seen_of", "believed_of", "radius")),
+        *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
+        *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
         *((name, _Formula) for name in ("law", "valves")),
         ("plausibility", ctypes.c_void_p),
         *((name, ctypes.c_double) for name in ("period", "stop_speed")),
         ("rows", ctypes.c_void_p),
         *((name, ctypes.c_double * size) for name, size in (("truth", OUTPUTS), ("inputs", INPUTS))),
         *((name, ctypes.c_double * READINGS) for name in ("latest", "fresh")),
-        *(
-            (name, ctypes.c_double * (size * GROUPS + one))
-            for name, size, one in (("believed", 3, 1), ("spread", 2, 0))
-        ),
+        *((name, ctypes.c_double * sum(s.width for s in block)) for name, block in _BELIEF.items()),
         ("command", ctypes.c_double * GROUPS),
         *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
         *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
         *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
+        ("innovation_at", ctypes.c_longlong),
         *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
     )
 
@@ -226,15 +229,17 @@ class _Parts:
         )  # fmt: skip
         self._filter = filter_ = believer.filter if believer is not None else None
         if believer is not None and isinstance(filter_, FilterInC):
-            its.advance, its.block, _ = filter_.entry
-            its.held, its.seen = self._at(filter_.held), self._at(filter_.seen)
+            its.advance, its.block, its.squared = filter_.entry
+            its.held, its.seen, its.used = (self._at(part) for part in (filter_.held, filter_.seen, filter_.used))
             its.mean, its.covariance = self._at(filter_.mean), self._at(filter_.covariance)
             its.row = filter_.covariance.strides[0] // filter_.covariance.itemsize
             its.seen_of, its.seen_count = self._places(believer.seen), believer.seen.size
             places = believer.wheelset_speed, believer.adhesion, believer.pad_friction
             its.believed_of = self._places(np.concatenate([[believer.speed], *places]))
             its.radius = self._at(np.array(believer.wheel_radius))
-            its.believed_at, its.spread_at = recorder.block(BELIEVED).start, recorder.block(SPREAD).start
+            its.believed_at, its.spread_at, its.innovation_at = (
+                recorder.block(block).start for block in (BELIEVED, SPREAD, INNOVATION)
+            )
 
     def _at(self, array: NDArray[Any]) -> int:
         self._keep.append(array)

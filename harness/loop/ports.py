@@ -78,6 +78,22 @@ class Estimator(Protocol):
         ...
 
 
+@runtime_checkable
+class Filter(Estimator, Protocol):
+    """An estimator that says how far its readings were from what it expected.
+
+    Attributes:
+        used: 1 for every reading that the last step used, else 0, shape (m,).
+    """
+
+    used: Vector
+
+    @property
+    def squared_innovation(self) -> float:
+        """Normalised innovation squared of the last step, of `used.sum()` degrees; 0 before the first."""
+        ...
+
+
 class ControllerFailed(Exception):
     """A controller could not decide, in a sentence; the stop ends with that."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.sight import Sight
-from harness.loop.ports import Estimator
+from harness.loop.ports import Filter
 from harness.loop.reading import READING, READINGS
 from harness.record import signals
 from harness.record.recorder import Recorder
@@ -45,7 +45,7 @@ class Believer:
         wheel_radius: As the estimator believes it, one for each group [m].
     """
 
-    filter: Estimator
+    filter: Filter
     seen: Indices
     speed: int
     wheelset_speed: Indices
@@ -104,7 +104,9 @@ class Beliefs:
         self._variances = its.covariance.diagonal()  # a view: the filter writes its belief where it stood
         self._believed = its.mean.take(self._states)
         self._spread = self._variances.take(self._uncertain)
+        self._innovation = (0.0, 0.0)
         self._mean_columns, self._spread_columns = recorder.block(signals.BELIEVED), recorder.block(signals.SPREAD)
+        self._innovation_columns = recorder.block(signals.INNOVATION)
         self._recorder = recorder
         self._latest: Vector | None = None  # newest reading of every sensor
         self._fresh: Vector | None = None  # the same, NaN where nothing came since the last step of the belief
@@ -134,6 +136,7 @@ class Beliefs:
             return str(diverged)
         self._fresh = None
         its.held[:GROUPS] = self._latest[_PRESSURE]
+        self._innovation = (its.squared_innovation, np.add.reduce(its.used))
         self._believed = its.mean.take(self._states)
         self._spread = spread = self._variances.take(self._uncertain)
         if not np.minimum.reduce(spread) >= 0.0:
@@ -144,6 +147,7 @@ class Beliefs:
         """Write the belief into a row."""
         row[self._mean_columns] = self._believed
         row[self._spread_columns] = self._spread
+        row[self._innovation_columns] = self._innovation
 
     def complete(self, rows: Matrix) -> None:
         """Add to the rows of a stop what follows from the beliefs in them."""

@@ -1,7 +1,9 @@
 """What one stop tells about the friction of each brake group."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 
 import numpy as np
 import xarray
@@ -70,18 +72,21 @@ class Evidence:
         return np.sqrt(np.diag(self.covariance))
 
 
-def evidence_of(recording: xarray.Dataset, temperature: Vector) -> Evidence:
+def evidence_of(
+    recording: xarray.Dataset, temperature: Vector, parameters: Mapping[str, float] = MappingProxyType({})
+) -> Evidence:
     """Return what a stop tells.
 
     Args:
         recording: With the inputs and outputs of `MODEL`.
         temperature: Of the discs of each group at its first sample [K], shape (4,).
+        parameters: Of `MODEL`, where the train is another than the nominal one, SI.
 
     Raises:
         EstimationError: A signal is missing, nothing was braked, or the filter diverged.
     """
     period = period_of(recording)
-    prediction, filter_ = _filter(period)
+    prediction, filter_ = _filter(period, tuple(sorted(parameters.items())))
     names = [f"cylinder_pressure[{g + 1}]" for g in range(GROUPS)]
     pressure = columns(recording, names, ["Pa"] * GROUPS)
     seen = columns(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs]).copy()
@@ -159,8 +164,8 @@ def model_units() -> dict[str, str]:
 
 
 @cache
-def _filter(period: float) -> tuple[CasadiPrediction, CompiledFilter]:
-    prediction = prediction_of(MODEL)
+def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[CasadiPrediction, CompiledFilter]:
+    prediction = prediction_of(MODEL, dict(parameters))
 
     def squares(deviations: dict[str, float], names: tuple[str, ...]) -> Vector:
         return np.array([deviations[name.partition("[")[0]] for name in names]) ** 2

@@ -11,7 +11,7 @@ from harness.estimate.error import EstimationError
 from harness.estimate.recorded.files import FORMATS
 from harness.estimate.recorded.specified import taken_for
 from harness.estimate.recording import recording_of
-from harness.estimate.spec import Specification
+from harness.estimate.spec import Specification, parameters_for
 from harness.monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
 from harness.record.signals import Signal
 from harness.record.trace import FILE_NAME, read_trace, trace_of, write_trace
@@ -68,6 +68,7 @@ def stops_in(
                 f"{specification.name}: [model] class is '{specification.model.class_}', the monitor wants '{MODEL}'."
             )
         places = sorted(path for path in folder.iterdir() if path.suffix.lower() in FORMATS)
+    parameters = {} if specification is None else parameters_for(specification)
     if not places:
         what = f"*/{FILE_NAME}" if specification is None else ", ".join(f"*{suffix}" for suffix in FORMATS)
         hint = "; for recorded files give their map, --map FILE.toml" if specification is None else ""
@@ -92,7 +93,7 @@ def stops_in(
                 recording = taken.recording
                 sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
                 assumed += 1
-            found = evidence_of(recording, temperature)
+            found = evidence_of(recording, temperature, parameters)
         except EstimationError as problem:
             sentences.append(f"{place.name}: left out: {problem}")
             continue

@@ -6,6 +6,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from estimators.consistency import lost_at, nis_ratio
+
 Array = NDArray[np.float64]
 
 SLOWEST = 10 / 3.6  # m/s; below, slip is the ratio of two small numbers and no one asks for the adhesion
@@ -23,6 +25,7 @@ class Errors:
         within_95: Magnitude that 95 % of the errors do not exceed.
         nees: Mean of (error/standard deviation)²; 1 for an estimator as sure as it is right.
         delay: Shift of the estimate against the truth that fits best [s], 0 to 0.5 in steps of 5 ms.
+        outside: Share of time with the truth outside ±2σ; 0.046 for an estimator as sure as it is right.
     """
 
     rmse: tuple[float, ...]
@@ -30,6 +33,7 @@ class Errors:
     within_95: tuple[float, ...]
     nees: tuple[float, ...]
     delay: tuple[float, ...]
+    outside: tuple[float, ...]
 
 
 def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
@@ -50,6 +54,7 @@ def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
         within_95=_row(np.quantile(np.abs(error), 0.95, axis=0)),
         nees=_row(np.mean((error / spread) ** 2, axis=0)),
         delay=_row(_delay(truth, estimate, period)),
+        outside=_row(_outside(error, spread)),
     )
 
 
@@ -76,6 +81,34 @@ def rmse(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] 
         return None
     error = trace[estimated].values[moving] - trace[true].values[moving]
     return _row(np.atleast_1d(np.sqrt(np.mean(error**2, axis=0))))
+
+
+def outside(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] | None:
+    """Return the share of time above 10 km/h with the truth outside ±2σ of an estimate, or None without it."""
+    if estimated not in trace:
+        return None
+    moving = trace["speed"].values > SLOWEST
+    if not moving.any():
+        return None
+    error = trace[estimated].values[moving] - trace[true].values[moving]
+    return _row(_outside(error, trace[f"{estimated}_sd"].values[moving]))
+
+
+def _outside(error: Array, spread: Array) -> Array:
+    """Return the share of samples beyond two deviations, shape (4,); NaN where the plant does not show the truth."""
+    return np.where(np.isnan(error).any(axis=0), np.nan, np.mean(np.abs(error) > 2.0 * spread, axis=0))
+
+
+def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
+    """Return the median of NIS over what is expected, and when the belief was lost [s]; None where neither exists.
+
+    See `estimators.consistency`. Between two steps of the estimator rows repeat the last one.
+    """
+    if "estimate_nis" not in trace:
+        return None, None
+    nis, used = trace["estimate_nis"].values, trace["estimate_readings"].values
+    lost = lost_at(nis, used)
+    return nis_ratio(nis, used), None if lost is None else float(trace["time"].values[lost])
 
 
 def _row(values: Array) -> tuple[float, ...]:

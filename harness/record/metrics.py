@@ -6,9 +6,17 @@ from typing import Annotated, Any, Self, cast, get_type_hints
 
 import xarray
 
+from estimators.consistency import FAR
 from harness.record import adhesion_use, effort, estimation, motion, slide
 
 Each = tuple[float, ...]
+
+OVERCONFIDENT = 2.0
+"""Median of NIS over its expected one from which a filter is called too sure: its deviations are off by 40 %."""
+
+MOSTLY = 0.5
+"""Share of a stop outside ±2σ from which a filter is called too sure. Slow states err in long stretches, so that a
+share of 20 % is within the luck of one stop; a consistent filter has most of one stop in twenty outside."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +69,46 @@ class Metrics:
     pad_friction_rmse: Annotated[
         Each | None, Figure("1", "RMS error of the estimated pad friction above 10 km/h, each group")
     ]
+    adhesion_outside: Annotated[
+        Each | None, Figure("1", "share of time above 10 km/h with the true adhesion outside ±2σ, each group")
+    ]
+    pad_friction_outside: Annotated[
+        Each | None, Figure("1", "share of time above 10 km/h with the true pad friction outside ±2σ, each group")
+    ]
+    nis_ratio: Annotated[
+        float | None,
+        Figure("1", "median squared innovation of the estimator over its expected median; 1 if consistent"),
+    ]
+    estimator_lost: Annotated[
+        float | None, Figure("s", "when innovations said that the estimator's belief means nothing")
+    ]
     speed_rmse: Annotated[Each | None, Figure("m/s", "RMS error of the estimated speed above 10 km/h")]
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return why the estimator's own claims should not be believed, a sentence each; none if they fit.
+
+        A stop under a filter that errs is still a stop, with its distance: the train did brake so. So this is no
+        outcome; `diverged` is the outcome of a belief with which no controller can go on.
+        """
+        found: list[str] = []
+        if self.estimator_lost is not None:
+            found.append(
+                f"The estimator is lost from {self.estimator_lost:.2f} s on: its innovations are more than "
+                f"{FAR:g} times what it claims."
+            )
+        elif self.nis_ratio is not None and self.nis_ratio > OVERCONFIDENT:
+            found.append(
+                "The estimator is surer than its readings allow: its median squared innovation is "
+                f"{self.nis_ratio:.1f} times the expected one."
+            )
+        for what, shares in (("adhesion", self.adhesion_outside), ("pad friction", self.pad_friction_outside)):
+            strayed = [f"{g + 1} ({share:.0%})" for g, share in enumerate(shares or ()) if share > MOSTLY]
+            if strayed:
+                found.append(
+                    f"The estimator is surer than it is right: the true {what} is outside ±2σ most of the time in "
+                    f"group {', '.join(strayed)}; 5 % is expected."
+                )
+        return tuple(found)
 
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
@@ -100,6 +147,7 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
     jerk_mean, jerk_rms = motion.jerk(trace)
     used, used_each = adhesion_use.utilisation(trace)
     errors = estimation.adhesion_errors(trace)
+    nis_ratio, lost = estimation.innovations(trace)
     return Metrics(
         distance=motion.braking_distance(trace),
         duration=motion.duration(trace),
@@ -125,6 +173,10 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
         adhesion_nees=errors.nees if errors else None,
         adhesion_delay=errors.delay if errors else None,
         pad_friction_rmse=estimation.rmse(trace, "estimate_pad_friction", "pad_friction"),
+        adhesion_outside=errors.outside if errors else None,
+        pad_friction_outside=estimation.outside(trace, "estimate_pad_friction", "pad_friction"),
+        nis_ratio=nis_ratio,
+        estimator_lost=lost,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
     )
 

@@ -90,6 +90,7 @@ def write_stop(stop: Stop, directory: Path) -> None:
         "reason": stop.reason,
         "distance_m": stop.metrics.distance,
         "duration_s": stop.metrics.duration,
+        "doubts": list(stop.metrics.doubts()),
         "metrics": stop.metrics.to_plain(),
         "scenario": stop.scenario.resolved(),
         "scenario_digest": stop.scenario.digest(),

@@ -93,14 +93,34 @@ class Trial:
         )
 
 
-PLANTS: Final[Mapping[str, Mapping[str, float]]] = {
-    "paper": {"rolling_creep": 0.0},
-    "twisting": {"rolling_creep": 1.0},
-    "softer": {"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95},
+PAPER_SENSORS: Final = (ACCELEROMETER, GYROSCOPE)
+SERVICE_SENSORS: Final = (0.05, 1e-3)
+"""Deviations of readings each 50 µs from sensors that vehicles carry: 0.05 m/s2 and 1 mrad/s; an estimate."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Vehicle:
+    """A plant and its sensors.
+
+    Attributes:
+        parameters: Of the plant beside Table 1.
+        sensors: Standard deviations of the readings, which the filters are told.
+    """
+
+    parameters: Mapping[str, float]
+    sensors: tuple[float, float] = PAPER_SENSORS
+
+
+PLANTS: Final[Mapping[str, Vehicle]] = {
+    "paper": Vehicle(parameters={"rolling_creep": 0.0}),
+    "twisting": Vehicle(parameters={"rolling_creep": 1.0}),
+    "softer": Vehicle(parameters={"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95}),
+    "slightly_softer": Vehicle(parameters={"rolling_creep": 0.0, "k_A": 0.99, "k_S": 0.99}),
+    "service": Vehicle(parameters={"rolling_creep": 0.0}, sensors=SERVICE_SENSORS),
 }
-"""Parameters of the plant beside Table 1. Paper: the creepages of Mal et al., eq. (3) and (4), which the filters share;
-twisting: eq. (1) and (2), in which the axle's rotation takes part; softer: a contact with 5 % less creep stiffness than
-every filter believes, well within what is known of a contact."""
+"""Paper: the creepages of Mal et al., eq. (3) and (4), which the filters share; twisting: eq. (1) and (2), in which the
+axle's rotation takes part; softer: a contact with 5 % less creep stiffness than every filter believes, well within what
+is known of a contact; slightly softer: 1 %; service: the paper's plant read by sensors that vehicles carry."""
 
 TESTS: Final = (
     *(Trial(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
@@ -170,7 +190,13 @@ class Course:
     conditions: tuple[Condition, ...]
 
 
-def course(test: Trial, seed: int, irregularity: Irregularity, period: float = PERIOD) -> Course:
+def course(
+    test: Trial,
+    seed: int,
+    irregularity: Irregularity,
+    period: float = PERIOD,
+    sensors: tuple[float, float] = PAPER_SENSORS,
+) -> Course:
     """Return track, rail and sensor noise of one run; the same seed gives the same run."""
     count = round(test.duration / period)
     starts = [round(at / period) for at, _ in test.changes]
@@ -181,7 +207,7 @@ def course(test: Trial, seed: int, irregularity: Irregularity, period: float = P
     inputs[:, 0] = track
     for (first, last), condition in zip(segments, conditions, strict=True):
         inputs[first:last, 1:4] = condition.mu0, condition.A, condition.B
-    noise = generator(seed, "sensors").standard_normal((count, 2)) * (ACCELEROMETER, GYROSCOPE)
+    noise = generator(seed, "sensors").standard_normal((count, 2)) * sensors
     return Course(inputs=inputs, track_rate=rate, noise=noise, segments=segments, conditions=conditions)
 
 

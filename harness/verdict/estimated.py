@@ -73,7 +73,8 @@ def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[
     last.set_ylim(1e-2, 1e2)
     dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
     truth = "; dashed: truth" if any(str(name).startswith("true_") for name in recording.data_vars) else ""
-    made.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}", fontsize=10)
+    nis = f"; median NIS {told.attrs['nis_ratio']:.2g} of the expected one"
+    made.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}{nis}", fontsize=10)
     return save(made, path)
 
 

@@ -182,15 +182,20 @@ def stop_figure(stop: Result) -> Figure:
     greatest possible; the same of the pad friction; cylinder pressure. What a plant from outside hides, and nobody
     estimates, has no row.
     """
-    trace = stop.record.trace()
+    trace, metrics = stop.record.trace(), stop.record.metrics
     time = trace["time"].values
     rows = {label: draw for label, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[label])}
+    outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
     height = 1.3 + 1.94 * len(rows)
     made = style.figure(14, height, {**_STOP_MARGINS, "bottom": 0.5 / height, "top": 1 - 0.77 / height})
     panels = made.subplots(len(rows), GROUPS, sharex=True, sharey="row", squeeze=False)
     for row, (label, draw) in zip(panels, rows.items(), strict=True):
         for group, panel in enumerate(row):
             draw(panel, time, trace, group)
+            shares = outside.get(label)
+            if shares is not None and isfinite(shares[group]):
+                panel.text(0.98, 0.96, f"{shares[group]:.0%} outside ±2σ", transform=panel.transAxes, ha="right",
+                           va="top", fontsize=8)  # fmt: skip
             panel.grid(visible=True, color="#DDDDDD", linewidth=0.6)
             panel.spines[["top", "right"]].set_visible(False)
         row[0].set_ylabel(label)
@@ -199,12 +204,13 @@ def stop_figure(stop: Result) -> Figure:
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
         panels[-1, group].set_xlabel("time [s]")
     panels[0, 0].set_xlim(0, time[-1])
-    metrics, scenario = stop.record.metrics, stop.record.scenario
+    scenario = stop.record.scenario
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     made.suptitle(
         f"{_title(stop)}: {CONTROLLERS[scenario['controller']['kind']]}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
-        f"{metrics.duration:.1f} s{used}",
+        f"{metrics.duration:.1f} s{used}{consistency}",
         x=0.01, ha="left", fontsize=11,
     )  # fmt: skip
     return made

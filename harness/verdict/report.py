@@ -50,7 +50,7 @@ def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = l
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
         tell("stop")
         image = style.save(stop_figure(result), directory / "stop.png")
-        body = [_image(image, "Signals of the stop"), _metrics_table(result)]
+        body = [*_doubts(result), _image(image, "Signals of the stop"), _metrics_table(result)]
         return _page(directory, f"{result.name}: {_headline(result)}", body)
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
 
@@ -80,11 +80,11 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
         add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))
     body.append("<h2>Stops</h2>")
     for result in results.stops:
-        inside = [_metrics_table(result)]
+        inside = [*_doubts(result), _metrics_table(result)]
         if result.name in pictured:
             tell(result.name)
             image = style.save(stop_figure(result), directory / "figures" / f"stop-{result.name}.png")
-            inside.insert(0, _image(image, f"Signals of {result.name}"))
+            inside.insert(-1, _image(image, f"Signals of {result.name}"))
         head = f"<summary>{html.escape(result.name)}: {html.escape(_headline(result))}</summary>"
         body.append(f"<details>{head}{''.join(inside)}</details>")
     return _page(directory, f"Campaign {results.name}", body)
@@ -120,6 +120,10 @@ def _headline(result: Result) -> str:
     if result.record.outcome is not Outcome.STANDSTILL:
         return f"{result.record.outcome.value}: {result.record.reason}"
     return f"{metrics.distance:.1f} m in {metrics.duration:.1f} s"
+
+
+def _doubts(result: Result) -> list[str]:
+    return [f'<p class="bad">{html.escape(sentence)}</p>' for sentence in result.record.metrics.doubts()]
 
 
 def _distance_table(rows: Sequence[Row]) -> str:

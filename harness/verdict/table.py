@@ -38,6 +38,8 @@ class Row:
         paper_reduction: The published reduction against the published SBC.
         outcome: How the stop ended.
         longest_lock_s: Of any ω-group.
+        nis: Median squared innovation of the estimator over its expected one; None without an estimator.
+        outside: Largest share of time that a true adhesion or pad friction was outside ±2σ; None without an estimator.
         air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
         stop: Name of the stop in the campaign.
     """
@@ -58,6 +60,8 @@ class Row:
     outcome: str
     longest_lock_s: float | None
     air_l: float | None
+    nis: float | None
+    outside: float | None
     stop: str
 
     @property
@@ -97,8 +101,8 @@ def markdown(name: str, description: str, rows: Sequence[Row], missing: Sequence
             f"## Actuation {actuation}, sensors {sensors}, creep curve {polach}",
             "",
             "| scenario | controller | estimator | distance | paper | against SBC | paper | duration "
-            "| adhesion used | longest lock | air |",
-            "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|",
+            "| adhesion used | longest lock | air | NIS, 1 expected | outside ±2σ, 5 % expected |",
+            "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
             *(_markdown_row(row) for row in here),
             "",
         ]
@@ -121,6 +125,8 @@ def _markdown_row(row: Row) -> str:
         _cell(row.utilisation, "{:.1%}"),
         _cell(row.longest_lock_s, "{:.2f} s"),
         _cell(row.air_l, "{:.0f} l"),
+        _cell(row.nis, "{:.2g}"),
+        _cell(row.outside, "{:.0%}"),
     )
     return f"| {' | '.join(cells)} |"
 
@@ -155,6 +161,8 @@ def _row(result: Result, sbc: Result | None, hidden: Sequence[str]) -> Row:
         outcome=record.outcome.value,
         longest_lock_s=_number(max(metrics.longest_lock)),
         air_l=_number(1000 * metrics.air_used),
+        nis=metrics.nis_ratio,
+        outside=max((*(metrics.adhesion_outside or ()), *(metrics.pad_friction_outside or ())), default=None),
         stop=result.name,
     )
 

@@ -12,7 +12,8 @@ from harness.estimate.error import EstimationError
 from harness.estimate.recorded.specified import taken_for
 from harness.estimate.recording import recording_of
 from harness.estimate.run import estimate
-from harness.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
+from harness.estimate.sources import recording_of_estimation
+from harness.estimate.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
 
 MAP = """
 [data]
@@ -68,6 +69,34 @@ def test_the_command_line_says_what_was_mended_and_reports_as_for_a_twin(written
     assert "wheelset_speed, 6.990–7.210 s: no samples" in result.output
     assert "mu_b" in result.output
     assert (tmp_path / "out" / "estimates.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "sentence"),
+    [
+        ("n", 1e6, "wheelset_speed is"),
+        ("F", -1.0, "pad_force is -2e+04 N at"),
+        ("v", 3.6, "Filter: lost;"),
+    ],
+)
+def test_a_recording_that_no_train_makes_is_no_success(written, tmp_path, column, factor, sentence):
+    """Wheel speeds in a wrong unit, forces of a wrong sign, km/h converted twice."""
+    toml, file, _ = written
+    frame = pd.read_csv(file)
+    frame[column] *= factor
+    frame.to_csv(file, index=False)
+    result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 3, result.output
+    assert sentence in result.output
+    assert (tmp_path / "out" / "estimates.nc").exists()
+
+
+def test_a_mass_that_is_not_that_of_the_model_is_told():
+    other = load_specification(LIBRARY / "field.toml", ["course.mass='90 t'"])
+    with pytest.raises(EstimationError, match=r"\[course\] mass is 90000 kg, m_wheelset .* add up to 84000 kg"):
+        recording_of_estimation(other)
+    heavier = [f"model.parameters.\"m_wheelset[{i}]\"='15 t'" for i in range(1, 7)]
+    check_mass(load_specification(LIBRARY / "field.toml", ["course.mass='90 t'", *heavier]))
 
 
 def test_an_estimation_without_a_map_cannot_read_a_file(written):

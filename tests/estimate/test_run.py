@@ -86,6 +86,8 @@ def test_compiled_and_numpy_filters_agree(undragged):
     both = [estimate(seen, undragged, gated, compiled=compiled) for compiled in (True, False)]
     np.testing.assert_allclose(both[0]["mean"], both[1]["mean"], rtol=1e-7, atol=1e-9)
     np.testing.assert_allclose(both[0]["sd"], both[1]["sd"], rtol=1e-6)
+    np.testing.assert_allclose(both[0]["nis"][1:], both[1]["nis"][1:], rtol=1e-5)
+    assert (both[0]["readings"] == both[1]["readings"]).all()
 
 
 def test_normalised_innovations_are_those_of_the_reference(undragged):
@@ -164,6 +166,30 @@ def test_a_filter_that_diverges_ends_with_a_reason(undragged):
     told = estimate(seen, undragged, SETTINGS)
     assert "At 0.3" in told.attrs["ended"]
     assert np.isnan(told["mean"].values[-1]).all()
+
+
+@pytest.mark.parametrize("limit", [None, 5.0])
+def test_a_filter_that_is_lost_says_since_when(undragged, limit):
+    """From 1.5 s on both sensors show noise, as finite as before; a gate of outliers does not hide it.
+
+    Claims are honest, so that up to there nothing is said.
+    """
+    honest = replace(
+        SETTINGS,
+        process={"w": 1e-12, "v": 1e-12, "mu_b": 1e-14, "alpha": 1e-14},
+        readings={"wheelset_speed": 3.2e-5**2, "speed": 3.2e-4**2},
+        outlier_limit=limit,
+    )
+    seen = braked(samples=300)
+    told = estimate(seen, undragged, honest)
+    assert told.attrs["ended"] == ""
+    assert told.attrs["nis_ratio"] == pytest.approx(1.0, abs=0.25)
+    for name in ("wheelset_speed", "speed"):
+        seen[name].values[150:] += 0.3 * np.random.default_rng(4).standard_normal(150)
+    told = estimate(seen, undragged, honest)
+    assert told.attrs["ended"].startswith("Filter: lost;")
+    assert "At 2.0" in told.attrs["ended"]
+    assert np.isfinite(told["mean"].values).all()
 
 
 def test_settings_name_what_is_missing_and_what_is_strange(undragged):

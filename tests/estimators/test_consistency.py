@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimators.belief import Estimate
-from estimators.consistency import chi_square_bounds, delay, nees
+from estimators.consistency import FAR, WINDOW, chi_square_bounds, delay, lost_at, nees, nis_ratio
 from estimators.errors import EstimatorError
 
 
@@ -87,3 +87,43 @@ def test_questions_without_an_answer_get_a_sentence():
         delay(np.arange(3.0), np.zeros(3), np.zeros(3), 5.0, 0.1)
     with pytest.raises(EstimatorError, match=r"a mean of 2 states wants a covariance of shape \(2, 2\)"):
         Estimate(mean=np.zeros(2), covariance=np.eye(3))
+
+
+def test_the_nis_ratio_of_a_consistent_filter_is_one_whatever_its_sensors_deliver():
+    """Draws of chi-squares whose degrees change from step to step; their median is known to 1 % after 1e5 of them."""
+    rng = np.random.default_rng(1)
+    degrees = rng.choice([0, 1, 2, 17], 100_000)
+    squared = np.where(degrees > 0, rng.chisquare(np.maximum(degrees, 1)), 0.0)
+    assert nis_ratio(squared, degrees) == pytest.approx(1.0, abs=0.02)
+    assert nis_ratio(4.0 * squared, degrees) == pytest.approx(4.0, abs=0.08)
+    assert nis_ratio([0.0, 0.0], [0, 0]) is None
+
+
+def test_a_filter_is_lost_once_most_of_a_window_is_ten_deviations_off():
+    squared = np.random.default_rng(2).chisquare(2, 1000)
+    degrees = np.full(1000, 2)
+    assert lost_at(squared, degrees) is None
+    # Nine deviations off is a matter of tuning, twenty is none: 20² times the median is beyond 10² times the 99.9 %.
+    assert lost_at(81.0 * squared, degrees) is None
+    gone = np.where(np.arange(1000) < 400, squared, 40.0**2 * (1.0 + squared))
+    assert lost_at(gone, degrees) == 400 + WINDOW // 2
+    assert lost_at(np.where(np.arange(1000) < 400, squared, np.nan), degrees) == 400 + WINDOW // 2
+
+
+def test_outliers_and_a_rough_start_do_not_make_a_filter_lost():
+    squared = np.random.default_rng(3).chisquare(3, 1000)
+    squared[:40] = 1e9
+    squared[::7] = 1e12
+    assert lost_at(squared, np.full(1000, 3)) is None
+
+
+def test_a_filter_that_leaves_out_what_it_reads_is_lost():
+    """A gate of outliers keeps NIS small; that nearly all is left out tells."""
+    used = np.where(np.arange(600) < 300, 5, 1)
+    assert lost_at(np.ones(600), used, np.full(600, 5)) == 300 + WINDOW // 2
+    assert lost_at(np.ones(600), used) is None
+
+
+def test_a_recording_shorter_than_a_window_is_judged_whole():
+    assert lost_at([FAR**4] * 3, [1, 1, 1]) == 2
+    assert lost_at([], []) is None

@@ -10,7 +10,7 @@ from estimators.errors import EstimatorError
 from estimators.prediction import CasadiPrediction
 from fmus.native import lower
 from harness.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
-from harness.lateral.judge import beliefs_about
+from harness.lateral.judge import beliefs_about, measure
 from harness.lateral.run import Case, simulate
 from harness.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
 
@@ -110,6 +110,19 @@ def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
     said = beliefs_about(trace, "literal")["friction"].mean
     assert said[-1] > 0.4
     assert trace.truth["friction"][-1] < 0.11
+
+
+@pytest.mark.parametrize(("plant", "lost"), [("paper", False), ("twisting", True)])
+def test_a_filter_that_loses_itself_is_known_by_its_innovations(plant, lost):
+    """On a twisting axle it believes in a maximum friction beyond 1e9: a finite number, and a belief in nothing."""
+    dry = Trial(name="dry", changes=((0.0, DRY),), duration=1.0)
+    trace = simulate(Case(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
+    measures = measure(trace, observe=False)
+    assert trace.beliefs["known_track"].diverged == 0
+    assert np.isfinite(trace.beliefs["known_track"].mean).all()
+    assert (beliefs_about(trace, "known_track")["mu0"].mean[-1] > 1e9) == lost
+    assert (measures["lost"]["known_track"] is not None) == lost
+    assert (measures["nis"]["known_track"] > 1e3) == lost
 
 
 def test_each_filter_is_fed_everything_it_wants():

@@ -12,7 +12,7 @@ from harness.lateral.report import write_report
 from harness.lateral.run import Case
 from harness.lateral.study import Plan, Result, conduct
 from harness.lateral.tables import level_lines, spread
-from harness.twins.lateral import DRY, WET, WORST, Trial
+from harness.twins.lateral import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
 
@@ -80,13 +80,13 @@ def test_what_has_been_run_is_found_again_and_reported(tmp_path):
     told: list[bool] = []
     first = conduct(plan, tmp_path, workers=1, tell=lambda case, found: told.append(found))
     again = conduct(plan, tmp_path, workers=1, tell=lambda case, found: told.append(found))
-    assert told == [False] * 3 + [True] * 3
+    assert told == [False] * len(PLANTS) + [True] * len(PLANTS)
     assert [result.measures for result in first] == [result.measures for result in again]
     page = write_report(plan, again, tmp_path)
     text = page.read_text(encoding="utf-8")
     assert "well posed, track unknown" in text
-    assert len(list(tmp_path.glob("*.png"))) == 3
-    assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + 3 * 3 * 5
+    assert len(list(tmp_path.glob("*.png"))) == len(PLANTS)
+    assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + len(PLANTS) * 3 * 5
 
 
 def test_a_filter_that_is_wrong_in_a_condition_is_said_to_be():

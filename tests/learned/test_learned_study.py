@@ -10,7 +10,7 @@ from estimators.learned.channels import COMBINATIONS
 from harness.learn.evaluate import Recipe
 from harness.learn.figures import draw
 from harness.learn.reduction import Run
-from harness.learn.study import QUICK, concluded, estimators_of, passes, pieces
+from harness.learn.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
 from harness.learn.tables import report
 
 SIZE = replace(QUICK, starts=2, members=6)
@@ -54,6 +54,19 @@ def test_every_row_is_in_the_report(study):
     for name, row in study.split.items():
         mark = " ✓" if row[60].mae <= 0.0063 else ""
         assert not name.startswith("bias") or f"| {name}: MAE | {row[60].mae:.4f}{mark} |" in page
+
+
+def test_the_rule_of_dry_or_not_says_two_labels_and_is_judged_as_the_estimator(study):
+    """Told apart are 0.30 and 0.35 from the four covered rails at 60 mph; the labels are means of the design's."""
+    sets = passes(SIZE)
+    rule = dry_or_not(sets)
+    dry = np.mean([p.friction for p in sets["design"] if p.condition == "dry"])
+    rest = np.mean([p.friction for p in sets["design"] if p.condition != "dry"])
+    assert sorted(set(rule["campaign"].values())) == pytest.approx([rest, dry])
+    errors = [abs(run.friction - (dry if run.friction in (0.30, 0.35) else rest)) for run in study.runs[60]]
+    assert study.general["campaign"][60].mae_of_rule == pytest.approx(np.mean(errors))
+    assert set(rule["one surface for all"].values()) == {rest}
+    assert f"| {np.mean(errors):.4f} |" in report(study)
 
 
 def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):

@@ -138,7 +138,8 @@ class Spy:
     def __init__(self, fail_at=None):
         self.given, self.fail_at = [], fail_at
         self.mean, self.covariance = np.zeros(13), np.eye(13)
-        self.held, self.seen = np.zeros(5), np.full(6, np.nan)
+        self.held, self.seen, self.used = np.zeros(5), np.full(6, np.nan), np.zeros(6)
+        self.squared_innovation = 0.0
 
     def advance(self):
         self.given.append((self.held.copy(), self.seen.copy()))
@@ -147,6 +148,7 @@ class Spy:
         self.mean[0] += 1.0
         self.mean[1:5] = 2.0 * self.mean[0]
         self.covariance[9, 9] = 4.0
+        self.used[:], self.squared_innovation = ~np.isnan(self.seen), 0.5 * len(self.given)
 
 
 def believer(spy):
@@ -191,6 +193,14 @@ def test_the_filter_predicts_under_the_pressures_read_a_step_before():
 def test_the_estimate_in_a_row_is_that_of_its_sample():
     _, recorder = brake(Block(10.0), believer=believer(Spy()), samples=10)
     assert recorder.rows[:11, recorder.at["estimate_speed"]].tolist() == [float(k) for k in range(11)]
+
+
+def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
+    """Steps every two samples; the train speed, one of six readings, comes every three and waits for the next step."""
+    _, recorder = brake(Block(10.0), believer=believer(Spy()), sensors=Sparse(), samples=6, every=(2, 1))
+    rows = recorder.rows[:7]
+    assert rows[:, recorder.at["estimate_nis"]].tolist() == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.5]
+    assert rows[:, recorder.at["estimate_readings"]].tolist() == [0.0, 0.0, 5.0, 5.0, 6.0, 6.0, 6.0]
 
 
 def test_slip_and_deviations_follow_from_the_belief():

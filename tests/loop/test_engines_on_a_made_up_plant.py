@@ -120,12 +120,16 @@ class Filter:
     def __init__(self, fails_at=None, negative_at=None):
         self.fails_at, self.negative_at, self.calls = fails_at, negative_at, 0
         self.mean, self.covariance = 0.1 * np.arange(1.0, 14.0), np.eye(13)
-        self.held, self.seen = np.zeros(5), np.zeros(6)
+        self.held, self.seen, self.used, self._squared = np.zeros(5), np.zeros(6), np.zeros(6), np.zeros(1)
         self._step = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(self._stepped)
 
     @property
     def entry(self):
-        return ctypes.cast(self._step, ctypes.c_void_p).value, 0, 0
+        return ctypes.cast(self._step, ctypes.c_void_p).value, 0, self._squared.ctypes.data
+
+    @property
+    def squared_innovation(self):
+        return float(self._squared[0])
 
     def advance(self):
         if self._stepped(None):
@@ -139,6 +143,8 @@ class Filter:
         if self.calls == self.fails_at:
             return 2
         known = np.where(np.isnan(self.seen), -1.0, self.seen)
+        self.used[:] = ~np.isnan(self.seen)
+        self._squared[0] = 0.1 * self.calls
         self.mean[:6] += 1e-3 * (known - self.mean[:6])
         self.mean[6:10] += 1e-9 * self.held[:4]
         self.covariance[12, 12] = -1.0 if self.calls == self.negative_at else 2.0

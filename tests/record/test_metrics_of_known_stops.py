@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 from synthetic import BRAKE, LOAD, parabola, uniform_stop
 
 from harness.record import adhesion_use, effort, estimation, motion, slide
@@ -173,3 +174,40 @@ def test_a_stop_that_failed_at_once_still_has_its_figures():
 def test_every_figure_has_a_unit_and_a_meaning():
     assert set(meanings()) == set(Metrics.__dataclass_fields__)
     assert all(unit and len(meaning) > 10 for unit, meaning in meanings().values())
+
+
+def test_a_consistent_estimator_raises_no_doubt():
+    metrics = _measured()
+    assert metrics.nis_ratio == pytest.approx(1.0)
+    assert metrics.estimator_lost is None
+    assert metrics.adhesion_outside == metrics.pad_friction_outside == (0.0,) * 4
+    assert metrics.doubts() == ()
+
+
+def test_a_truth_beyond_two_deviations_most_of_the_time_is_said_with_its_group():
+    metrics = _measured(estimate_pad_friction=0.35 + np.array([0.021, 0.019, 0.0, -0.021]))
+    assert metrics.pad_friction_outside == (1.0, 0.0, 0.0, 1.0)
+    (sentence,) = metrics.doubts()
+    assert "true pad friction" in sentence
+    assert "1 (100%), 4 (100%)" in sentence
+
+
+def test_a_truth_that_a_plant_does_not_show_is_not_inside():
+    metrics = _measured(pad_friction=np.nan)
+    assert np.isnan(metrics.pad_friction_outside).all()
+    assert metrics.doubts() == ()
+
+
+def test_innovations_that_do_not_fit_are_said():
+    (sentence,) = _measured(estimate_nis=3.0 * chi2.median(17)).doubts()
+    assert "3.0 times the expected one" in sentence
+    time = uniform_stop()["time"].values
+    lost = _measured(estimate_nis=np.where(time < 5.0, 17.0, 1e6))
+    period = time[1] - time[0]
+    assert lost.estimator_lost == pytest.approx(5.0 + 50 * period, abs=2 * period)
+    assert lost.doubts()[0].startswith("The estimator is lost from 5.")
+
+
+def _measured(**changes):
+    trace = with_bound(uniform_stop(**changes), parabola, BRAKE, alpha_max=0.15)
+    return measure(trace, alpha_max=0.15, actuation="ideal")

@@ -53,6 +53,12 @@ def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
     found = excursions(sand, told, settled=0.5)
     assert found.kept
     assert told.attrs["ended"] == ""
+    settled = sand["time"].values > 4.0
+    judged = judge(sand, told, "alpha", settled)
+    assert judged.rmse < 0.3 * judged.constant
+    constant = told.copy(deep=True)
+    constant["mean"].loc[{"state": "alpha"}] = sand["true_alpha"].values[settled].mean()
+    assert not excursions(sand, constant, settled=0.5).kept
 
 
 def test_equation_20_claims_far_less_than_it_knows_and_ours_about_what_it_knows(sand):

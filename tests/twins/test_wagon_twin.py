@@ -50,7 +50,10 @@ def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_mu
 
 def test_the_printed_factor_puts_the_rest_on_the_pads(stop):
     pressed = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
-    assert judge(stop, believed(stop), "mu_b[1]", pressed).rmse < 0.015
+    for pads in ("mu_b[1]", "mu_b[2]"):
+        # Better than what it started from; pads that hardly move within the window are no test of more.
+        unmoved = np.sqrt(np.mean((stop[f"true_{pads}"].values[pressed] - 0.35) ** 2))
+        assert judge(stop, believed(stop), pads, pressed).rmse < 0.8 * unmoved
     assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", pressed).bias > 0.3
 
 

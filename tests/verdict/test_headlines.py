@@ -34,8 +34,17 @@ def test_the_accepted_figures_are_what_was_asked_for():
             assert figures[f"rig-{scenario}, rig-{of}: adhesion error outside protection events"].value <= 0.02
             assert figures[f"rig-{scenario}, rig-{of}: longest adhesion error above 0.02"].value <= 0.1
     assert abs(figures["field c6: distance, relative error"].value) <= 5e-3
-    for noises in ("paper", "consistent"):
+    for noises in ("paper", "consistent", "physical"):
         assert abs(figures[f"field c6, noises '{noises}': braking distance, relative error"].value) <= 5e-3
+    constant = "field c6, the best constant"
+    assert (
+        figures["field c6, noises 'physical': adhesion RMSE"].value < 0.4 * figures[f"{constant}: adhesion RMSE"].value
+    )
+    mean = figures["field c6, noises 'physical': mean pad friction RMSE"].value
+    assert mean < 0.5 * figures[f"{constant}: mean pad friction RMSE"].value
+    # Single brakes are not told; the noises taken are at least better than those tuned for consistency.
+    single = {n: figures[f"field c6, noises '{n}': pad friction RMSE"].value for n in ("physical", "consistent")}
+    assert figures[f"{constant}: pad friction RMSE"].value < single["physical"] < 0.85 * single["consistent"]
     assert figures["monitor: stops until lost friction is found"].value <= 10
     assert figures["monitor: stops until a sticking brake is found"].value <= 10
     assert figures["monitor: false alarms"].value == 0
@@ -50,7 +59,23 @@ def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
     lateral = load_baseline(BASELINES / "lateral.toml").figures
     rmse = {
         name: lateral[f"lateral, {name}: friction RMSE"].value
-        for name in ("paper, literal", "paper, known_track", "paper, unknown_track", "softer, known_track")
+        for name in (
+            "paper, literal",
+            "paper, known_track",
+            "paper, unknown_track",
+            "softer, known_track",
+            "slightly_softer, known_track",
+            "service, known_track",
+            "service, unknown_track",
+        )
     }
     assert rmse["paper, known_track"] < rmse["paper, unknown_track"] < rmse["paper, literal"]
-    assert rmse["softer, known_track"] > 0.1
+    constant = {
+        plant: lateral[f"lateral, {plant}, the best constant: friction RMSE"].value
+        for plant in ("paper", "softer", "slightly_softer", "service")
+    }
+    # What a constant knows, too: a contact 1 % softer blinds the filter, service sensors the one without the track.
+    assert rmse["paper, unknown_track"] < 0.4 * constant["paper"]
+    for blind in ("softer, known_track", "slightly_softer, known_track", "service, unknown_track", "paper, literal"):
+        assert rmse[blind] > constant[blind.partition(",")[0]]
+    assert rmse["service, known_track"] < 0.5 * constant["service"]

@@ -77,7 +77,7 @@ def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
     results = replace(results, stops=(replace(results.stops[0], record=without_air), *results.stops[1:]))
     as_json, as_markdown = write_table(results, folder)
     assert json.loads(as_json.read_text(encoding="utf-8"))["rows"][0]["air_l"] is None
-    assert as_markdown.read_text(encoding="utf-8").splitlines()[8].endswith(" s |  |")
+    assert as_markdown.read_text(encoding="utf-8").splitlines()[8].endswith(" s |  |  |  |")
 
 
 def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, write_campaign):

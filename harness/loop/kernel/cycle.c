@@ -14,7 +14,7 @@ typedef void Call(double *, const double *, const double *, double *);
 enum { SET_STEP_GET = 7 };
 enum { GOING, STANDING, PLANT_FAILED, DIVERGED, NO_COMMAND, IMPLAUSIBLE };
 enum { NEGATIVE_VARIANCE = -1 };                 /* beside the failures of the filter */
-enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS };
+enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS, INNOVATION = 2 };
 
 typedef struct {
     Call *call;                                  /* null: there is none */
@@ -39,17 +39,17 @@ typedef struct {
     /* the filter; null: there is none */
     Advance *advance;
     double *block, *held, *seen;
-    const double *mean, *covariance;
+    const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading in it */
     const long long *seen_of, *believed_of;      /* places in a reading; among the states */
     const double *radius;
     Formula law, valves;
     Plausibility *plausibility;
     double period, stop_speed;
     double *rows;
-    double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD];
+    double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
     double command[GROUPS];
     long long present_count, points, over_time, sections, width, seen_count;
-    long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at;
+    long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
 } Cycle;
@@ -109,6 +109,10 @@ static long long believe(Cycle *c)
     c->news = 0;
     copy(c->held, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
     look(c);
+    c->innovation[0] = *c->squared;
+    c->innovation[1] = 0.0;
+    for (long long i = 0; i < c->seen_count; i++)
+        c->innovation[1] += c->used[i];
     for (int i = 0; i < SPREAD; i++)
         if (!(c->spread[i] >= 0.0))
             return NEGATIVE_VARIANCE;
@@ -188,6 +192,7 @@ EXPORT int cycle(Cycle *c, long long until)
                 return DIVERGED;
             copy(row + c->believed_at, c->believed, BELIEVED);
             copy(row + c->spread_at, c->spread, SPREAD);
+            copy(row + c->innovation_at, c->innovation, INNOVATION);
         }
         c->written = k + 1;
         if (k % c->controller_every == 0) {

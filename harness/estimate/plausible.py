@@ -1,0 +1,89 @@
+"""What a recording may show and a filter may believe before one asks for the unit, the sign or the column.
+
+Bounds are wide on purpose: beyond them is no train. They are by the first part of a signal's name, in its SI unit.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """Least and greatest value of a quantity, and what they come from."""
+
+    low: float
+    high: float
+    reason: str
+
+
+_SPEED: Final = Bounds(-5.0, 170.0, "trains have reached 160 m/s")
+_ROTATION: Final = Bounds(-20.0, 500.0, "160 m/s on wheels of 0.32 m")
+_FRICTION: Final = Bounds(0.0, 1.0, "brake pads reach 0.5")
+_ADHESION: Final = Bounds(-1.0, 1.0, "dry rails reach 0.6")
+
+SIGNALS: Final[Mapping[str, Bounds]] = {
+    "speed": _SPEED,
+    "wheelset_speed": _ROTATION,
+    "acceleration": Bounds(-30.0, 30.0, "an emergency brake reaches 3 m/s2, a hard coupling 20"),
+    "deflection": Bounds(-0.2, 0.2, "primary suspensions give way by 0.05 m"),
+    "cylinder_pressure": Bounds(-2e4, 1.2e6, "brakes are supplied with 10 bar"),
+    "pad_force": Bounds(-2e3, 5e5, "pads press, they do not pull"),
+    "track_force": Bounds(-5e6, 5e6, "a train of 5000 t on a slope of 10 %"),
+    "wheel_torque": Bounds(-2e5, 2e5, "a locomotive's axle reaches 60 kN.m"),
+}
+"""Inputs and readings of the prediction models."""
+
+STATES: Final[Mapping[str, Bounds]] = {"v": _SPEED, "w": _ROTATION, "mu_b": _FRICTION, "alpha": _ADHESION}
+"""Of the prediction models."""
+
+FEW: Final = 0.01
+"""Share of samples beyond the bounds that says no more than that a sensor had its moments."""
+
+
+def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str]:
+    """Return a sentence for each signal that is beyond its bounds in more than `FEW` of its samples."""
+    found: list[str] = []
+    for name in names:
+        bounds, values = SIGNALS.get(_family(name)), recording[name].values
+        if bounds is not None:
+            beyond = ~((values >= bounds.low) & (values <= bounds.high)) & ~np.isnan(values)
+            unit = str(recording[name].attrs.get("units", ""))
+            found += _sentences(f"{name} is", "wrong unit, sign or column?", values, beyond, recording, bounds, unit)
+    return found
+
+
+def strange_estimates(estimates: xarray.Dataset) -> list[str]:
+    """Return a sentence for each state that is beyond its bounds by 2σ in more than `FEW` of its samples."""
+    found: list[str] = []
+    for state in map(str, estimates["state"].values):
+        bounds = STATES.get(_family(state))
+        if bounds is not None:
+            mean, sd = (estimates[what].sel(state=state).values for what in ("mean", "sd"))
+            beyond = (mean + 2.0 * sd < bounds.low) | (mean - 2.0 * sd > bounds.high)
+            what = f"the filter believes in {state} of"
+            found += _sentences(what, "readings and model do not fit.", mean, beyond, estimates, bounds, "")
+    return found
+
+
+def _sentences(
+    what: str, question: str, values: Vector, beyond: NDArray[np.bool_], of: xarray.Dataset, bounds: Bounds, unit: str
+) -> Sequence[str]:
+    if np.mean(beyond) <= FEW:
+        return ()
+    worst = int(np.argmax(np.where(beyond, np.abs(values), -1.0)))
+    unit = f" {unit}" if unit not in ("", "1") else ""
+    return (
+        f"{what} {values[worst]:.4g}{unit} at {of['time'].values[worst]:.3f} s and beyond {bounds.low:g} to "
+        f"{bounds.high:g}{unit} in {np.mean(beyond):.0%} of its samples ({bounds.reason}); {question}",
+    )
+
+
+def _family(name: str) -> str:
+    return name.partition("[")[0]

@@ -1,0 +1,23 @@
+"""What an estimator must be better than: the best constant, which is known only afterwards.
+
+A bound on an error says nothing by itself: where the truth hardly moves, whoever says its mean keeps it without a look
+at a sensor. So tests of accuracy measure errors in those of the best constant.
+"""
+
+import numpy as np
+
+
+def rmse_over_constant(estimate, truth):
+    """Return the RMS error of an estimate over that of the best constant, each shape (k,) or (k, m), per column."""
+    estimate, truth = np.asarray(estimate), np.asarray(truth)
+    return np.sqrt(np.mean((estimate - truth) ** 2, axis=0)) / np.std(truth, axis=0)
+
+
+def error_95_of_constant(truth):
+    """Return the least magnitude that 95 % of the errors of some constant do not exceed, per column of (k, m).
+
+    It is half of the shortest interval that holds 95 % of the truth.
+    """
+    ordered = np.sort(np.asarray(truth), axis=0)
+    held = int(np.ceil(0.95 * len(ordered)))
+    return 0.5 * np.min(ordered[held - 1 :] - ordered[: len(ordered) - held + 1], axis=0)
