@@ -33,7 +33,7 @@ fmus: $(READY)  ## build the FMUs that are not up to date
 simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
 	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
 
-unseen: fmus  ## controllers on rails they were not tuned on, build/unseen
+unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
 	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml
 
 report: simulate  ## the same with the panels of every stop

@@ -52,7 +52,9 @@ from harness.scenario.file import NamedFile
 from harness.scenario.parties import ControllerFmu, KalmanFilter
 from harness.scenario.quantity import Magnitude
 from harness.scenario.schema import Scenario
+from harness.scenario.seed import generator
 from harness.scenario.track import track_force_of
+from harness.scenario.vehicle import Nudge
 from harness.train import brake_groups_of, brake_of
 
 Vector = NDArray[np.float64]
@@ -181,7 +183,8 @@ def judged(
     )
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> Mapping[str, str]:
     """Return the versions of what takes part in a stop."""
     return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
 
@@ -268,6 +271,16 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     return _si("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
+def _nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
+    """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own."""
+    real = [v for v in description.variables.values() if v.causality == "parameter" and v.kind == "Real"]
+    held = {v.name: float(v.start) for v in real if v.start is not None} | {
+        v.name: values[v.name] for v in real if v.name in values
+    }
+    shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(held))
+    return {name: value * (1.0 + float(share)) for (name, value), share in zip(held.items(), shares, strict=True)}
+
+
 @contextmanager
 def _plant(
     scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
@@ -305,7 +318,7 @@ def _plant(
         description,
         binding,
         period=scenario.periods.communication,
-        parameters=values,
+        parameters=values if vehicle.nudge is None else values | _nudged(values, description, vehicle.nudge),
         trusted=own or vehicle.trust,
         tell=tell,
         limits=scenario.limits.fmu.limits(),

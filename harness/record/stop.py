@@ -62,6 +62,11 @@ class StopRecord:
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
 
+    @property
+    def has_trace(self) -> bool:
+        """Whether the samples were kept."""
+        return (self.directory / TRACE_FILE).exists()
+
     def trace(self) -> xarray.Dataset:
         """Return the kept samples.
 
@@ -71,14 +76,17 @@ class StopRecord:
         return read_trace(self.directory / TRACE_FILE)
 
 
-def write_stop(stop: Stop, directory: Path) -> None:
-    """Write trace.nc and then stop.json: where stop.json is, the trace is whole.
+def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
+    """Write trace.nc, unless it is not to be kept, and then stop.json: where both are, the trace is whole.
 
     The same stop gives the same bytes; there is no clock time in them. The trace keeps a row each
     `periods.trace`.
     """
     (directory / STOP_FILE).unlink(missing_ok=True)
-    write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+    if keep_trace:
+        write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+    else:
+        (directory / TRACE_FILE).unlink(missing_ok=True)
     content = {
         "outcome": stop.outcome.value,
         "reason": stop.reason,
