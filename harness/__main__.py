@@ -278,6 +278,23 @@ def accept(
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
+@app.command()
+def readme(
+    path: Annotated[Path, typer.Option("--readme", help="The file with the table.")] = Path("README.md"),
+    baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
+) -> None:
+    """Write the accepted braking distances into README's table."""
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.baseline import load_baseline
+    from harness.verdict.readme import write_readme
+
+    accepted = load_baseline(baseline)
+    if accepted.campaign is None:
+        raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")
+    write_readme(path, load_campaign(baseline.parent / accepted.campaign), accepted)
+    _out.print(str(path), highlight=False, soft_wrap=True)
+
+
 add_estimate(app)
 add_calibrate(app)
 add_bench(app)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
 from importlib.metadata import version
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -184,7 +185,7 @@ def judged(
 
 
 @cache
-def versions() -> Mapping[str, str]:
+def versions() -> dict[str, str]:
     """Return the versions of what takes part in a stop."""
     return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
 
@@ -272,13 +273,20 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
 
 
 def _nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
-    """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own."""
+    """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own.
+
+    One at the end of what it may be stays there where it would be moved beyond.
+    """
     real = [v for v in description.variables.values() if v.causality == "parameter" and v.kind == "Real"]
-    held = {v.name: float(v.start) for v in real if v.start is not None} | {
-        v.name: values[v.name] for v in real if v.name in values
-    }
-    shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(held))
-    return {name: value * (1.0 + float(share)) for (name, value), share in zip(held.items(), shares, strict=True)}
+    shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(real))
+    moved: dict[str, float] = {}
+    for variable, share in zip(real, shares, strict=True):
+        value = values.get(variable.name, variable.start)
+        if value is not None:
+            least, most = variable.minimum, variable.maximum
+            free = float(value) * (1.0 + float(share))
+            moved[variable.name] = min(max(free, -inf if least is None else least), inf if most is None else most)
+    return moved
 
 
 @contextmanager

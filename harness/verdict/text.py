@@ -40,12 +40,12 @@ def names(stops: Sequence[str]) -> str:
     return ", ".join(stops[:_NAMES]) + more
 
 
-def markdown_table(texts: Texts, *, without: Collection[str] = ()) -> list[str]:
-    """Return a table as lines of Markdown, some of its columns left out."""
+def markdown_table(texts: Texts, *, without: Collection[str] = (), left: Collection[str] = TEXT_COLUMNS) -> list[str]:
+    """Return a table as lines of Markdown, some of its columns left out; those of texts are `left`."""
     columns = [column for column in texts[0] if column not in without]
     return [
         f"| {' | '.join(columns)} |",
-        f"|{'|'.join('---' if column in TEXT_COLUMNS else '--:' for column in columns)}|",
+        f"|{'|'.join('---' if column in left else '--:' for column in columns)}|",
         *(f"| {' | '.join(text[column] for column in columns)} |" for text in texts),
     ]
 
