@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fmus.build import OUTPUT, choose, fmu
+from fmus.build import choose, fmu
 from harness.record.outcome import Outcome
 from harness.record.stop import StopRecord, read_stop
 from harness.scenario.campaign import Campaign, PlannedStop
@@ -87,7 +87,7 @@ def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
     plant = stop.scenario.vehicle.plant
     if choose("auto") == _OTHER or isinstance(plant, NamedFile):
         return
-    path = fmu(plant, _OTHER, OUTPUT.parent / f"fmus-{_OTHER}")
+    path = fmu(plant, _OTHER)
     changed = {"plant": NamedFile(written=str(path), path=path), "trust": True}
     yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **changed)
 
