@@ -5,8 +5,8 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen report regress accept calibrate tune-control bench test test-omc regress-omc fuzz \
-        check estimate tune lateral learn monitor clean
+.PHONY: help install fmus simulate unseen report conditioning headlines readme regress accept calibrate tune-control bench test \
+        test-omc regress-omc fuzz check estimate tune lateral learn monitor clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -33,12 +33,23 @@ fmus: $(READY)  ## build the FMUs that are not up to date
 simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
 	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
 
-unseen: fmus  ## controllers on rails they were not tuned on, build/unseen
+unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
 	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml
 
 report: simulate  ## the same with the panels of every stop
 	$(RUN) -m harness report build/table1
 	$(RUN) -m harness report build/shapes
+
+conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
+	$(RUN) -m harness conditioning harness/scenario/campaigns/table1.toml
+
+headlines: conditioning  ## all numbers of the table anew, into baselines and README: make headlines REASON='…'
+	-$(RUN) -m harness regress
+	$(RUN) -m harness accept --reason '$(REASON)'
+	$(RUN) -m harness readme
+
+readme: $(READY)  ## write the accepted braking distances into README's table
+	$(RUN) -m harness readme
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(RUN) -m harness regress

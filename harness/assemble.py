@@ -6,6 +6,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.metadata import version
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -52,7 +53,9 @@ from harness.scenario.file import NamedFile
 from harness.scenario.parties import ControllerFmu, KalmanFilter
 from harness.scenario.quantity import in_units
 from harness.scenario.schema import Scenario
+from harness.scenario.seed import generator
 from harness.scenario.track import STEEPEST, track_force_of
+from harness.scenario.vehicle import Nudge
 from harness.train import GRAVITY, brake_groups_of, brake_of
 from harness.trial import Finding, findings, tried
 from harness.units import Unit
@@ -194,6 +197,7 @@ def judged(
     )
 
 
+@cache
 def versions() -> dict[str, str]:
     """Return the versions of what takes part in a stop."""
     return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
@@ -303,6 +307,23 @@ def _track_fits(scenario: Scenario, description: Description) -> None:
         )
 
 
+def _nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
+    """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own.
+
+    One at the end of what it may be stays there where it would be moved beyond.
+    """
+    real = [v for v in description.variables.values() if v.causality == "parameter" and v.kind == "Real"]
+    shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(real))
+    moved: dict[str, float] = {}
+    for variable, share in zip(real, shares, strict=True):
+        value = values.get(variable.name, variable.start)
+        if value is not None:
+            least, most = variable.minimum, variable.maximum
+            free = float(value) * (1.0 + float(share))
+            moved[variable.name] = min(max(free, -inf if least is None else least), inf if most is None else most)
+    return moved
+
+
 @contextmanager
 def _plant(
     scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
@@ -333,7 +354,7 @@ def _plant(
         description,
         binding,
         period=scenario.periods.communication,
-        parameters=values,
+        parameters=values if vehicle.nudge is None else values | _nudged(values, description, vehicle.nudge),
         trusted=own or vehicle.trust,
         limits=scenario.limits.fmu.limits(),
     )

@@ -17,10 +17,10 @@ from harness.failure import sentence_of
 from harness.record.atomic import PARTIAL, write_text
 from harness.record.error import RecordError
 from harness.record.outcome import Outcome
-from harness.record.stop import TRACE_FILE, read_stop
+from harness.record.stop import read_stop
 from harness.run import SOURCES, Runner, make_folder, run
 from harness.scenario.campaign import Campaign, PlannedStop
-from harness.scenario.schema import Scenario
+from harness.scenario.conditioning import read_conditioning
 from harness.sources import sources_digest
 from harness.verdict.compilers import OURS, makers
 from harness.verdict.results import CAMPAIGN_FILE
@@ -124,7 +124,7 @@ def _running(orders: Sequence[_Order], runner: Runner, workers: int) -> Generato
         with processes.workers(min(workers, len(orders))) as pool:
             yield _reports(
                 {
-                    pool.submit(_perform, order.stop.scenario, order.folder, runner): order  # in their order
+                    pool.submit(_perform, order.stop, order.folder, runner): order  # in their order
                     for order in orders
                 }
             )
@@ -146,10 +146,10 @@ def _reports(running: dict[Future[tuple[State, str]], _Order]) -> Iterator[tuple
             yield order, Report(stop=order.stop, state=state, sentence=sentence)
 
 
-def _perform(scenario: Scenario, directory: Path, runner: Runner) -> tuple[State, str]:
+def _perform(planned: PlannedStop, directory: Path, runner: Runner) -> tuple[State, str]:
     """Run one stop in this process and return its state and sentence."""
     try:
-        stop = run(scenario, directory, runner)
+        stop = run(planned.scenario, directory, runner, keep_trace=planned.keep_trace)
     except Exception as problem:
         sentence = sentence_of(problem)
         if sentence is None:
@@ -164,16 +164,21 @@ def is_there(stop: PlannedStop, directory: Path) -> bool:
         record = read_stop(directory)
     except RecordError:
         return False
-    if not (directory / TRACE_FILE).is_file():  # it had found no place
-        return False
     if record.digest != stop.scenario.digest() or record.versions.get(SOURCES) != sources_digest():
+        return False
+    if stop.keep_trace and not record.has_trace:  # it had found no place, or was not wanted then
         return False
     own = [tool for name, tool in makers(record.versions).items() if Path(name).stem in read_recipes().recipes]
     return all(tool.startswith(OURS) == (choose("auto") == "native") for tool in own)
 
 
 def write_description(campaign: Campaign, directory: Path) -> None:
-    """Write campaign.json: what the results in the folders beside it belong to."""
+    """Write campaign.json: what the results in the folders beside it belong to.
+
+    Raises:
+        ScenarioError: The campaign names a file of conditioning that cannot be read.
+    """
+    repeated = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
     content = {
         "name": campaign.name,
         "description": campaign.description,
@@ -183,6 +188,7 @@ def write_description(campaign: Campaign, directory: Path) -> None:
                 "variants": dict(stop.variants),
                 "scenario_digest": stop.scenario.digest(),
                 "paper_distance_m": reference.distance if (reference := campaign.reference_for(stop)) else None,
+                "conditioning": repeated[stop.name].model_dump(mode="json") if stop.name in repeated else None,
             }
             for stop in campaign.stops
         ],

@@ -151,6 +151,47 @@ def campaign(
 
 
 @app.command()
+def conditioning(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
+    relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Most that a parameter moves by.")] = 1e-7,
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
+    workers: Workers = 2,
+    fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
+) -> None:
+    """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
+    from harness.campaign import Asked
+    from harness.conditioning import campaign_of, conditioning_of, repeats_of
+    from harness.record.atomic import write_text
+    from harness.scenario.campaign import load_campaign
+    from harness.scenario.conditioning import text_of
+
+    whole = load_campaign(file)
+    if whole.conditioning is None:
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
+    repeated = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in whole.stops}
+    directory = out / whole.name
+    problem = _run_campaigns([Asked(campaign_of(whole, repeated), directory)], workers=workers, fresh=fresh)
+    # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
+    found = conditioning_of(whole, repeated, directory, relative)
+    write_text(whole.conditioning, text_of(found))
+    rows = [
+        {
+            "stop": name,
+            "shortest": f"{stop.lowest:.2f} m",
+            "median": f"{stop.median:.2f} m",
+            "longest": f"{stop.highest:.2f} m",
+            "": "spreads" if stop.spreads else "",
+        }
+        for name, stop in found.stops.items()
+    ]
+    _print_table("", rows)
+    say(str(whole.conditioning))
+    if problem:
+        raise typer.Exit(problem)
+
+
+@app.command()
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
     panels: DrawnPanels = Panels.ALL,
@@ -264,6 +305,23 @@ def tune_control(
     write_text(out, text_of(found))
 
 
+@app.command()
+def readme(
+    path: Annotated[Path, typer.Option("--readme", help="The file with the table.")] = Path("README.md"),
+    baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
+) -> None:
+    """Write the accepted braking distances into README's table."""
+    from harness.scenario.campaign import load_campaign
+    from harness.verdict.baseline import load_baseline
+    from harness.verdict.readme import write_readme
+
+    accepted = load_baseline(baseline)
+    if accepted.campaign is None:
+        raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")
+    write_readme(path, load_campaign(baseline.parent / accepted.campaign), accepted)
+    say(str(path))
+
+
 add_map(app)
 add_estimate(app)
 add_bench(app)
@@ -353,34 +411,27 @@ def _baseline_files(folder: Path) -> list[Path]:
 
 
 def _print_rows(rows: "Sequence[Row]") -> None:
-    from harness.verdict.table import CONTROLLERS
+    from harness.verdict.distribution import distribution_texts, distributions_of
+    from harness.verdict.table import row_texts
 
-    texts = [
-        {
-            "scenario": row.label,
-            "actuation": row.actuation,
-            "sensors": row.sensors,
-            "creep curve": row.polach,
-            "controller": CONTROLLERS.get(row.controller, row.controller),
-            "distance": f"{row.distance_m:.1f} m" if row.distance_m is not None else row.outcome,
-            "paper": "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f} m",
-            "vs SBC": "" if row.reduction_vs_sbc is None else f"{-row.reduction_vs_sbc:+.1%}",
-            "paper vs SBC": "" if row.paper_reduction is None else f"{-row.paper_reduction:+.1%}",
-            "used": "" if row.utilisation is None else f"{row.utilisation:.1%}",
-        }
-        for row in rows
-    ]
-    _print_table("", texts)
+    drawn, single = distribution_texts(distributions_of(rows)), row_texts(rows)
+    if drawn:
+        _print_table("", drawn)
+    if single or not drawn:
+        _print_table("", [{name: text[name] for name in text if name not in _NOT_ON_SCREEN} for text in single])
+
+
+_NOT_ON_SCREEN = frozenset({"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS"})
+"""Columns of the table that a screen has no room for."""
 
 
 def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
+    from harness.verdict.text import TEXT_COLUMNS
+
     if not rows:
         say(f"{title}: nothing changed" if title else "no results")
         return
-    numeric = {"distance", "paper", "vs SBC", "paper vs SBC", "used", "accepted", "found", "change", "tolerance"} | {
-        name for name in rows[0] if "[m]" in name
-    }
-    show_table(rows, title=title, right=numeric)
+    show_table(rows, title=title, right=[column for column in rows[0] if column not in TEXT_COLUMNS])
 
 
 def _fail(sentence: str) -> NoReturn:

@@ -58,7 +58,13 @@ def make_folder(directory: Path, *files: str) -> None:
 
 
 def run(
-    scenario: Scenario, directory: Path, runner: Runner, progress: Progress | None = None, tell: Tell = silently
+    scenario: Scenario,
+    directory: Path,
+    runner: Runner,
+    progress: Progress | None = None,
+    tell: Tell = silently,
+    *,
+    keep_trace: bool = True,
 ) -> Stop:
     """Run a scenario and write its result into a folder, whole or not at all.
 
@@ -74,5 +80,5 @@ def run(
         # Parties know the table and the key they were given, not whose scenario it is.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
     stop = replace(stop, versions={**stop.versions, SOURCES: sources_digest()})
-    write_stop(stop, directory)
+    write_stop(stop, directory, keep_trace=keep_trace)
     return stop

@@ -64,6 +64,11 @@ class StopRecord:
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
 
+    @property
+    def has_trace(self) -> bool:
+        """Whether the samples were kept."""
+        return (self.directory / TRACE_FILE).exists()
+
     def trace(self) -> xarray.Dataset:
         """Return the kept samples.
 
@@ -73,8 +78,8 @@ class StopRecord:
         return read_trace(self.directory / TRACE_FILE)
 
 
-def write_stop(stop: Stop, directory: Path) -> None:
-    """Write trace.nc and then stop.json; where a trace is beside stop.json, it is whole and of this stop.
+def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
+    """Write trace.nc, unless it is not to be kept, and then stop.json: where both are, the trace is whole.
 
     A trace may find no place where the figures still do: they are kept without it. The same stop gives the same
     bytes; there is no clock time in them. The trace keeps a row each
@@ -100,7 +105,8 @@ def write_stop(stop: Stop, directory: Path) -> None:
     # JSON has no NaN: a figure that does not exist (no estimator, no lock) is null.
     text = json.dumps(_without_nan(content), indent=1, ensure_ascii=False, allow_nan=False)
     try:
-        write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+        if keep_trace:
+            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
     finally:
         write_text(directory / STOP_FILE, text + "\n")
 

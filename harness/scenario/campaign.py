@@ -6,9 +6,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from harness.scenario.error import ScenarioError
 from harness.scenario.file import is_file
@@ -16,11 +16,13 @@ from harness.scenario.load import demand_kind, read_toml, scenario_of, validated
 from harness.scenario.merge import merged, read_overrides
 from harness.scenario.quantity import Unit
 from harness.scenario.schema import Scenario
-from harness.scenario.table import Name, Table
+from harness.scenario.table import Name, Table, broken
 from harness.units import cut
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
+DRAW = "draw"
+"""The axis of `draws`: stops that differ in nothing else are one distribution."""
 
 
 class Reference(Table):
@@ -31,12 +33,32 @@ class Reference(Table):
     source: str
 
 
+class Draws(Table):
+    """The seeds `first` to `last`, both of them included, for the stops that match."""
+
+    first: Annotated[StrictInt, Field(ge=0)]
+    last: Annotated[StrictInt, Field(ge=0)]
+    match: dict[str, str] = Field(default={}, description="axis → variant of the stops that are drawn; all without it")
+    traces: StrictBool = Field(default=False, description="whether their samples are kept, some 2 MB each")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.last < self.first:
+            raise broken(f"last is {self.last}, before first, {self.first}")
+        return self
+
+    def seeds(self) -> range:
+        """Return all of them."""
+        return range(self.first, self.last + 1)
+
+
 class CampaignFile(Table):
     """A campaign as written.
 
     Every combination of scenario and one variant of each axis is a stop, but for those that `exclude` matches. A
     variant holds tables of a scenario, laid over it, or names a file of such tables. `sweep` is a short form of an axis
-    of one key: `"start.speed" = ["80 km/h", "120 km/h"]`.
+    of one key: `"start.speed" = ["80 km/h", "120 km/h"]`. With `draws` the combinations that it matches are stopped
+    once with each of its seeds, whatever else sets one, and tables and figures show their distribution.
     """
 
     name: Name
@@ -46,10 +68,14 @@ class CampaignFile(Table):
         default={}, description="axis → variant → tables, or a file of tables, from this one's folder"
     )
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
+    draws: Draws | None = None
     exclude: tuple[dict[str, str | tuple[str, ...]], ...] = Field(
         default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
     )
     reference: tuple[Reference, ...] = ()
+    conditioning: str | None = Field(
+        default=None, description="file that `railgrip conditioning` writes, from this one's folder"
+    )
     panels: Literal["all", "abc", "none"] = Field(
         default="all", description="of which stops the panels are drawn, about a second each"
     )
@@ -63,22 +89,29 @@ class PlannedStop:
         name: Of the combination, unique in the campaign; the folder of its result.
         variants: Axis → variant, `scenario` first.
         scenario: What to run.
+        keep_trace: Whether its samples are kept beside its figures.
     """
 
     name: str
     variants: Mapping[str, str]
     scenario: Scenario
+    keep_trace: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Campaign:
-    """A named set of stops, what others found for some of them, and of which stops the panels are drawn."""
+    """A named set of stops, what others found for some of them, and of which stops the panels are drawn.
+
+    Attributes:
+        conditioning: The file that says how far their distances move with parameters in the seventh digit.
+    """
 
     name: str
     description: str
     stops: tuple[PlannedStop, ...]
     references: tuple[Reference, ...]
     panels: Literal["all", "abc", "none"] = "all"
+    conditioning: Path | None = None
 
     def only(self, keep: Callable[[PlannedStop], bool]) -> "Campaign":
         """Return the same campaign with some of its stops."""
@@ -107,6 +140,8 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     }
     if _AXIS_OF_SCENARIOS in axes:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{_AXIS_OF_SCENARIOS}', the files are that axis")
+    if DRAW in axes:
+        raise ScenarioError(f"{path.name}: [axes] cannot be named '{DRAW}', [draws] is that axis")
     for key, values in written.sweep.items():
         axes[key] = {_spelled(value): read_overrides([f"{key}={json.dumps(value)}"]) for value in values}
     _demand_known(path, written, axes)
@@ -124,6 +159,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         stops=stops,
         references=written.reference,
         panels=written.panels,
+        conditioning=path.parent / written.conditioning if written.conditioning else None,
     )
 
 
@@ -161,7 +197,20 @@ def _stops(
             scenario = scenario_of(
                 merged(table, last), directory=base_path.parent, origin=f"{path.name}, stop {name} ({base_path.name})"
             )
-            yield PlannedStop(name=name, variants=variants, scenario=scenario)
+            planned = PlannedStop(name=name, variants=variants, scenario=scenario)
+            draws = written.draws
+            yield from _drawn(planned, draws) if draws and _matches(draws.match, variants) else (planned,)
+
+
+def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
+    """Yield a stop with each of the seeds; nothing else of a scenario depends on one, so it is not read anew."""
+    for seed in draws.seeds():
+        yield PlannedStop(
+            name=f"{stop.name}-{seed}",
+            variants={**stop.variants, DRAW: str(seed)},
+            scenario=stop.scenario.model_copy(update={"seed": seed}),
+            keep_trace=draws.traces,
+        )
 
 
 def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, str]) -> bool:
@@ -172,8 +221,13 @@ def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, 
 
 
 def _demand_known(path: Path, written: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
-    """Refuse an exclusion or reference that names an axis or variant that is not there: it would never match."""
-    for table, entries in (("exclude", written.exclude), ("reference", [found.match for found in written.reference])):
+    """Refuse a match that names an axis or variant that is not there: it would never be one."""
+    matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
+        "exclude": written.exclude,
+        "reference": [found.match for found in written.reference],
+        "draws": [written.draws.match] if written.draws else [],
+    }
+    for table, entries in matches.items():
         for axis, wanted in (pair for entry in entries for pair in entry.items()):
             if axis == _AXIS_OF_SCENARIOS:
                 continue

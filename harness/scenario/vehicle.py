@@ -1,12 +1,22 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field, StrictBool, ValidationInfo, field_serializer, field_validator
+from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator
 
 from harness.scenario.file import NamedFile
 from harness.scenario.mapped import MapEntry
+from harness.scenario.quantity import Unit
 from harness.scenario.table import WHEELSETS, Length, Parameters, Speed, Table, broken, scalars
+
+
+class Nudge(Table):
+    """Every real parameter of the plant, moved a little at random: what that does to a distance is its conditioning."""
+
+    relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
+        description="most that a parameter moves by, as a share of its value"
+    )
+    seed: Annotated[StrictInt, Field(ge=0)]
 
 
 class Vehicle(Table):
@@ -26,6 +36,8 @@ class Vehicle(Table):
         default=(),
         description="distance of each wheelset behind the first; wanted when adhesion is over distance",
     )
+
+    nudge: Nudge | None = Field(default=None, description="moves all real parameters of the plant a little")
 
     _flat = field_validator("parameters", mode="before")(scalars)
 

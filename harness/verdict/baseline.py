@@ -13,7 +13,12 @@ and, where the law is chaotic, between what distances it spreads when the plant'
 
     spread = [279.8, 324.3]  # m
 
-or the same for the figures of a study of `harness.headlines`:
+A stop whose distance rounding decides (see `harness.scenario.conditioning`) has a range: `distance` is the median of
+its repeats, `lowest` and `highest` are theirs, and `tolerance` is what it may lie beyond them. Beside the distances
+stand the longest lock of any group [s] and the strokes of all valves, as of the last `make accept`: shown, not
+compared.
+
+The same for the figures of a study of `harness.headlines`:
 
     study = "estimate"
 
@@ -31,16 +36,18 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, NonNegativeInt, model_validator
 
 from harness.record.atomic import write_text
 from harness.record.error import RecordError
-from harness.record.outcome import Outcome
+from harness.scenario.conditioning import Repeated
 from harness.scenario.error import ScenarioError
 from harness.scenario.load import read_toml, validated
 from harness.scenario.quantity import Unit
 from harness.scenario.table import Table, broken
-from harness.verdict.results import Results
+from harness.verdict.results import Result, Results
+from harness.verdict.row import Row
+from harness.verdict.table import rows_of
 
 FINDINGS_FILE = "figures.json"
 
@@ -61,10 +68,32 @@ class Accepted(Table):
 
     distance: Distance
     tolerance: Distance
+    lowest: Distance | None = None
+    highest: Distance | None = None
+    longest_lock: Annotated[float, Unit("s", at_least=0)] | None = None
+    valve_strokes: NonNegativeInt | None = None
     reason: Annotated[str, Field(min_length=1)]
     spread: tuple[Distance, Distance] | None = Field(
         default=None, description="lowest and highest distance of plants that are the same but for rounding"
     )
+
+    @model_validator(mode="after")
+    def _whole_range(self) -> Self:
+        if (self.lowest is None) != (self.highest is None):
+            raise broken("has one end of a range; it wants both lowest and highest, or neither")
+        if not self.ends[0] <= self.distance <= self.ends[1]:
+            raise broken(f"distance {self.distance:g} m is not within lowest and highest")
+        return self
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The range [m]; twice the distance where it is a number."""
+        return self.lowest or self.distance, self.highest or self.distance
+
+    @property
+    def is_range(self) -> bool:
+        """Whether rounding decides the distance."""
+        return self.lowest is not None
 
     @property
     def value(self) -> float:
@@ -84,6 +113,11 @@ class AcceptedFigure(Table):
     tolerance: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
     unit: str
     reason: Annotated[str, Field(min_length=1)]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Twice the value: a figure is a number, no range."""
+        return self.value, self.value
 
 
 class Baseline(Table):
@@ -111,7 +145,7 @@ class Baseline(Table):
         """
         stops: dict[str, Accepted] = {}
         for name, stop in self.stops.items():
-            low, high = stop.spread or (stop.distance, stop.distance)
+            low, high = stop.spread or stop.ends
             middle, half = (low + high) / 2, (high - low) / 2
             stops[name] = stop.model_copy(update={"distance": middle, "tolerance": half + ACROSS_COMPILERS * high})
         return self.model_copy(update={"stops": stops})
@@ -131,12 +165,18 @@ class Finding:
         value: Found, None where there is none: no standstill, no alarm.
         unit: Of it.
         tolerance: How far it may move once it is accepted, for a reason of its own; None for `TOLERANCE` of it.
+        repeated: Repeats of the stop, where rounding decides its distance.
+        longest_lock: Of any group [s]; None for a figure.
+        valve_strokes: Of all groups; None without valves.
     """
 
     name: str
     value: float | None
     unit: str
     tolerance: float | None = None
+    repeated: Repeated | None = None
+    longest_lock: float | None = None
+    valve_strokes: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,16 +229,18 @@ def load_baseline(path: Path) -> Baseline:
 
 def findings_of(results: Results) -> Findings:
     """Return the distances of a campaign; none of a stop that did not end in a standstill."""
-    return Findings(
-        found=tuple(
-            Finding(
-                name=result.name,
-                value=result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None,
-                unit="m",
-            )
-            for result in results.stops
-        ),
-        missing=results.missing,
+    return Findings(found=tuple(map(_finding, results.stops, rows_of(results))), missing=results.missing)
+
+
+def _finding(result: Result, row: Row) -> Finding:
+    repeated = result.conditioning
+    return Finding(
+        name=result.name,
+        value=row.distance_m,
+        unit="m",
+        repeated=repeated if repeated and repeated.belongs(result.record.digest, row.distance_m) else None,
+        longest_lock=row.longest_lock_s,
+        valve_strokes=row.valve_strokes,
     )
 
 
@@ -262,7 +304,18 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
             raise ScenarioError(f"accept: {name} has no value; a baseline is a number")
         kept = before if comparison.state == "kept" else None
         if baseline.campaign is not None:
-            stops[name] = kept if isinstance(kept, Accepted) else _accepted_stop(found, found.value, before, reason)
+            # A number that turns out to be a range, or no longer to be one, is accepted anew.
+            spreads = found.repeated is not None and found.repeated.spreads
+            stop = (
+                kept
+                if isinstance(kept, Accepted) and (kept.is_range == spreads or found.repeated is None)
+                else _accepted_stop(found, found.value, before, reason)
+            )
+            beside = {
+                "longest_lock": None if found.longest_lock is None else round(found.longest_lock, 3),
+                "valve_strokes": found.valve_strokes,
+            }
+            stops[name] = stop.model_copy(update=beside)
         else:
             tolerance = found.tolerance or TOLERANCE * abs(found.value)
             figures[name] = (
@@ -279,13 +332,24 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
 
 
 def _accepted_stop(found: Finding, distance: float, before: Accepted | AcceptedFigure | None, reason: str) -> Accepted:
-    relative = before.tolerance / before.value if before else TOLERANCE
+    spread = before.spread if isinstance(before, Accepted) else None
+    if found.repeated is not None and found.repeated.spreads:
+        return Accepted(
+            distance=round(found.repeated.median, 3),
+            tolerance=_digits(found.repeated.margin, 2),
+            lowest=found.repeated.lowest,
+            highest=found.repeated.highest,
+            reason=reason.strip(),
+            spread=spread,
+        )
+    is_number = before is not None and before.ends[0] == before.ends[1]
+    relative = before.tolerance / before.value if before and is_number else TOLERANCE
     return Accepted(
-        distance=round(distance, 3),
-        tolerance=_digits(relative * distance, 2),
-        reason=reason.strip(),
-        spread=before.spread if isinstance(before, Accepted) else None,
+        distance=round(distance, 3), tolerance=_digits(relative * distance, 2), reason=reason.strip(), spread=spread
     )
+
+
+_BESIDE = {"lowest", "highest", "longest_lock", "valve_strokes"}
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
@@ -300,6 +364,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
             f"[stops.{json.dumps(name)}]",
             f"distance = {stop.distance!r}  # m",
             f"tolerance = {stop.tolerance!r}  # m",
+            *(f"{name} = {value!r}" for name, value in stop.model_dump(include=_BESIDE, exclude_none=True).items()),
             f"reason = {json.dumps(stop.reason, ensure_ascii=False)}",
             *([f"spread = {list(stop.spread)!r}  # m"] if stop.spread else []),
         ]
@@ -331,13 +396,22 @@ def comparison_rows(comparisons: tuple[Comparison, ...]) -> list[Mapping[str, st
         row = {
             "stop" if metres else "figure": comparison.name,
             "state": comparison.state,
-            f"accepted{behind}": number(before.value if before else None),
+            f"accepted{behind}": _spelled(before, form),
             f"found{behind}": number(comparison.value),
             f"change{behind}": number(comparison.change, "{:+.3f}" if metres else "{:+.2g}"),
             f"tolerance{behind}": number(before.tolerance if before else None),
         }
         rows.append(row if metres else row | {"unit": before.unit if before else found.unit if found else ""})
     return rows
+
+
+def _spelled(before: Accepted | AcceptedFigure | None, form: str) -> str:
+    """Return what is accepted, with its range where it has one."""
+    if before is None:
+        return ""
+    lowest, highest = before.ends
+    range_ = "" if lowest == highest else f" ({form.format(lowest)} – {form.format(highest)})"
+    return form.format(before.value) + range_
 
 
 def _state(before: Accepted | AcceptedFigure | None, found: Finding | None, *, of_stops: bool) -> State:
@@ -347,7 +421,8 @@ def _state(before: Accepted | AcceptedFigure | None, found: Finding | None, *, o
         return "no standstill" if of_stops else "no value"
     if before is None:
         return "new"
-    return "kept" if abs(found.value - before.value) <= before.tolerance else "moved"
+    lowest, highest = before.ends
+    return "kept" if lowest - before.tolerance <= found.value <= highest + before.tolerance else "moved"
 
 
 def _digits(value: float, count: int) -> float:

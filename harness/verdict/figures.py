@@ -10,8 +10,9 @@ from matplotlib.ticker import NullLocator
 
 from harness.record.signals import GROUPS
 from harness.verdict import style
+from harness.verdict.reference import CONTROLLERS
 from harness.verdict.results import Result
-from harness.verdict.table import CONTROLLERS, Row
+from harness.verdict.row import Row
 
 _CONTROLLER_COLOURS = {
     "full_brake": style.GREY,

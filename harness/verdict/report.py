@@ -13,12 +13,17 @@ from harness.record.error import RecordError
 from harness.record.metrics import meanings
 from harness.record.outcome import Outcome
 from harness.record.stop import STOP_FILE, read_stop
+from harness.scenario.campaign import DRAW
 from harness.verdict import style
 from harness.verdict.compilers import from_elsewhere
+from harness.verdict.distribution import distribution_texts, distributions_of
+from harness.verdict.distribution_figure import distribution_figure
 from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from harness.verdict.panels import Panels
+from harness.verdict.reference import is_published
 from harness.verdict.results import CAMPAIGN_FILE, Result, Results, read_results
-from harness.verdict.table import CONTROLLERS, REFERENCE_CONTROLLER, Row, rows_of, write_table
+from harness.verdict.table import row_texts, rows_of, write_table
+from harness.verdict.text import html_table, names
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 75rem; padding: 0 1rem; color: #1b1b1b }
@@ -27,6 +32,13 @@ th { border-bottom: 2px solid #999 } td { border-bottom: 1px solid #ddd }
 td.text, th.text { text-align: left } img { max-width: 100%; height: auto } figure { margin: 1rem 0 }
 details { margin: .4rem 0 } summary { cursor: pointer } .bad { color: #a03000 }
 """
+
+_REFERENCES = (
+    "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "
+    "slip, and with other ones, the best law over all stops of the same actuation and sensors. Where stops were "
+    "repeated with the plant's parameters moved in the seventh digit, median and range stand beside the distance. "
+    "In brackets: intervals that hold 95 %."
+)
 
 Tell = Callable[[str], None]
 
@@ -59,27 +71,33 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
     tell("table")
     write_table(results, directory)
     rows = rows_of(results)
-    body = [f"<p>{html.escape(results.description)}</p>", _distance_table(rows)]
+    distributions = distributions_of(rows)
+    body = [f"<p>{html.escape(results.description)}</p>", f"<p>{html.escape(_REFERENCES)}</p>"]
+    body += [html_table(texts) for texts in (distribution_texts(distributions), row_texts(rows)) if texts]
     body += [f"<p>{html.escape(sentence)}</p>" for sentence in from_elsewhere(results.stops)]
     if results.missing:
-        body.append(f'<p class="bad">Not run: {html.escape(", ".join(results.missing))}.</p>')
+        body.append(f'<p class="bad">Not run: {html.escape(names(results.missing))}.</p>')
 
     def add(name: str, caption: str, draw: Callable[[], Figure]) -> None:
         tell(name)
         body.append(_image(style.save(draw(), directory / "figures" / f"{name}.png"), caption))
 
-    if any(row.distance_m is not None for row in rows):
-        add("distances", "Braking distances", lambda: distance_figure(rows))
-    scenarios = _longest_of_each_scenario(results.stops)
+    if distributions:
+        add("distributions", "Braking distances over the draws", lambda: distribution_figure(distributions))
+    single = [row for row in rows if row.draw is None]
+    if any(row.distance_m is not None for row in single):
+        add("distances", "Braking distances", lambda: distance_figure(single))
+    scenarios = _longest_of_each_scenario([stop for stop in results.stops if stop.record.has_trace])
     if scenarios:
         add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
-    pairs = _pairs(results.stops) if panels is not Panels.NONE else []
-    pictured = {stop.name for stop in results.stops} if panels is Panels.ALL else {abc.name for _, abc in pairs}
+    shown = [stop for stop in results.stops if DRAW not in stop.variants]
+    pairs = _pairs(shown) if panels is not Panels.NONE else []
+    pictured = {stop.name for stop in shown} if panels is Panels.ALL else {abc.name for _, abc in pairs}
     for sbc, abc in pairs:
         name = f"adhesion-{abc.name}"
         add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))
     body.append("<h2>Stops</h2>")
-    for result in results.stops:
+    for result in shown:
         inside = [*_doubts(result), _metrics_table(result)]
         if result.name in pictured:
             tell(result.name)
@@ -103,7 +121,7 @@ def _longest_of_each_scenario(stops: Sequence[Result]) -> list[Result]:
 
 def _pairs(stops: Sequence[Result]) -> list[tuple[Result, Result]]:
     """Return the stops with ABC, each with the SBC stop that differs in nothing but the controller."""
-    others = {_but_controller(stop): stop for stop in stops if stop.variants.get("controller") == REFERENCE_CONTROLLER}
+    others = {_but_controller(stop): stop for stop in stops if is_published(stop.record.scenario["controller"])}
     return [
         (others[_but_controller(stop)], stop)
         for stop in stops
@@ -124,27 +142,6 @@ def _headline(result: Result) -> str:
 
 def _doubts(result: Result) -> list[str]:
     return [f'<p class="bad">{html.escape(sentence)}</p>' for sentence in result.record.metrics.doubts()]
-
-
-def _distance_table(rows: Sequence[Row]) -> str:
-    heads = ("scenario", "actuation", "sensors", "creep curve", "controller", "estimator")
-    numbers = ("distance [m]", "paper [m]", "vs SBC", "paper", "duration [s]", "adhesion used")
-    head = "".join(f'<th class="text">{name}</th>' for name in heads) + "".join(f"<th>{name}</th>" for name in numbers)
-    lines: list[str] = []
-    for row in rows:
-        controller = CONTROLLERS.get(row.controller, row.controller)
-        texts = (row.label, row.actuation, row.sensors, row.polach, controller, row.estimator)
-        values = (
-            f"{row.distance_m:.1f}" if row.distance_m is not None else f'<span class="bad">{row.outcome}</span>',
-            "" if row.paper_distance_m is None else f"{row.paper_distance_m:.1f}",
-            "" if row.reduction_vs_sbc is None else f"{-row.reduction_vs_sbc:+.1%}",
-            "" if row.paper_reduction is None else f"{-row.paper_reduction:+.1%}",
-            "" if row.duration_s is None else f"{row.duration_s:.1f}",
-            "" if row.utilisation is None else f"{row.utilisation:.1%}",
-        )
-        cells = "".join(f'<td class="text">{html.escape(text)}</td>' for text in texts)
-        lines.append(f"<tr>{cells}{''.join(f'<td>{value}</td>' for value in values)}</tr>")
-    return f"<table><tr>{head}</tr>{''.join(lines)}</table>"
 
 
 def _metrics_table(result: Result) -> str:

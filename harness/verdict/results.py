@@ -4,9 +4,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from harness.record.error import RecordError
 from harness.record.stop import STOP_FILE, StopRecord, read_stop
+from harness.scenario.conditioning import Repeated
 
 CAMPAIGN_FILE = "campaign.json"
 
@@ -20,12 +22,14 @@ class Result:
         variants: Axis → variant.
         record: What its stop.json says.
         paper_distance: Published distance of this stop [m], if there is one.
+        conditioning: Its repeats with parameters moved a little, if there are some.
     """
 
     name: str
     variants: Mapping[str, str]
     record: StopRecord
     paper_distance: float | None
+    conditioning: Repeated | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +56,7 @@ def read_results(directory: Path) -> Results:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         planned = [
-            (stop["name"], stop["variants"], stop["scenario_digest"], stop["paper_distance_m"])
+            (stop["name"], stop["variants"], stop["scenario_digest"], stop["paper_distance_m"], _repeated(stop))
             for stop in content["stops"]
         ]
         name, description = str(content["name"]), str(content["description"])
@@ -62,7 +66,7 @@ def read_results(directory: Path) -> Results:
         raise RecordError(f"{path}: is not the description of a campaign ({problem})") from problem
     found: list[Result] = []
     missing: list[str] = []
-    for stop, variants, digest, paper in planned:
+    for stop, variants, digest, paper, repeated in planned:
         if not (directory / stop / STOP_FILE).exists():
             missing.append(stop)
             continue
@@ -70,5 +74,9 @@ def read_results(directory: Path) -> Results:
         if record.digest != digest:
             missing.append(stop)
             continue
-        found.append(Result(name=stop, variants=variants, record=record, paper_distance=paper))
+        found.append(Result(name=stop, variants=variants, record=record, paper_distance=paper, conditioning=repeated))
     return Results(name=name, description=description, stops=tuple(found), missing=tuple(missing))
+
+
+def _repeated(stop: Mapping[str, Any]) -> Repeated | None:
+    return Repeated.model_validate(stop["conditioning"]) if stop.get("conditioning") else None

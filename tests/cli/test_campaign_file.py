@@ -41,6 +41,28 @@ def test_exclusions_and_references_match_by_axis(project):
     assert [bool(found.reference_for(stop)) for stop in found.stops] == [True, True, False]
 
 
+def test_draws_are_one_stop_a_seed_of_what_they_match_and_keep_figures_only(project):
+    found = campaign(
+        project,
+        '[draws]\nfirst = 3\nlast = 5\nmatch = { rail = "drawn" }\n'
+        "[axes.rail.drawn]\n[axes.rail.slow]\nseed = 7\n[axes.pace]\nslow.start.speed = 10\nquick = {}\n",
+    )
+    drawn = [stop for stop in found.stops if "draw" in stop.variants]
+    assert [stop.name for stop in found.stops][:4] == [f"wet-drawn-slow-{n}" for n in (3, 4, 5)] + ["wet-drawn-quick-3"]
+    assert [stop.scenario.seed for stop in drawn] == [3, 4, 5, 3, 4, 5]
+    assert [stop.variants["draw"] for stop in drawn] == ["3", "4", "5", "3", "4", "5"]
+    assert [stop.scenario.start.speed for stop in drawn][:3] == [10, 10, 10]
+    assert not any(stop.keep_trace for stop in drawn)
+    # What is not drawn is one stop with its own seed, and keeps its samples.
+    assert [(stop.scenario.seed, stop.keep_trace) for stop in found.stops if stop not in drawn] == [(7, True)] * 2
+
+
+def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):
+    (drawn,) = campaign(project, "[draws]\nfirst = 42\nlast = 42\n").stops
+    (written,) = campaign(project, "[sweep]\nseed = [42]\n").stops
+    assert drawn.scenario.digest() == written.scenario.digest()
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -53,6 +75,12 @@ def test_exclusions_and_references_match_by_axis(project):
         ('[axes.e.a]\n[[exclude]]\ne = "a"\n', "campaign.toml: exclude leaves no stop to run"),
         ('[axes.e."a b"]\n[axes.e."a+b"]\n', "campaign.toml: two stops are named 'wet-a_b'"),
         ("[sweep]\nseed = []\n", "campaign.toml: [sweep] seed is []; "),
+        ("[draws]\nfirst = 3\nlast = 2\n", "campaign.toml: [draws] last is 2, before first, 3"),
+        (
+            "[draws]\nfirst = 1\nlast = 2\nmatch = { rail = 'x' }\n[axes.e.a]\n",
+            "[draws] names the axis 'rail'; there is e",
+        ),
+        ("[axes.draw.a]\n", "campaign.toml: [axes] cannot be named 'draw', [draws] is that axis"),
         ("wokers = 3\n", "campaign.toml: the top level has no key 'wokers'"),
     ],
 )

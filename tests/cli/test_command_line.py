@@ -112,7 +112,7 @@ def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_l
     assert done.code == 0, done.err
     assert stops_in(project / "out") == ["wet-abc", "wet-sbc"]
     # 0.8 against 0.95 m/s²
-    assert "-15.8%" in done.out
+    assert "−15.8 %" in done.out
     assert (project / "out" / "pair.md").exists()
     assert (project / "out" / "index.html").exists()
 
@@ -136,7 +136,7 @@ def test_two_campaigns_share_the_workers_and_have_a_report_each(railgrip, projec
     assert stops_in(project / "both" / "pair") == stops_in(project / "both" / "other") == ["wet-abc", "wet-sbc"]
     pages = [(project / "both" / name / "index.html").read_text(encoding="utf-8") for name in ("pair", "other")]
     assert [page.count("data:image/png") for page in pages] == [4, 2]
-    assert done.out.count("-15.8%") == 2
+    assert done.out.count("−15.8 %") == 2
 
 
 def test_two_campaigns_of_one_name_are_refused(railgrip, project):

@@ -1,0 +1,104 @@
+"""Stops the train of a campaign again and again, the plant's parameters moved in the seventh digit.
+
+A distance that this moves by a centimetre is a property of the controller; one that it moves by a tenth of itself is a
+draw. Where OpenModelica is on the PATH and so compiles the plants, those of the built-in compiler stop once, too.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fmus.build import choose, fmu
+from harness.record.outcome import Outcome
+from harness.record.stop import StopRecord, read_stop
+from harness.scenario.campaign import Campaign, PlannedStop
+from harness.scenario.conditioning import Conditioning, Repeated
+from harness.scenario.file import NamedFile
+from harness.scenario.vehicle import Nudge
+
+_OTHER = "native"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repeats:
+    """What a stop is repeated as.
+
+    Attributes:
+        nudged: With moved parameters.
+        compiled: With the plant of another compiler, compiler → stop.
+    """
+
+    nudged: tuple[PlannedStop, ...]
+    compiled: dict[str, PlannedStop]
+
+    def all(self) -> tuple[PlannedStop, ...]:
+        """Return all of them."""
+        return (*self.nudged, *self.compiled.values())
+
+
+def repeats_of(stop: PlannedStop, *, count: int, relative: float) -> Repeats:
+    """Return the repeats of a stop: `count` of them with parameters moved by up to `relative`.
+
+    Raises:
+        FmuError: The plant cannot be built by the other compiler.
+    """
+    return Repeats(
+        nudged=tuple(
+            _changed(stop, f"{stop.name}-{seed}", nudge=Nudge(relative=relative, seed=seed))
+            for seed in range(1, count + 1)
+        ),
+        compiled=dict(_other_compiler(stop)),
+    )
+
+
+def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
+    """Return the campaign that runs the repeats."""
+    return replace(
+        campaign,
+        name=f"{campaign.name}-conditioning",
+        stops=tuple(stop for found in repeats.values() for stop in found.all()),
+        references=(),
+        panels="none",
+        conditioning=None,
+    )
+
+
+def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: Path, relative: float) -> Conditioning:
+    """Return what the repeats in a folder say of the stops of a campaign.
+
+    Raises:
+        RecordError: One of them has no result.
+    """
+    stops: dict[str, Repeated] = {}
+    for stop in campaign.stops:
+        nudged = [_distance(read_stop(directory / one.name)) for one in repeats[stop.name].nudged]
+        stops[stop.name] = Repeated(
+            digest=stop.scenario.digest(),
+            distances=tuple(sorted(nudged, key=lambda distance: (distance is None, distance))),
+            compilers={
+                compiler: _distance(read_stop(directory / one.name))
+                for compiler, one in repeats[stop.name].compiled.items()
+            },
+        )
+    return Conditioning(relative=relative, stops=stops)
+
+
+def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
+    plant = stop.scenario.vehicle.plant
+    if choose("auto") == _OTHER or isinstance(plant, NamedFile):
+        return
+    path = fmu(plant, _OTHER)
+    changed = {"plant": NamedFile(written=str(path), path=path), "trust": True}
+    yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **changed)
+
+
+def _changed(stop: PlannedStop, name: str, **vehicle: object) -> PlannedStop:
+    """Return a stop whose [vehicle] differs; of its result the figures are enough."""
+    changed = stop.scenario.vehicle.model_copy(update=vehicle)
+    scenario = stop.scenario.model_copy(update={"vehicle": changed})
+    return PlannedStop(name=name, variants=stop.variants, scenario=scenario, keep_trace=False)
+
+
+def _distance(record: StopRecord) -> float | None:
+    # To the millimetre: what one communication step of the last metre per second moves.
+    return round(record.metrics.distance, 3) if record.outcome is Outcome.STANDSTILL else None

@@ -1,0 +1,103 @@
+"""How well distances are conditioned: the stops of a campaign again, the plant's parameters moved in the 7th digit.
+
+A file of this, written by `railgrip conditioning`, belongs to a campaign, whose tables show it beside the distances.
+"""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat
+
+from harness.scenario.error import ScenarioError
+from harness.scenario.load import validated
+from harness.scenario.table import Table
+
+SPREAD = 1e-3
+"""Relative range from which on a distance is a range: the tolerance that a baseline has for other arithmetic."""
+
+
+class Repeated(Table):
+    """The distances of one stop.
+
+    `None` stands for a repeat without standstill, which counts as an endless distance.
+    """
+
+    digest: str = Field(description="of the scenario of the stop")
+    distances: tuple[NonNegativeFloat | None, ...] = Field(min_length=1, description="[m], from the shortest on")
+    compilers: dict[str, NonNegativeFloat | None] = Field(
+        default={}, description="compiler → distance [m] with its plant, parameters as they are"
+    )
+
+    @property
+    def lowest(self) -> float:
+        """The shortest distance [m]."""
+        return float(np.min(self._all()))
+
+    @property
+    def median(self) -> float:
+        """Of the distances [m]."""
+        return float(np.median(self._all()))
+
+    @property
+    def highest(self) -> float:
+        """The longest distance [m]."""
+        return float(np.max(self._all()))
+
+    @property
+    def spreads(self) -> bool:
+        """Whether rounding decides the distance, so that it is a range and no number."""
+        return self.highest - self.lowest > SPREAD * self.lowest
+
+    @property
+    def margin(self) -> float:
+        """How far beyond the range another run may lie [m]: a quarter of it, with which 20 normal draws span ±2.8 σ.
+
+        20 normal draws span 3.73 σ on average (Tippett, Biometrika 17, 1925). Where nothing spreads, the tolerance that
+        a baseline has for other arithmetic.
+        """
+        return 0.25 * (self.highest - self.lowest) if self.spreads else SPREAD * self.lowest
+
+    def belongs(self, digest: str, distance: float | None) -> bool:
+        """Return whether these are repeats of a stop of this scenario that had this distance [m].
+
+        A digest does not cover the controllers: the distance does, which lies elsewhere with another one.
+        """
+        found = math.inf if distance is None else distance
+        return digest == self.digest and self.lowest - self.margin <= found <= self.highest + self.margin
+
+    def _all(self) -> list[float]:
+        return [math.inf if distance is None else distance for distance in self.distances]
+
+
+class Conditioning(Table):
+    """What the file says."""
+
+    relative: float = Field(gt=0, description="most that a parameter of the plant moved by, as a share of its value")
+    stops: dict[str, Repeated]
+
+
+def read_conditioning(path: Path) -> Conditioning:
+    """Return the conditioning in a file.
+
+    Raises:
+        ScenarioError: Missing, or not such a file.
+    """
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as problem:
+        raise ScenarioError(f"{path}: there is no such file; `railgrip conditioning FILE.toml` writes it") from problem
+    except (OSError, ValueError) as problem:
+        raise ScenarioError(f"{path}: is not JSON ({problem})") from problem
+    if not isinstance(table, dict):
+        raise ScenarioError(f"{path}: is not what `railgrip conditioning` writes")
+    return validated(Conditioning, table, directory=path.parent, origin=path.name)
+
+
+def text_of(conditioning: Conditioning) -> str:
+    """Return the text of the file, a line a stop."""
+    stops = ",\n  ".join(
+        f"{json.dumps(name)}: {stop.model_dump_json()}" for name, stop in sorted(conditioning.stops.items())
+    )
+    return f'{{\n "relative": {conditioning.relative!r},\n "stops": {{\n  {stops}\n }}\n}}\n'

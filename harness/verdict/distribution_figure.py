@@ -1,0 +1,97 @@
+"""The distances of many draws: a point a draw for each controller, and its change against slip-based control."""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from harness.verdict import style
+from harness.verdict.distribution import Distribution, Paired
+
+_JITTER = 0.26  # of the height of a row, to either side
+
+_Against = Callable[[Distribution], Paired | None]
+
+
+def distribution_figure(distributions: Sequence[Distribution]) -> Figure:
+    """Return a row of panels for each set of conditions, a line for each controller.
+
+    Left the distances, with median and the range from 5 to 95 %; right of them the change draw by draw against the
+    published slip-based control and against the best tuned one, where there are such, with the median and its interval.
+    Draws without standstill are counted in the name of the line; they have no point.
+    """
+    settings = list(dict.fromkeys(map(_setting, distributions)))
+    sides: list[tuple[str, _Against]] = []
+    for title, against in (("published", _vs_sbc), ("best tuned", _vs_tuned)):
+        label = next((found.label for one in distributions if (found := against(one))), None)
+        if label is not None:
+            sides.append((f"change against the {title} SBC [%]", against))
+    most = max(sum(_setting(one) == setting for one in distributions) for setting in settings)
+    made = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
+    grid = made.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
+    for panels, setting in zip(grid, settings, strict=True):
+        here = [one for one in distributions if _setting(one) == setting]
+        for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
+            panel.set_ylim(len(here) - 0.5, -0.5)
+            panel.set_yticks([])
+        scenario, case, polach, actuation, sensors = setting
+        place = f"{scenario}, {case}" if case else scenario
+        style.dress(
+            panels[0],
+            x="braking distance [m]",
+            title=f"{place.replace('_', ' ')}, actuation {actuation}, sensors {sensors}, creep curve {polach}",
+        )
+        panels[0].set_yticks(range(len(here)), [_name(one) for one in here])
+        for line, one in enumerate(here):
+            distances = [distance for distance in one.distances_m.values() if math.isfinite(distance)]
+            _points(panels[0], line, distances)
+            _range(panels[0], line, one.low_m, one.median_m, one.high_m)
+        for panel, (title, against) in zip(panels[1:], sides, strict=True):
+            style.dress(panel, x=title)
+            panel.axvline(0.0, color=style.BLACK, linewidth=0.9)
+            for line, one in enumerate(here):
+                paired = against(one)
+                if paired is not None:
+                    _points(panel, line, [100 * change for change in paired.changes if math.isfinite(change)])
+                    low, high = paired.change_interval or (math.nan, math.nan)
+                    _range(panel, line, 100 * low, 100 * paired.change, 100 * high)
+        for panel in panels:
+            panel.grid(visible=False, axis="y")
+    for panel in grid[:-1].flat:
+        panel.set_xlabel("")
+    keys = [("a draw", style.SKY, "."), ("median", style.VERMILION, "|"), ("5 to 95 % of the draws", style.BLUE, "_")]
+    keys += [("right: 95 % interval of the median", style.BLUE, "_")] if sides else []
+    marks = [Line2D([], [], color=colour, marker=mark, markersize=9, linestyle="") for _, colour, mark in keys]
+    made.legend(marks, [name for name, _, _ in keys], ncols=4, fontsize=8, loc="outside lower right", frameon=False)
+    return made
+
+
+def _points(panel: style.Axes, line: int, values: Sequence[float]) -> None:
+    # Spread over the height of the row by a golden ratio, so that equal values do not hide each other.
+    offsets = _JITTER * (2 * ((np.arange(len(values)) * 0.6180339887) % 1.0) - 1)
+    panel.plot(values, line + offsets, ".", color=style.SKY, markersize=3.5, zorder=1)
+
+
+def _range(panel: style.Axes, line: int, low: float, middle: float, high: float) -> None:
+    if math.isfinite(low) and math.isfinite(high):
+        panel.plot([low, high], [line, line], color=style.BLUE, linewidth=2.2, zorder=2, solid_capstyle="butt")
+    if math.isfinite(middle):
+        panel.plot([middle, middle], [line - 0.32, line + 0.32], color=style.VERMILION, linewidth=2.2, zorder=3)
+
+
+def _name(one: Distribution) -> str:
+    return one.controller_label + ("" if one.stood == one.draws else f"\n{one.draws - one.stood} draws without stop")
+
+
+def _setting(one: Distribution) -> tuple[str, ...]:
+    return one.scenario, one.case, one.polach, one.actuation, one.sensors
+
+
+def _vs_sbc(one: Distribution) -> Paired | None:
+    return one.vs_sbc
+
+
+def _vs_tuned(one: Distribution) -> Paired | None:
+    return one.vs_tuned

@@ -1,0 +1,80 @@
+"""What a controller is called in tables, and which slip-based control (SBC) the others are compared with.
+
+There are two: the published one, two-state at slips of 10 and 15 %, which the paper compares with; and the best of
+those with other thresholds, for 10/15 % was not chosen for the creep curve at hand.
+"""
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from harness.units import to_si
+
+CONTROLLERS = {
+    "full_brake": "full brake",
+    "slip_two_state": "SBC, two-state",
+    "slip_three_state": "SBC, three-state",
+    "adhesion_based": "ABC",
+    "adhesion_literal": "ABC, the law as printed",
+    "ideal_bound": "ideal bound",
+    "fmu": "FMU",
+}
+
+PUBLISHED = (0.10, 0.15)
+"""Slips at which SBC fills and vents; Schwarz, Posielek and Goetjes (2021), section 4."""
+
+_SLIP_BASED = {"slip_two_state", "slip_three_state"}
+
+_Stop = TypeVar("_Stop")
+
+
+def label(controller: Mapping[str, Any]) -> str:
+    """Return what a [controller] table is called; one of slip-based control says its thresholds."""
+    kind = str(controller["kind"])
+    name = CONTROLLERS.get(kind, kind)
+    if kind not in _SLIP_BASED:
+        return name
+    return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"
+
+
+def is_published(controller: Mapping[str, Any]) -> bool:
+    """Return whether this is the SBC of the paper."""
+    return controller["kind"] == "slip_two_state" and _thresholds(controller) == PUBLISHED
+
+
+def is_tuned(controller: Mapping[str, Any]) -> bool:
+    """Return whether this is SBC with thresholds of its own."""
+    return controller["kind"] in _SLIP_BASED and _thresholds(controller) != PUBLISHED
+
+
+def best(stops: Sequence[_Stop], law: Callable[[_Stop], str], distance: Callable[[_Stop], float | None]) -> list[_Stop]:
+    """Return the stops of the law that stops shortest: whose mean ln(distance) is least.
+
+    Every stop counts by the share of its own distance that a law saves. One law is chosen for all the stops, not the
+    best for each: nobody knows beforehand which that is. A stop without a distance is endless.
+    """
+    laws: dict[str, list[_Stop]] = {}
+    for stop in stops:
+        laws.setdefault(law(stop), []).append(stop)
+
+    def mean(found: Iterable[_Stop]) -> float:
+        logarithms = [math.inf if (own := distance(stop)) is None else math.log(own) for stop in found]
+        return sum(logarithms) / len(logarithms)
+
+    return min(laws.values(), key=mean, default=[])
+
+
+def law_of(scenario: Mapping[str, Any]) -> str:
+    """Return what tells controllers with their estimators apart."""
+    return json.dumps([scenario["controller"], scenario["estimator"]], sort_keys=True)
+
+
+def _thresholds(controller: Mapping[str, Any]) -> tuple[float, float]:
+    written = controller.get("parameters", {})
+    low, high = (written.get(name, value) for name, value in zip(("low", "high"), PUBLISHED, strict=True))
+    return _ratio(low), _ratio(high)
+
+
+def _ratio(written: float | str) -> float:
+    return to_si(written, "1") if isinstance(written, str) else float(written)

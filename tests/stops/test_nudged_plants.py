@@ -1,0 +1,22 @@
+"""What conditioning moves: every real parameter of the plant, by so much and no further than it may be."""
+
+import numpy as np
+
+from harness import assemble
+from harness.scenario.vehicle import Nudge
+
+
+def test_every_real_parameter_is_moved_by_less_than_was_asked_and_the_same_seed_moves_it_the_same():
+    plant = assemble.description_of(assemble.recipe_file("TwoPartTrain"))
+    given = {"k_A": 1.0, "k_primary": 2e6}  # k_A is at its largest: dry rail
+    moved, again, other = (assemble._nudged(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))
+    assert moved == again
+    assert moved != other
+    held = assemble.parameters_of(plant) | given
+    names = [name for name in moved if held[name] != 0]
+    shares = np.array([moved[name] / held[name] - 1 for name in names])
+    assert len(names) > 90
+    assert np.all(np.abs(shares) <= 1.0001e-7)
+    assert np.count_nonzero(shares) >= len(names) - 5  # those at an end stay there
+    assert all(moves["k_A"] <= 1 for moves in (moved, other))
+    assert np.std(shares) > 0.4e-7  # uniform: 0.58e-7

@@ -1,0 +1,129 @@
+"""A distance that rounding decides is shown, accepted and compared as a range."""
+
+from pathlib import Path
+
+import pytest
+
+import harness.scenario
+from harness.campaign import write_description
+from harness.conditioning import campaign_of, conditioning_of, repeats_of
+from harness.record.stop import write_stop
+from harness.scenario.campaign import load_campaign
+from harness.scenario.conditioning import Repeated, read_conditioning, text_of
+from harness.scenario.error import ScenarioError
+from harness.verdict.baseline import (
+    Accepted,
+    Baseline,
+    Finding,
+    Findings,
+    accepted,
+    compare,
+    load_baseline,
+    write_baseline,
+)
+from harness.verdict.conditioning import STALE, spread_text
+from harness.verdict.results import read_results
+from harness.verdict.table import rows_of
+
+CAMPAIGNS = Path(harness.scenario.__file__).parent / "campaigns"
+CHAOTIC = Repeated(digest="d", distances=(280.0, 300.0, 324.0, None))
+FIRM = Repeated(digest="d", distances=(280.0, 280.001, 280.002))
+
+
+def test_repeats_without_standstill_are_endless():
+    assert (CHAOTIC.lowest, CHAOTIC.median, CHAOTIC.highest) == (280, 312, float("inf"))
+    assert CHAOTIC.spreads
+    assert not FIRM.spreads
+
+
+@pytest.mark.parametrize(
+    ("digest", "distance", "text"),
+    [
+        ("d", 280.001, "280.00 m (280.00 – 280.00 m)"),
+        ("e", 280.001, STALE),  # another scenario
+        ("d", 281.0, STALE),  # another controller: the digest does not know it, the distance does
+        ("d", None, STALE),
+    ],
+)
+def test_repeats_of_another_stop_are_called_stale(digest, distance, text):
+    assert spread_text(FIRM, digest, distance) == text
+    assert spread_text(None, digest, distance) == ""
+
+
+def test_a_range_is_told_with_what_the_other_compiler_gives():
+    repeated = Repeated(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
+    assert spread_text(repeated, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
+    assert spread_text(repeated, "d", 336.0) == STALE  # beyond a quarter of the range
+
+
+def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(tmp_path, write_campaign):
+    kept = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-adhesion_based")
+    (stop,) = kept.stops
+    repeats = {stop.name: repeats_of(stop, count=3, relative=1e-7)}
+    again = campaign_of(kept, repeats)
+    nudges = [one.scenario.vehicle.nudge for one in repeats[stop.name].nudged]
+    assert [(nudge.seed, nudge.relative) for nudge in nudges] == [(1, 1e-7), (2, 1e-7), (3, 1e-7)]
+    assert not any(one.keep_trace for one in again.stops)
+    for number, one in enumerate(again.stops):
+        from synthetic import stop_of
+
+        write_stop(stop_of(one.scenario, 0.95 + 0.01 * (number - 1)), tmp_path / "again" / one.name, keep_trace=False)
+    found = conditioning_of(kept, repeats, tmp_path / "again", 1e-7)
+    assert found.stops[stop.name].spreads
+    path = tmp_path / "conditioning.json"
+    path.write_text(text_of(found), encoding="utf-8")
+    assert read_conditioning(path) == found
+    from dataclasses import replace
+
+    write_description(replace(kept, conditioning=path), tmp_path)
+    (row,) = rows_of(read_results(tmp_path))
+    assert row.repeated.startswith(f"{found.stops[stop.name].median:.2f} m (")
+
+
+def test_a_missing_file_of_conditioning_says_how_it_is_made(tmp_path):
+    with pytest.raises(ScenarioError, match=r"there is no such file; `railgrip conditioning FILE\.toml`"):
+        read_conditioning(tmp_path / "gone.json")
+
+
+def finding(value, repeated=None):
+    return Findings(
+        found=(Finding(name="x", value=value, unit="m", repeated=repeated, longest_lock=18.9, valve_strokes=40),)
+    )
+
+
+def test_a_chaotic_stop_is_accepted_as_the_range_of_its_repeats_and_kept_anywhere_in_it(tmp_path):
+    repeated = Repeated(digest="d", distances=(280.0, 300.0, 320.0))
+    before = Baseline(campaign="c", stops={"x": Accepted(distance=319, tolerance=0.3, reason="First.")})
+    after = accepted(before, finding(319.0, repeated), "A range.")
+    stop = after.stops["x"]
+    assert (stop.distance, stop.lowest, stop.highest, stop.tolerance) == (300, 280, 320, 10)
+    assert (stop.longest_lock, stop.valve_strokes) == (18.9, 40)
+    states = {value: compare(after, finding(value))[0].state for value in (269.9, 270.1, 310.0, 329.9, 330.1)}
+    assert states == {269.9: "moved", 270.1: "kept", 310.0: "kept", 329.9: "kept", 330.1: "moved"}
+    write_baseline(after, tmp_path / "b.toml")
+    assert load_baseline(tmp_path / "b.toml") == after
+    # Repeats that are not known keep it a range; ones that no longer spread make it a number.
+    assert accepted(after, finding(310.0), "Again.").stops["x"].is_range
+    firm = accepted(after, finding(280.0, FIRM), "No longer chaotic.").stops["x"]
+    assert (firm.is_range, firm.distance, firm.tolerance) == (False, 280.0, 0.28)
+
+
+def test_half_a_range_is_refused(tmp_path):
+    path = tmp_path / "b.toml"
+    path.write_text(
+        'campaign = "c"\n[stops.x]\ndistance = 3\ntolerance = 1\nlowest = 2\nreason = "r"\n', encoding="utf-8"
+    )
+    with pytest.raises(ScenarioError, match="has one end of a range; it wants both lowest and highest, or neither"):
+        load_baseline(path)
+
+
+def test_the_conditioning_of_table_1_is_of_its_stops_or_is_called_stale():
+    """What is committed is shown beside a distance only where scenario and distance are those that were repeated."""
+    campaign = load_campaign(CAMPAIGNS / "table1.toml")
+    repeated = read_conditioning(campaign.conditioning).stops
+    planned = {stop.name: stop.scenario.digest() for stop in campaign.stops}
+    assert set(repeated) <= set(planned)
+    for name, one in repeated.items():
+        assert len(one.distances) >= 20
+        assert planned[name] == one.digest or spread_text(one, planned[name], one.median) == STALE
+        assert spread_text(one, planned[name], 0.5 * one.lowest) == STALE

@@ -1,0 +1,147 @@
+"""Many draws become one line for each controller: its distribution, and its change draw by draw against SBC."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from harness.verdict.distribution import distribution_texts, distributions_of, paired
+from harness.verdict.distribution_figure import distribution_figure
+from harness.verdict.report import write_report
+from harness.verdict.results import read_results
+from harness.verdict.row import Row
+from harness.verdict.table import rows_of, write_table
+
+DRAWS = """
+name = "drawn"
+scenarios = ["{library}/random.toml"]
+[draws]
+first = 1
+last = 4
+[axes.controller]
+sbc = {{ controller.kind = "slip_two_state" }}
+low = {{ controller = {{ kind = "slip_two_state", parameters = {{ low = 0.01, high = "2 %" }} }} }}
+mid = {{ controller = {{ kind = "slip_three_state", parameters = {{ low = 0.05 }} }} }}
+abc = {{ controller.kind = "adhesion_based" }}
+"""
+
+
+def row(draw, distance, controller="adhesion_based", reference=None):
+    return Row(
+        scenario="random", case="", polach="dry", actuation="ideal", sensors="ideal", controller=controller,
+        controller_label=controller, estimator="none", draw=draw, reference=reference, distance_m=distance, repeated="",
+        duration_s=None, reduction_vs_sbc=None, reduction_vs_tuned=None, utilisation=None, paper_distance_m=None,
+        paper_reduction=None, outcome="standstill", longest_lock_s=0.0, valve_strokes=None, air_l=None, stop="s",
+    )  # fmt: skip
+
+
+def rows(distances, others):
+    return [
+        *(row(draw, distance) for draw, distance in enumerate(distances)),
+        *(row(draw, distance, "slip_two_state", "published") for draw, distance in enumerate(others)),
+    ]
+
+
+def test_draws_are_compared_one_by_one():
+    """Rails differ by far more than controllers do: 3 % less on each of them is told as that, exactly."""
+    rails = np.linspace(200, 500, 101)
+    abc, sbc = distributions_of(rows(0.97 * rails, rails))
+    assert sbc.vs_sbc is None
+    assert (sbc.median_m, sbc.worst_m, sbc.worst_draw) == (350, 500, 100)
+    assert (sbc.low_m, sbc.high_m) == (pytest.approx(215), pytest.approx(485))  # the 6th and the 96th of 101
+    assert abc.vs_sbc.change == pytest.approx(-0.03)
+    assert abc.vs_sbc.change_interval == pytest.approx((-0.03, -0.03))
+    assert abc.vs_sbc.shorter == 1
+    # None of n is longer: the bound of Clopper and Pearson is (α/2)^(1/n).
+    assert abc.vs_sbc.shorter_interval == pytest.approx((0.025 ** (1 / 101), 1))
+
+
+def test_the_interval_of_the_median_holds_what_it_says():
+    """Of 400 samples of 20 draws from a skewed distribution, the interval misses the true median in 5 % at most."""
+    rng = np.random.default_rng(1)
+    missed = 0
+    for _ in range(400):
+        changes = rng.exponential(size=20)
+        found = paired({n: 1 + change for n, change in enumerate(changes)}, [row(n, 1.0) for n in range(20)])
+        low, high = found.change_interval
+        missed += not low <= math.log(2) <= high
+    assert missed <= stats.binom.ppf(0.999, 400, 0.05)
+    assert missed > 0  # an interval that never misses says nothing
+
+
+def test_a_draw_without_a_standstill_is_longer_than_any_other():
+    abc, sbc = distributions_of(rows([90, None, None, 90, 90], [100, 100, None, None, 100]))
+    assert (abc.stood, abc.draws, abc.worst_m, abc.worst_draw) == (3, 5, math.inf, 1)
+    assert abc.vs_sbc.changes == pytest.approx((-0.1, math.inf, 0.0, -1.0, -0.1))
+    assert abc.vs_sbc.shorter == 0.6
+    assert abc.vs_sbc.change_interval is None  # five draws have no interval of 95 %
+    texts = distribution_texts([abc, sbc])
+    assert texts[0]["worst (draw)"] == "no stop (1)"
+    assert texts[0]["draws"] == "5, 2 without stop"
+
+
+@pytest.fixture
+def folder(tmp_path, write_campaign):
+    from synthetic import LIBRARY
+
+    file = tmp_path / "drawn.toml"
+    file.write_text(DRAWS.format(library=LIBRARY.as_posix()), encoding="utf-8")
+    write_campaign(tmp_path, lambda _: True, file=file)
+    return tmp_path
+
+
+def test_controllers_are_compared_with_the_published_and_with_the_best_tuned_sbc(folder):
+    """The synthetic three-state control stops shorter than the two-state one, whatever its thresholds."""
+    found = {one.controller_label: one for one in distributions_of(rows_of(read_results(folder)))}
+    published, low, mid = "SBC, two-state 10/15 %", "SBC, two-state 1/2 %", "SBC, three-state 5/15 %"
+    assert set(found) == {published, low, mid, "ABC"}
+    assert all(one.draws == one.stood == 4 for one in found.values())
+    abc = found["ABC"]
+    assert (abc.vs_sbc.label, abc.vs_tuned.label) == (published, mid)
+    assert abc.vs_sbc.change == pytest.approx(0.8 / 0.95 - 1, abs=1e-3)
+    assert abc.vs_tuned.change == pytest.approx(0.85 / 0.95 - 1, abs=1e-3)
+    assert found[mid].vs_tuned is None
+    assert found[low].vs_tuned.change == pytest.approx(0.85 / 0.8 - 1, abs=1e-3)
+
+
+def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):
+    as_json, as_markdown = write_table(read_results(folder), folder)
+    text = as_markdown.read_text(encoding="utf-8")
+    assert text.count("| random |") == 4
+    assert "change vs best tuned SBC" in text
+    assert '"worst_draw"' in as_json.read_text(encoding="utf-8")
+    page = write_report(folder).read_text(encoding="utf-8")
+    assert page.count("<tr>") == 5
+    assert page.count("<summary>") == 0
+    assert 'alt="Braking distances over the draws"' in page
+
+
+def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):
+    distributions = distributions_of(rows_of(read_results(folder)))
+    panels = distribution_figure(distributions).axes
+    assert [panel.get_xlabel() for panel in panels] == [
+        "braking distance [m]", "change against the published SBC [%]", "change against the best tuned SBC [%]"
+    ]  # fmt: skip
+    points = [line for line in panels[0].lines if line.get_marker() == "."]
+    assert [sorted(line.get_xdata()) for line in points] == [
+        pytest.approx(sorted(one.distances_m.values())) for one in distributions
+    ]
+    assert [label.get_text() for label in panels[0].get_yticklabels()] == [
+        one.controller_label for one in distributions
+    ]
+
+
+def test_the_published_thresholds_are_those_of_the_law():
+    """The name of a law without parameters of its own says 10/15 %, and `vs SBC` is against it."""
+    from controllers.tuning import SLIP_LEVELS
+    from harness.verdict.reference import PUBLISHED
+
+    assert (SLIP_LEVELS.low, SLIP_LEVELS.high) == PUBLISHED
+
+
+def test_a_table_of_many_missing_stops_names_a_few(folder):
+    results = replace(read_results(folder), missing=tuple(f"stop{n}" for n in range(40)))
+    text = write_table(results, folder)[1].read_text(encoding="utf-8")
+    assert "Not run: stop0, stop1, stop2, stop3, stop4, stop5, stop6, stop7 and 32 more." in text

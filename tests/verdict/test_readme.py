@@ -1,0 +1,91 @@
+"""README's table says what is accepted, and nothing else."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.record.error import RecordError
+from harness.scenario.campaign import load_campaign
+from harness.verdict.baseline import Accepted, Baseline, load_baseline
+from harness.verdict.readme import BEGIN, END, table, write_readme
+
+ROOT = Path(__file__).parents[2]
+BASELINE = ROOT / "tests" / "baselines" / "table1.toml"
+
+EDGES = """
+[axes.edge]
+ideal = {}
+[axes.controller]
+sbc = { controller.kind = "slip_two_state" }
+fine = { controller = { kind = "slip_two_state", parameters = { low = 0.01, high = 0.02 } } }
+coarse = { controller = { kind = "slip_two_state", parameters = { low = 0.2, high = 0.3 } } }
+abc = { controller.kind = "adhesion_based" }
+[[reference]]
+match = { controller = "sbc" }
+distance = 410
+source = "a book"
+[[reference]]
+match = { controller = "abc" }
+distance = 369
+source = "a book"
+"""
+
+
+def test_the_table_of_readme_is_the_accepted_one():
+    """`make readme` writes it; whoever moves a baseline without it is told here."""
+    baseline = load_baseline(BASELINE)
+    campaign = load_campaign(BASELINE.parent / baseline.campaign)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"{BEGIN}\n{table(campaign, baseline)}\n{END}" in text
+
+
+@pytest.fixture
+def campaign(tmp_path):
+    from synthetic import LIBRARY
+
+    path = tmp_path / "c.toml"
+    path.write_text(f'name = "c"\nscenarios = ["{(LIBRARY / "random.toml").as_posix()}"]\n{EDGES}', encoding="utf-8")
+    return load_campaign(path)
+
+
+def stop(distance, **more):
+    return Accepted(distance=distance, tolerance=1, reason="r", **more)
+
+
+@pytest.fixture
+def baseline():
+    return Baseline(
+        campaign="c.toml",
+        stops={
+            "random-ideal-sbc": stop(400, longest_lock=0.0, valve_strokes=12),
+            "random-ideal-fine": stop(300),
+            "random-ideal-coarse": stop(500),
+            "random-ideal-abc": stop(310, lowest=290, highest=340, longest_lock=18.94),
+        },
+    )
+
+
+def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ranges(campaign, baseline):
+    lines = table(campaign, baseline).splitlines()
+    assert lines == [
+        "| braking distance | random | longest lock | valve strokes |",
+        "|---|--:|--:|--:|",
+        "| *paper: SBC, two-state 10/15 %* | 410.0 m |  |  |",
+        "| *paper: ABC* | 369.0 m (−10.0 %) |  |  |",
+        "| ideal: SBC, two-state 10/15 % | 400.0 m (+33.3 %) | 0.0 s | 12 |",
+        "| ideal: SBC, two-state 1/2 % | 300.0 m (−25.0 %) |  |  |",
+        "| ideal: SBC, two-state 20/30 % | 500.0 m (+25.0 %, +66.7 %) |  |  |",
+        "| ideal: ABC | 310 m, 290 – 340 m (−22.5 %, +3.3 %) | 18.9 s |  |",
+    ]
+
+
+def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, baseline):
+    path = tmp_path / "README.md"
+    path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
+    write_readme(path, campaign, baseline)
+    assert path.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{table(campaign, baseline)}\n{END}\nafter\n"
+    path.write_text("no marks\n", encoding="utf-8")
+    with pytest.raises(RecordError, match=r"README\.md: has not the two lines between which the table belongs"):
+        write_readme(path, campaign, baseline)
+    with pytest.raises(RecordError, match="cannot be read: No such file"):
+        write_readme(tmp_path / "gone.md", campaign, baseline)
