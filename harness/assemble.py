@@ -50,7 +50,7 @@ from harness.record.stop import Stop
 from harness.scenario.adhesion import profile_of
 from harness.scenario.error import ScenarioError
 from harness.scenario.file import NamedFile
-from harness.scenario.parties import ControllerFmu, KalmanFilter
+from harness.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
 from harness.scenario.quantity import in_units
 from harness.scenario.schema import Scenario
 from harness.scenario.seed import generator
@@ -528,19 +528,23 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
     Raises:
         ScenarioError: A parameter is wrong, or the controller is no law of ours.
     """
-    kind = scenario.controller.kind
-    if kind in ("fmu", "ideal_bound"):
-        raise ScenarioError(f"{scenario.name}: [controller] kind '{kind}' is no law of this project")
+    table = scenario.controller
+    if isinstance(table, ControllerFmu) or table.kind == "ideal_bound":
+        raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
     train = parameters_of(description_of(recipe_file(CATALOGUE)))
-    own = {name: value for name, value in scenario.controller.parameters.items() if name not in train}
+    own = {name: value for name, value in table.parameters.items() if name not in train}
     where = "[controller.parameters]"
-    if kind == "full_brake":
+    if table.kind == "full_brake":
         in_units(where, own, {})
         return FullBrake(groups)
-    if kind in ("slip_two_state", "slip_three_state"):
+    if isinstance(table, SlipLaw):
         values = in_units(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
+        levels = replace(tuning.PAPER_LEVELS, hold=table.kind == "slip_three_state")
+        if table.tuning == "searched":
+            slip = "read" if scenario.estimator.kind == "none" else "estimated"
+            levels = replace(levels, **tuning.searched(table.kind, scenario.actuation.kind, slip))
         try:
-            return SlipBased(groups, replace(tuning.SLIP_LEVELS, **values, hold=kind == "slip_three_state"))
+            return SlipBased(groups, replace(levels, **values))
         except ValueError as problem:
             raise ScenarioError(f"{where}: {problem}") from problem
     given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max}
@@ -549,7 +553,7 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
         seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **values)
     except ValueError as problem:
         raise ScenarioError(f"{where}: {problem}") from problem
-    return (AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
+    return (AdhesionBased if table.kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
 
 
 def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:

@@ -26,8 +26,10 @@ from harness.verdict.panels import Panels
 
 if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
+    from controllers.tuning import SlipSource
     from harness.campaign import Asked
     from harness.run import Runner
+    from harness.tune_control import Found
     from harness.verdict.baseline import Baseline, Findings
     from harness.verdict.table import Row
 
@@ -282,27 +284,33 @@ def calibrate() -> None:
 
 @app.command("tune-control")
 def tune_control(
-    out: Annotated[Path, typer.Option(help="The file of parameters.")] = Path("controllers/seeker.toml"),
+    law: Annotated[list[str] | None, typer.Option(help="A law to search; all without it.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the files of parameters.")] = Path("controllers"),
     workers: Workers = 2,
 ) -> None:
-    """Search the parameters of adhesion-based control on the training rails, and write them."""
+    """Search the parameters of the control laws on the training rails, and write a file for each law."""
     from harness.record.atomic import write_text
     from harness.run import make_folder
-    from harness.tune_control import GENERATIONS, POPULATION, RANGES, Found, search, text_of
+    from harness.tune_control import RANGES, search, text_of
+    from harness.workers import workers as processes
 
-    make_folder(out.parent, out.name)
-    found: dict[str, Found] = {}
-    for actuation in RANGES:
-        with progress(f"{actuation} actuation: {GENERATIONS + 1} times {POPULATION} sets"):
-            found[actuation] = search(
-                actuation,
-                lambda number, best, actuation=actuation: say(
-                    f"{actuation} actuation, generation {number}: {100 * best:+.2f} % against slip-based control"
-                ),
-                processes=workers,
-            )
-        say(text_of({actuation: found[actuation]}))
-    write_text(out, text_of(found))
+    unknown = sorted(set(law or ()) - RANGES.keys())
+    if unknown:
+        raise ScenarioError(f"tune-control: --law {unknown[0]} is not searched; there is {', '.join(RANGES)}")
+    make_folder(out)
+
+    def note(name: str, number: int, best: float) -> None:
+        say(f"{name}, generation {number}: {100 * best:+.2f} % against slip-based control")
+
+    with processes(workers) as pool:
+        for each in law or RANGES:
+            found: dict[tuple[str, SlipSource], Found] = {}
+            for actuation, slip in RANGES[each]:
+                name = f"{each}, {actuation} actuation, {slip} slip"
+                with progress(name):
+                    found[actuation, slip] = search(each, actuation, slip, partial(note, name), pool)
+                say(text_of(each, {(actuation, slip): found[actuation, slip]}))
+            write_text(out / f"{each}.toml", text_of(each, found))
 
 
 @app.command()

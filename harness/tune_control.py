@@ -1,55 +1,79 @@
-"""Searches the parameters of adhesion-based control, on rails that no result is reported of.
+"""Searches the parameters of brake control, on rails that no result is reported of.
 
-What the table of braking distances says of the controller is a prediction only if its parameters were not chosen by
-that table. So they are chosen here, by differential evolution (Storn and Price, 1997) over the campaign `training`,
-whose rails differ from those of every other campaign in shape, level, speed and draw.
+What the table of braking distances says of a controller is a prediction only if its parameters were not chosen by that
+table, and a comparison only if both sides were tuned as hard. So all are chosen here, adhesion-based control and the
+slip-based control that it is measured against, by differential evolution (Storn and Price, 1997) over the campaign
+`training`, whose rails differ from those of every other campaign in shape, level, speed and draw.
 """
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.scenario.campaign import PlannedStop, load_campaign
+from controllers import tuning
+from harness.scenario.campaign import load_campaign
 from harness.scenario.merge import merged
 from harness.scenario.schema import Scenario
-from harness.workers import workers
 
 RAILS = Path(__file__).parent / "scenario" / "campaigns" / "training.toml"
 EDGES = {"ideal": "ideal", "pneumatic": "service"}
 """Kind of actuation → variant of the axis `edge` whose stops it is tuned on."""
 
-RANGES: Mapping[str, Mapping[str, tuple[float, float]]] = {
-    "ideal": {
-        "filter_time": (3e-3, 50e-3),
-        "margin": (3e-3, 0.1),
-        "rise": (0.03, 0.5),
-        "fall": (0.03, 0.5),
-        "slip_rate_max": (1.0, 20.0),
-        "slip_rate_min": (0.02, 1.0),
-        "dwell": (3e-3, 0.3),
-    },
-    "pneumatic": {
-        "filter_time": (30e-3, 0.5),
-        "margin": (3e-3, 0.1),
-        "rise": (0.03, 0.5),
-        "fall": (0.03, 0.5),
-        "slip_rate_max": (0.3, 10.0),
-        "slip_rate_min": (0.02, 1.0),
-        "dwell": (0.03, 1.0),
-        "slip_small": (1e-3, 3e-2),
+Ranges = Mapping[str, tuple[float, float]]
+
+_LEVELS: Ranges = {"low": (3e-3, 0.2), "high_over_low": (1.1, 4.0)}
+"""From below all published peaks to beyond most; narrower bands than 10 % of a level are below what sensors tell."""
+
+_SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
+
+RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
+    **{law: dict.fromkeys(product(EDGES, _SOURCES), _LEVELS) for law in ("slip_two_state", "slip_three_state")},
+    "adhesion_based": {
+        ("ideal", "estimated"): {
+            "filter_time": (3e-3, 50e-3),
+            "margin": (3e-3, 0.1),
+            "rise": (0.03, 0.5),
+            "fall": (0.03, 0.5),
+            "slip_rate_max": (1.0, 20.0),
+            "slip_rate_min": (0.02, 1.0),
+            "dwell": (3e-3, 0.3),
+            "slip_vent": (0.1, 0.6),
+            "adhesion_small": (5e-3, 3e-2),
+        },
+        ("pneumatic", "estimated"): {
+            "filter_time": (30e-3, 0.5),
+            "margin": (3e-3, 0.1),
+            "rise": (0.03, 0.5),
+            "fall": (0.03, 0.5),
+            "slip_rate_max": (0.3, 10.0),
+            "slip_rate_min": (0.02, 1.0),
+            "dwell": (0.03, 1.0),
+            "slip_small": (1e-3, 3e-2),
+            "creep_small": (0.01, 0.2),
+            "slip_vent": (0.1, 0.6),
+            "adhesion_small": (5e-3, 3e-2),
+        },
     },
 }
-"""Where each parameter is searched, on a logarithmic scale: from quicker than the actuation to slower than the rail.
-From what slip on there is a peak to seek depends on what sensors can tell from none; ideal ones tell any."""
+"""Law → kind of actuation and how it knows the slip → where each parameter is searched, on a logarithmic scale.
+
+Times and rates go from quicker than the actuation to slower than the rail. From what slip on there is a peak to seek
+depends on what sensors can tell from none; ideal ones tell any."""
+
+REFERENCE = "slip_two_state"
+"""With the paper's levels and slip as read: what each result is compared with."""
 
 _ENDLESS = 2000.0  # m, where the train does not stop
 _SEED = 2021
-POPULATION, GENERATIONS = 32, 5
+_SETS = 24
+"""Sets of parameters tried for each parameter that is searched: the same effort for every law."""
 
 Vector = NDArray[np.float64]
 
@@ -62,114 +86,142 @@ class Objective:
     stops: tuple[Scenario, ...]
 
     def __call__(self, point: Vector) -> float:
-        """Return it for the logarithms of the parameters."""
-        values = values_of(self.names, point)
+        """Return it for the logarithms of what is searched."""
+        values = parameters_of(self.names, point)
         return float(np.mean([math.log(_distance(_with(values, stop))) for stop in self.stops]))
 
 
-def values_of(names: Sequence[str], point: Vector) -> dict[str, float]:
-    """Return parameters for their logarithms, to two digits: finer ones move distances by less than chance does."""
-    return {name: float(f"{math.exp(value):.2g}") for name, value in zip(names, point, strict=True)}
+def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
+    """Return the law's parameters for the logarithms of what is searched.
+
+    They have two digits: finer ones move distances by less than chance does. The upper level of slip is searched as a
+    ratio to the lower one, so that every point is a pair that can switch.
+    """
+    values = {name: math.exp(value) for name, value in zip(names, point, strict=True)}
+    if "high_over_low" in values:
+        values["high"] = values["low"] * values.pop("high_over_low")
+    return {name: float(f"{value:.2g}") for name, value in values.items()}
+
+
+def point_of(ranges: Ranges, values: Mapping[str, float]) -> Vector:
+    """Return the logarithms of what is searched for parameters of a law, inside their ranges."""
+    known = dict(values)  # one that the file lacks starts in the middle
+    if "high_over_low" in ranges:
+        known["high_over_low"] = known["high"] / known["low"]
+    point = [math.log(known.get(name, math.sqrt(low * high))) for name, (low, high) in ranges.items()]
+    return np.clip(point, *np.log(np.array(list(ranges.values())).T))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Found:
-    """Parameters found for one kind of actuation.
+    """Parameters found for a law under one kind of actuation and with one way to know the slip.
 
     Attributes:
         values: By name.
+        sets: How many sets of parameters were tried.
         rails: Name of each rail.
         distances: With them [m].
-        slip_based: Of two-level control [m].
+        reference: Of two-state slip-based control with the paper's levels [m].
     """
 
     values: Mapping[str, float]
+    sets: int
     rails: tuple[str, ...]
     distances: tuple[float, ...]
-    slip_based: tuple[float, ...]
+    reference: tuple[float, ...]
 
     @property
     def reduction(self) -> float:
-        """Geometric mean of distance over that of slip-based control, less 1."""
-        ratios = np.array(self.distances) / np.array(self.slip_based)
+        """Geometric mean of distance over that of the reference, less 1."""
+        ratios = np.array(self.distances) / np.array(self.reference)
         return float(np.exp(np.mean(np.log(ratios)))) - 1.0
 
 
 def search(
+    law: str,
     actuation: str,
+    slip: tuning.SlipSource,
     tell: Callable[[int, float], None],
+    pool: Executor,
     *,
-    processes: int = 2,
     rails: Path = RAILS,
-    population: int = POPULATION,
-    generations: int = GENERATIONS,
+    sets: int = _SETS,
 ) -> Found:
-    """Search the parameters for one kind of actuation.
+    """Search the parameters of one law for one kind of actuation and one way to know the slip.
+
+    The set of the law's file is among the first that are tried: a search goes on from the one before.
 
     Args:
-        actuation: A key of `RANGES`.
-        tell: Called after each generation with its number and the best reduction against slip-based control.
-        processes: To run stops in.
-        rails: Campaign with the axes rail, edge and controller.
-        population: Sets of parameters in a generation, a power of two above the number of parameters.
-        generations: After the first, which is drawn.
+        law: A key of `RANGES`.
+        actuation: Of the first of the pair that is a key there.
+        slip: The second of it.
+        tell: Called after each generation with its number and the best reduction against the reference.
+        pool: To run stops in.
+        rails: Campaign with the axes rail and edge.
+        sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
     """
     from scipy.optimize import Bounds, differential_evolution
 
-    planned = load_campaign(rails).stops
-    mine = [stop for stop in planned if stop.variants["edge"] == EDGES[actuation]]
-    seeking, sliding = (_under(mine, kind) for kind in ("adhesion_based", "slip_two_state"))
-    ranges = RANGES[actuation]
-    objective = Objective(tuple(ranges), tuple(stop.scenario for stop in seeking))
-    with workers(processes) as pool:
-        slip_based = list(pool.map(_distance, [stop.scenario for stop in sliding]))
-        reference = float(np.mean(np.log(slip_based)))
-        generation = 0
+    planned = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
+    scenarios = [stop.scenario for stop in planned]
+    ranges = RANGES[law][actuation, slip]
+    stops = tuple(_under(law, slip, scenario) for scenario in scenarios)
+    objective = Objective(tuple(ranges), stops)
+    reference = list(pool.map(_distance, [_under(REFERENCE, "read", scenario) for scenario in scenarios]))
+    reference_mean = float(np.mean(np.log(reference)))
+    # Sobol's points come in powers of two; twice as many as parameters are few for differential evolution, not too few.
+    population = 1 << max(3, math.ceil(math.log2(2 * len(ranges))))
+    generations = max(0, math.ceil(sets * len(ranges) / population) - 1)
+    generation = 0
 
-        def mapped(function: Objective, points: Iterable[Vector]) -> list[float]:
-            return list(pool.map(function, points))
+    def mapped(function: Objective, points: Iterable[Vector]) -> list[float]:
+        return list(pool.map(function, points))
 
-        def note(intermediate_result: Any) -> None:
-            nonlocal generation
-            generation += 1
-            tell(generation, math.expm1(intermediate_result.fun - reference))
+    def note(intermediate_result: Any) -> None:
+        nonlocal generation
+        generation += 1
+        tell(generation, math.expm1(intermediate_result.fun - reference_mean))
 
-        found = differential_evolution(
-            objective,
-            Bounds(*np.log(np.array(list(ranges.values())).T)),
-            init="sobol",
-            popsize=population // len(ranges),
-            maxiter=generations,
-            tol=0.0,
-            polish=False,
-            rng=_SEED,
-            updating="deferred",
-            workers=cast("Any", mapped),  # the stubs want a number, the function takes a map, too
-            callback=note,
-        )
-        values = values_of(tuple(ranges), found.x)
-        distances = list(pool.map(_distance, [_with(values, stop.scenario) for stop in seeking]))
+    found = differential_evolution(
+        objective,
+        Bounds(*np.log(np.array(list(ranges.values())).T)),
+        x0=point_of(ranges, tuning.searched(law, actuation, slip)),
+        init="sobol",
+        popsize=population // len(ranges),
+        maxiter=generations,
+        tol=0.0,
+        polish=False,
+        rng=_SEED,
+        updating="deferred",
+        workers=cast("Any", mapped),  # the stubs want a number, the function takes a map, too
+        callback=note,
+    )
+    values = parameters_of(tuple(ranges), found.x)
+    distances = list(pool.map(_distance, [_with(values, stop) for stop in stops]))
     return Found(
         values=values,
-        rails=tuple(stop.variants["rail"] for stop in seeking),
+        sets=population * (generations + 1),
+        rails=tuple(stop.variants["rail"] for stop in planned),
         distances=tuple(distances),
-        slip_based=tuple(slip_based),
+        reference=tuple(reference),
     )
 
 
-def text_of(found: Mapping[str, Found]) -> str:
-    """Return the file of parameters: what was found for each kind of actuation, and on what."""
-    lines = ["# Adhesion-based control, one set for each kind of actuation: written by `make tune-control`."]
-    for actuation, one in found.items():
-        lines += ["", f"# {100 * one.reduction:+.1f} % against slip-based control, on:"]
-        for rail, distance, other in zip(one.rails, one.distances, one.slip_based, strict=True):
+def text_of(law: str, found: Mapping[tuple[str, tuning.SlipSource], Found]) -> str:
+    """Return the file of a law's parameters: what was found for each kind of actuation, and on what."""
+    lines = [f"# Parameters of {law}, written by `make tune-control`; in brackets two-state control at 10 and 15 %."]
+    for (actuation, slip), one in found.items():
+        lines += ["", f"# The best of {one.sets} sets: {100 * one.reduction:+.1f} % against slip-based control, on:"]
+        for rail, distance, other in zip(one.rails, one.distances, one.reference, strict=True):
             lines.append(f"#   {rail}: {distance:.1f} m ({other:.1f} m)")
-        lines += [f"[{actuation}]", *(f"{name} = {value!r}" for name, value in one.values.items())]
+        lines += [f"[{actuation}.{slip}]", *(f"{name} = {value!r}" for name, value in one.values.items())]
     return "\n".join(lines) + "\n"
 
 
-def _under(stops: Sequence[PlannedStop], controller: str) -> list[PlannedStop]:
-    return [stop for stop in stops if stop.variants["controller"] == controller]
+def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
+    """Return a scenario under another law, which reads the slip or has it from the scenario's estimator."""
+    change: dict[str, Any] = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
+    return Scenario.model_validate(merged(scenario.resolved(), change))
 
 
 def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:

@@ -41,16 +41,26 @@ class KalmanFilter(Table):
 
 Estimator = Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind")]
 
-Controllers = Literal[
-    "full_brake", "slip_two_state", "slip_three_state", "adhesion_based", "adhesion_literal", "ideal_bound"
-]
-
 
 class Law(Table):
     """A control law of this project and what differs from its own parameter set."""
 
-    kind: Controllers
+    kind: Literal["full_brake", "adhesion_based", "adhesion_literal", "ideal_bound"]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
+
+    _flat = field_validator("parameters", mode="before")(scalars)
+
+
+class SlipLaw(Table):
+    """Slip-based control, and what differs from its parameter set."""
+
+    kind: Literal["slip_two_state", "slip_three_state"]
+    tuning: Literal["paper", "searched"] = Field(
+        default="paper",
+        description="levels: the paper's 10 and 15 %, or those found on training rails for this actuation and for "
+        "slip as read, where the estimator is 'none', or else as estimated",
+    )
+    parameters: Parameters = Field(default={}, description="what differs from that set")
 
     _flat = field_validator("parameters", mode="before")(scalars)
 
@@ -75,7 +85,7 @@ class ControllerFmu(Table):
     _flat = field_validator("parameters", mode="before")(scalars)
 
 
-Controller = Annotated[Law | ControllerFmu, Field(discriminator="kind")]
+Controller = Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind")]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 

@@ -1,4 +1,4 @@
-"""The search for the parameters of adhesion-based control."""
+"""The search for the parameters of brake control."""
 
 import tomllib
 from dataclasses import fields
@@ -9,18 +9,23 @@ import numpy as np
 import pytest
 
 from controllers.adhesion_based import SeekerTuning
-from controllers.tuning import SEEKER
+from controllers.slip_based import SlipBased, SlipLevels
+from harness.assemble import controlled_groups, controller_of
 from harness.scenario.campaign import load_campaign
-from harness.tune_control import RANGES, Found, search, text_of, values_of
+from harness.scenario.load import read_toml, scenario_of
+from harness.scenario.merge import merged
+from harness.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
+from harness.workers import workers
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
+CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]
 
 
 def rails_of(campaign: str):
     return [stop.scenario for stop in load_campaign(CAMPAIGNS / f"{campaign}.toml").stops]
 
 
-@pytest.mark.parametrize("judged", ["table1", "shapes", "unseen"])
+@pytest.mark.parametrize("judged", ["table1", "shapes", "unseen", "adverse"])
 def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
     """Neither the friction nor the draw of chance."""
     trained, shown = rails_of("training"), rails_of(judged)
@@ -28,56 +33,107 @@ def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
     assert not {s.seed for s in trained} & {s.seed for s in shown}
 
 
-@pytest.mark.parametrize("actuation", list(RANGES))
-def test_what_was_found_lies_where_it_was_searched(actuation):
-    for name, (low, high) in RANGES[actuation].items():
-        assert low <= getattr(SEEKER[actuation], name) <= high
+def committed(law: str):
+    return tomllib.loads(files("controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(("law", "actuation", "slip"), CASES)
+def test_what_was_found_lies_where_it_was_searched(law, actuation, slip):
+    """Within a rounding to two digits."""
+    values, ranges = dict(committed(law)[actuation][slip]), RANGES[law][actuation, slip]
+    if "high" in values:
+        values["high_over_low"] = values.pop("high") / values["low"]
+    assert set(values) == set(ranges)
+    for name, (low, high) in ranges.items():
+        assert 0.9 * low <= values[name] <= 1.1 * high
+
+
+@pytest.mark.parametrize(("law", "actuation", "slip"), [case for case in CASES if case[0] != "adhesion_based"])
+def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_slip(law, actuation, slip):
+    edge = CAMPAIGNS.parent / "edges" / f"{EDGES[actuation]}.toml"
+    table = merged(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(edge))
+    table = merged(table, {"controller": {"kind": law}})
+    if slip == "read":
+        table = merged(table, {"estimator": {"kind": "none"}})
+
+    def levels(tuning: str):
+        changed = merged(table, {"controller": {"tuning": tuning}})
+        scenario = scenario_of(changed, directory=CAMPAIGNS, origin="plain.toml")
+        controller = controller_of(scenario, controlled_groups(scenario))
+        assert isinstance(controller, SlipBased)
+        names = [quantity.name for quantity in controller.formula.parameters]
+        return {name: controller.parameters[names.index(name)] for name in ("low", "high", "hold")}
+
+    hold = law == "slip_three_state"
+    assert levels("searched") == committed(law)[actuation][slip] | {"hold": hold}
+    assert levels("paper") == {"low": 0.10, "high": 0.15, "hold": hold}
+
+
+@pytest.mark.parametrize("law", list(RANGES))
+def test_the_committed_parameters_are_those_of_a_search(law):
+    """With the distances they were found by, as `text_of` writes them."""
+    text = files("controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8")
+    assert text.startswith(text_of(law, {}).rstrip())
+    assert text.count("% against slip-based control, on:") == len(RANGES[law])
 
 
 def test_every_parameter_is_searched_on_its_logarithm():
-    names = tuple(RANGES["ideal"])
-    values = values_of(names, np.log([RANGES["ideal"][name][0] for name in names]))
-    assert values == pytest.approx({name: low for name, (low, _) in RANGES["ideal"].items()})
+    ranges = RANGES["adhesion_based"]["ideal", "estimated"]
+    values = parameters_of(tuple(ranges), np.log([low for low, _ in ranges.values()]))
+    assert values == pytest.approx({name: low for name, (low, _) in ranges.items()})
+
+
+def test_every_pair_of_levels_that_is_searched_can_switch():
+    """At the corners, where rounding to two digits brings them closest."""
+    ranges = RANGES["slip_two_state"]["ideal", "read"]
+    for low in np.geomspace(*ranges["low"], 200):
+        for ratio in ranges["high_over_low"]:
+            levels = parameters_of(tuple(ranges), np.log([low, ratio]))
+            SlipLevels(**levels, speed_min=0.5, hold=False)
 
 
 def test_the_file_says_what_was_found_and_on_what():
-    values = {name: low for name, (low, _) in RANGES["ideal"].items()}
-    found = Found(values=values, rails=("even", "rough"), distances=(80.0, 90.0), slip_based=(100.0, 100.0))
-    text = text_of({"ideal": found})
-    assert tomllib.loads(text)["ideal"] == values
-    assert set(values) < {field.name for field in fields(SeekerTuning)}
+    values = {"low": 0.01, "high": 0.02}
+    found = Found(values=values, sets=16, rails=("even", "rough"), distances=(80.0, 90.0), reference=(100.0, 100.0))
+    text = text_of("slip_two_state", {("ideal", "read"): found})
+    assert tomllib.loads(text)["ideal"]["read"] == values
     # The geometric mean of 0.8 and 0.9 is 0.8485.
-    assert "-15.1 % against slip-based control" in text
+    assert "The best of 16 sets: -15.1 % against slip-based control" in text
     assert "rough: 90.0 m (100.0 m)" in text
 
 
-def test_a_search_ends_no_worse_than_it_began(tmp_path):
-    """Three generations of eight sets on one rail, from a jogging pace: a run of the real thing in seconds."""
-    rails = tmp_path / "training.toml"
+def test_all_that_is_searched_is_a_parameter_of_its_law():
+    for cases in RANGES["adhesion_based"].values():
+        assert set(cases) < {field.name for field in fields(SeekerTuning)}
+
+
+@pytest.fixture(scope="module")
+def one_rail(tmp_path_factory):
+    """The first training rail, from a jogging pace: a run of the real thing in seconds."""
+    file = tmp_path_factory.mktemp("rails") / "training.toml"
     text = (CAMPAIGNS / "training.toml").read_text(encoding="utf-8")
     first, _, rest = text.partition("[axes.rail.patches]")
-    rails.write_text(
+    file.write_text(
         first.replace("../library", str(CAMPAIGNS.parent / "library"))
         + "[axes.edge]"
-        + rest.partition("[axes.edge]")[2].replace("../edges", str(CAMPAIGNS.parent / "edges")),
+        + rest.partition("[axes.edge]")[2].replace("../edges", str(CAMPAIGNS.parent / "edges"))
+        + '\n[sweep]\n"start.speed" = ["9 km/h"]\n',
         encoding="utf-8",
     )
-    rails.write_text(rails.read_text(encoding="utf-8") + '\n[sweep]\n"start.speed" = ["9 km/h"]\n', encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("law", "actuation", "slip"),
+    [("adhesion_based", "ideal", "estimated"), ("slip_three_state", "ideal", "read")],
+)
+def test_a_search_ends_no_worse_than_it_began(law, actuation, slip, one_rail):
     best: list[float] = []
-    found = search("ideal", lambda number, value: best.append(value), rails=rails, population=8, generations=2)
-    assert len(best) == 2
-    assert best[1] <= best[0]
+    with workers(2) as pool:
+        found = search(law, actuation, slip, lambda _, value: best.append(value), pool, rails=one_rail, sets=12)
+    assert len(best) >= 2
+    assert best == sorted(best, reverse=True)
     assert found.rails == ("even",)
     assert found.reduction == pytest.approx(best[-1], abs=1e-9)
-    for name, value in found.values.items():
-        low, high = RANGES["ideal"][name]
-        assert 0.99 * low <= value <= 1.01 * high
-
-
-def test_the_committed_parameters_are_those_of_a_search():
-    """With the distances they were found by, as `text_of` writes them."""
-    text = files("controllers").joinpath("seeker.toml").read_text(encoding="utf-8")
-    assert text.startswith(text_of({}).rstrip())
-    for actuation, ranges in RANGES.items():
-        assert set(tomllib.loads(text)[actuation]) == set(ranges)
-    assert text.count("% against slip-based control, on:") == len(RANGES)
+    assert found.reduction < 0.0  # against levels of 10 and 15 %, beyond the peak of this rail
+    assert found.sets >= 12 * len(RANGES[law][actuation, slip])

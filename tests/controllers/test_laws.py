@@ -10,7 +10,7 @@ from controllers.brake import BrakeGroup
 from controllers.full_brake import FullBrake
 from controllers.sight import Sight
 from controllers.slip_based import SlipBased, SlipLevels
-from controllers.tuning import SEEKER, SLIP_LEVELS
+from controllers.tuning import PAPER_LEVELS, SEEKER
 
 GROUP = BrakeGroup(
     load=14500 * 9.81,
@@ -113,20 +113,20 @@ def test_the_literal_law_chatters_around_the_peak():
 
 def test_two_level_control_keeps_the_slip_between_its_levels():
     """10 % and 15 %; torque through a lag of 20 ms overshoots by some percent of slip."""
-    slip, _ = simulate(SlipBased([GROUP], SLIP_LEVELS), 4.0)
+    slip, _ = simulate(SlipBased([GROUP], PAPER_LEVELS), 4.0)
     assert 0.05 < slip[2000:].min() < 0.11
     assert 0.14 < slip[2000:].max() < 0.20
 
 
 def test_hold_keeps_the_pressure_that_is_measured():
-    law = SlipBased([GROUP], replace(SLIP_LEVELS, hold=True))
+    law = SlipBased([GROUP], replace(PAPER_LEVELS, hold=True))
     assert law.decide(Sight(0, SPEED, 0, (0.12,), None, None, (1.234e5,))) == (1.234e5,)
 
 
 @pytest.mark.parametrize("hold", [True, False])
 def test_the_brake_is_applied_before_a_speed_is_known(hold):
     """A radar reads some 50 ms after the demand; a train that waited for it would roll on."""
-    law = SlipBased([GROUP], replace(SLIP_LEVELS, hold=hold))
+    law = SlipBased([GROUP], replace(PAPER_LEVELS, hold=hold))
     unknown = float("nan")
     assert law.decide(Sight(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
 
@@ -157,7 +157,7 @@ def test_a_tuning_that_means_nothing_is_refused(name):
 
 def test_below_the_lowest_speed_the_brake_is_applied():
     sight = Sight(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
-    for law in (SlipBased([GROUP], SLIP_LEVELS), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):
+    for law in (SlipBased([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):
         assert law.decide(sight) == (3.4e5,)
     # The seeker's limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
     torque = (0.15 - 0.003) * GROUP.load * 0.38

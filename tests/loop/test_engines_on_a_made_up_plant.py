@@ -17,7 +17,7 @@ from controllers.brake import BrakeGroup
 from controllers.law import Law, law
 from controllers.sampled import choose
 from controllers.slip_based import SlipBased
-from controllers.tuning import SLIP_LEVELS
+from controllers.tuning import PAPER_LEVELS
 from controllers.valves import ValveLogic, ValveModel
 from harness.fmu import PlantFailed
 from harness.fmu.failure import Failure
@@ -179,8 +179,8 @@ class Steps:
         return self.forces[bisect_right(self.begins, distance) - 1]
 
 
-SLIP = lambda: SlipBased(GROUPS, SLIP_LEVELS)
-HOLD = lambda: SlipBased(GROUPS, replace(SLIP_LEVELS, hold=True))
+SLIP = lambda: SlipBased(GROUPS, PAPER_LEVELS)
+HOLD = lambda: SlipBased(GROUPS, replace(PAPER_LEVELS, hold=True))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
@@ -378,5 +378,5 @@ def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
 
 def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
-    reason = compiled_cycle.obstacle(Plant(), IdealSensors(), None, SlipBased(GROUPS[:1], SLIP_LEVELS), Direct())
+    reason = compiled_cycle.obstacle(Plant(), IdealSensors(), None, SlipBased(GROUPS[:1], PAPER_LEVELS), Direct())
     assert reason == "the controller is not for 4 groups"
