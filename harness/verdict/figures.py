@@ -10,7 +10,7 @@ from matplotlib.ticker import NullLocator
 
 from harness.record.signals import GROUPS
 from harness.verdict import style
-from harness.verdict.reference import CONTROLLERS
+from harness.verdict.reference import CONTROLLERS, controller_of
 from harness.verdict.results import Result
 from harness.verdict.row import Row
 
@@ -18,6 +18,10 @@ _CONTROLLER_COLOURS = {
     "full_brake": style.GREY,
     "slip_two_state": style.BLUE,
     "slip_three_state": style.SKY,
+    "slip_two_state_read": style.GREEN,
+    "slip_three_state_read": style.LIGHT_GREEN,
+    "slip_two_state_estimated": style.VERMILION,
+    "slip_three_state_estimated": style.LIGHT_VERMILION,
     "adhesion_based": style.ORANGE,
     "adhesion_literal": style.PURPLE,
     "ideal_bound": style.BLACK,
@@ -209,7 +213,7 @@ def stop_figure(stop: Result) -> Figure:
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     made.suptitle(
-        f"{_title(stop)}: {CONTROLLERS[scenario['controller']['kind']]}, actuation "
+        f"{_title(stop)}: {CONTROLLERS[controller_of(scenario)]}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
         f"{metrics.duration:.1f} s{used}{consistency}",
         x=0.01, ha="left", fontsize=11,

@@ -15,11 +15,16 @@ CONTROLLERS = {
     "full_brake": "full brake",
     "slip_two_state": "SBC, two-state",
     "slip_three_state": "SBC, three-state",
+    "slip_two_state_read": "SBC, two-state, searched, read slip",
+    "slip_three_state_read": "SBC, three-state, searched, read slip",
+    "slip_two_state_estimated": "SBC, two-state, searched, estimated slip",
+    "slip_three_state_estimated": "SBC, three-state, searched, estimated slip",
     "adhesion_based": "ABC",
     "adhesion_literal": "ABC, the law as printed",
     "ideal_bound": "ideal bound",
     "fmu": "FMU",
 }
+"""Kind of controller → name for people; with searched levels, the kind and how it knows the slip."""
 
 PUBLISHED = (0.10, 0.15)
 """Slips at which SBC fills and vents; Schwarz, Posielek and Goetjes (2021), section 4."""
@@ -35,17 +40,30 @@ def label(controller: Mapping[str, Any]) -> str:
     name = CONTROLLERS.get(kind, kind)
     if kind not in _SLIP_BASED:
         return name
+    if _is_searched(controller):
+        return f"{name}, searched"
     return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"
 
 
 def is_published(controller: Mapping[str, Any]) -> bool:
     """Return whether this is the SBC of the paper."""
-    return controller["kind"] == "slip_two_state" and _thresholds(controller) == PUBLISHED
+    return (
+        controller["kind"] == "slip_two_state" and not _is_searched(controller) and _thresholds(controller) == PUBLISHED
+    )
 
 
 def is_tuned(controller: Mapping[str, Any]) -> bool:
     """Return whether this is SBC with thresholds of its own."""
-    return controller["kind"] in _SLIP_BASED and _thresholds(controller) != PUBLISHED
+    kind, searched = controller["kind"], _is_searched(controller)
+    return kind in _SLIP_BASED and (searched or _thresholds(controller) != PUBLISHED)
+
+
+def controller_of(scenario: Mapping[str, Any]) -> str:
+    """Return the key in `CONTROLLERS` of the controller of a resolved scenario."""
+    table = scenario["controller"]
+    if not _is_searched(table):
+        return table["kind"]
+    return f"{table['kind']}_{'read' if scenario['estimator']['kind'] == 'none' else 'estimated'}"
 
 
 def best(stops: Sequence[_Stop], law: Callable[[_Stop], str], distance: Callable[[_Stop], float | None]) -> list[_Stop]:
@@ -68,6 +86,10 @@ def best(stops: Sequence[_Stop], law: Callable[[_Stop], str], distance: Callable
 def law_of(scenario: Mapping[str, Any]) -> str:
     """Return what tells controllers with their estimators apart."""
     return json.dumps([scenario["controller"], scenario["estimator"]], sort_keys=True)
+
+
+def _is_searched(controller: Mapping[str, Any]) -> bool:
+    return controller.get("tuning") == "searched"
 
 
 def _thresholds(controller: Mapping[str, Any]) -> tuple[float, float]:

@@ -16,6 +16,7 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000",
 )  # fmt: skip
 GREY = "#767676"
+LIGHT_GREEN, LIGHT_VERMILION = "#80CFB9", "#EAAF80"  # halfway to white
 
 _LEAD_TO_TRAIL = LinearSegmentedColormap.from_list("lead_to_trail", [BLUE, "#7B5FC0", PURPLE])
 

@@ -16,7 +16,7 @@ from harness.scenario.campaign import DRAW
 from harness.verdict.compilers import from_elsewhere, makers
 from harness.verdict.conditioning import spread_text
 from harness.verdict.distribution import distribution_texts, distributions_of
-from harness.verdict.reference import best, is_published, is_tuned, label, law_of
+from harness.verdict.reference import best, controller_of, is_published, is_tuned, label, law_of
 from harness.verdict.results import Result, Results
 from harness.verdict.row import Row
 from harness.verdict.text import Texts, filled, markdown_table, names, number, percent
@@ -106,7 +106,7 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, hidden: Seque
         polach=_polach(result),
         actuation=record.scenario["actuation"]["kind"],
         sensors=record.scenario["sensors"]["kind"],
-        controller=_law(result)["kind"],
+        controller=controller_of(result.record.scenario),
         controller_label=label(_law(result)),
         estimator=_estimator(result),
         draw=int(result.variants[DRAW]) if DRAW in result.variants else None,

@@ -10,6 +10,7 @@ from synthetic_runner import DECELERATION
 
 import harness.scenario
 from harness.record.error import RecordError
+from harness.verdict.reference import CONTROLLERS
 from harness.verdict.results import read_results
 from harness.verdict.table import rows_of, write_table
 
@@ -31,6 +32,17 @@ def test_reductions_are_against_sbc_in_the_same_conditions(folder):
     assert rows["ideal", "adhesion_based"].paper_distance_m == 333.4
     assert rows["ideal", "adhesion_based"].paper_reduction == pytest.approx(0.129, abs=5e-4)
     assert rows["pneumatic", "adhesion_based"].paper_distance_m is None
+
+
+def test_searched_levels_have_rows_of_their_own_against_the_papers(folder):
+    """Two forms, each with slip as read and as estimated; what all are compared with stays the paper's SBC."""
+    rows = [row for row in rows_of(read_results(folder)) if row.actuation == "ideal"]
+    controllers = [row.controller for row in rows]
+    searched = [f"slip_{form}_state_{slip}" for slip in ("read", "estimated") for form in ("two", "three")]
+    assert [name for name in controllers if name.endswith(("_read", "_estimated"))] == searched
+    assert len(set(controllers)) == len(controllers)
+    assert set(controllers) <= set(CONTROLLERS)
+    assert [row.controller for row in rows if row.reduction_vs_sbc is None] == ["slip_two_state"]
 
 
 def test_stops_that_look_alike_are_told_apart_and_compared_in_their_own_conditions(tmp_path, write_campaign):
@@ -93,7 +105,9 @@ def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, wr
 
 
 def test_results_that_are_not_there_or_of_another_scenario_are_missing(tmp_path, write_campaign):
-    kept = write_campaign(tmp_path, lambda stop: stop.name.startswith("random-ideal-slip"))
+    kept = write_campaign(
+        tmp_path, lambda stop: stop.name in {f"random-ideal-slip_{n}_state" for n in ("two", "three")}
+    )
     first, second = (stop.name for stop in kept.stops)
     (tmp_path / first / "stop.json").unlink()
     path = tmp_path / second / "stop.json"
