@@ -5,7 +5,7 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen report conditioning headlines readme regress accept calibrate tune-control bench test \
+.PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control bench test \
         test-omc regress-omc fuzz check estimate tune lateral learn monitor clean
 .DEFAULT_GOAL := help
 
@@ -36,6 +36,9 @@ simulate: fmus  ## the table of braking distances with figures, build/table1, an
 unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
 	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml
 
+adverse: fmus  ## controllers under creep curves, sensors and trains that do not suit them, build/adverse
+	$(RUN) -m harness campaign harness/scenario/campaigns/adverse.toml
+
 report: simulate  ## the same with the panels of every stop
 	$(RUN) -m harness report build/table1
 	$(RUN) -m harness report build/shapes
@@ -60,7 +63,7 @@ accept: $(READY)  ## move the baselines to the last regress: make accept REASON=
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
 	$(RUN) -m harness calibrate
 
-tune-control: fmus  ## search the parameters of adhesion-based control on rails kept for that (half an hour)
+tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
 	$(RUN) -m harness tune-control
 
 bench: fmus  ## speed, as medians and ratios in one run

@@ -24,7 +24,7 @@ def sensors_of(scenario: Scenario, wheel_radius: float) -> Sensors:
         cut_off=table.wheel.cut_off,
         wheel_radius=wheel_radius,
         speed_noise=table.speed.noise,
-        speed_scale=table.speed.scale_error * float(lot.standard_normal()),
+        speed_scale=table.speed.scale_offset + table.speed.scale_error * float(lot.standard_normal()),
         speed_every=max(round(table.speed.period / period), 1),
         speed_latency=round(table.speed.latency / period),
         acceleration_noise=table.acceleration.noise,

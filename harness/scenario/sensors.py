@@ -35,6 +35,9 @@ class SpeedSensor(Table):
     principle: Literal["doppler", "gnss"]
     noise: SpeedError = Field(description="1σ, white, each reading")
     scale_error: Deviation = Field(description="1σ of the relative error, drawn once a stop")
+    scale_offset: Annotated[float, Unit("1", at_least=-0.5, at_most=0.5, because=_OFF)] = Field(
+        default=0.0, description="relative error of every stop, which adds to the drawn one"
+    )
     period: Period
     latency: Lag
 

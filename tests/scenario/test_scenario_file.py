@@ -122,7 +122,13 @@ REFUSALS = [
     (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
     (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
     (["name='a/b'"], "name is 'a/b'; string should match pattern"),
-    (["controller.kind=abc"], "[controller] kind is 'abc'; there is full_brake, slip_two_state"),
+    (["controller.kind=abc"], "[controller] kind is 'abc'; there is full_brake, adhesion_based"),
+    (["controller.tuning=searched"], "[controller] has no key 'tuning'"),
+    (
+        ["controller.kind=slip_two_state", "controller.tuning=best"],
+        "[controller] tuning is 'best'; there is 'paper' or 'searched'",
+    ),
+    ([SERVICE, "sensors.speed.scale_offset=1.5"], "[sensors.speed] scale_offset must be at most 0.5"),
     (
         ["estimator.kind=none"],
         "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is",
