@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pint
@@ -260,9 +261,14 @@ def short(written: object) -> str:
         return "a number of thousands of digits"
 
 
-def cut(text: str) -> str:
-    """Return a text as it stands, or its beginning and length where it is longer than a line."""
-    return text if len(text) <= 80 else f"{text[:60]}… ({len(text)} characters)"
+def cut(text: str, longest: int = 80) -> str:
+    """Return a text as it stands, or its beginning and length where it has more characters."""
+    return text if len(text) <= longest else f"{text[:60]}… ({len(text)} characters)"
+
+
+def place(path: Path) -> str:
+    """Return a path as a sentence says it: longer than other texts may be, for the name of the file comes last."""
+    return cut(str(path), 255)
 
 
 @cache

@@ -20,8 +20,9 @@ ALLOWED = {
     "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.record.signals",
                      "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
     "harness.scenario": ("harness.scenario", "harness.units", "harness.limits"),
-    "harness.record": ("harness.record", "harness.scenario"),
-    "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario"),
+    # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
+    "harness.record": ("harness.record", "harness.scenario", "estimators.consistency"),
+    "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario", "harness.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "harness.fmu": ("harness.fmu", "harness.units", "harness.limits", "harness.interrupted", "fmus.native.toolchain",
                     "estimators.prediction", "harness.loop.compiled.Calls", "harness.loop.ports.Edge"),

@@ -124,7 +124,7 @@ def _observed(case: Case) -> bool:
 def _ground() -> str:
     """Return a digest of the plant's FMU, the predictions' equations and the code that runs and judges them."""
     # What the compiler made, not the files it read: another vehicle in the library changes nothing here.
-    digest = hashlib.sha256(json.loads(fmu("LateralWheelset").with_suffix(".json").read_text())["source"].encode())
+    digest = hashlib.sha256(fmu("LateralWheelset").read_bytes())
     for class_name in (*CLASSES.values(), "RailBraking.FMUs.LateralContact"):
         model = lower(class_name)
         digest.update(model.derivative.serialize().encode() + model.output.serialize().encode())

@@ -9,7 +9,7 @@ from typing import Any
 
 import xarray
 
-from harness.record.atomic import write_text
+from harness.record.atomic import Unwritten, write_text
 from harness.record.error import RecordError
 from harness.record.metrics import Metrics
 from harness.record.outcome import Outcome
@@ -107,8 +107,10 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     try:
         if keep_trace:
             write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
-    finally:
+    except Unwritten:
         write_text(directory / STOP_FILE, text + "\n")
+        raise
+    write_text(directory / STOP_FILE, text + "\n")
 
 
 def read_stop(directory: Path) -> StopRecord:

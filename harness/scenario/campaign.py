@@ -17,7 +17,7 @@ from harness.scenario.merge import merged, read_overrides
 from harness.scenario.quantity import Unit
 from harness.scenario.schema import Scenario
 from harness.scenario.table import Name, Table, broken
-from harness.units import cut
+from harness.units import cut, place
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
@@ -167,7 +167,7 @@ def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, A
     file = path.parent / name
     if not is_file(file):
         raise ScenarioError(
-            f"{path.name}: [axes.{axis}] {variant} names '{cut(name)}', but there is no file {cut(str(file))}; the "
+            f"{path.name}: [axes.{axis}] {variant} names '{cut(name)}', but there is no file {place(file)}; the "
             "path starts at the folder of the campaign."
         )
     return read_toml(file)

@@ -8,7 +8,7 @@ from typing import Any, cast
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from harness.units import cut, short
+from harness.units import cut, place, short
 
 DIRECTORY = "directory"
 """Key of the validation context that holds the folder of the scenario file."""
@@ -56,7 +56,7 @@ class NamedFile:
             raise PydanticCustomError(
                 "file",
                 "names '{written}', but there is no file {path}; the path starts at the scenario's folder",
-                {"written": cut(written), "path": cut(str(path))},
+                {"written": cut(written), "path": place(path)},
             )
         return cls(written=written, path=path)
 

@@ -15,7 +15,7 @@ from harness.scenario.error import ScenarioError
 from harness.scenario.file import DIRECTORY
 from harness.scenario.merge import merged, parsed, read_overrides
 from harness.scenario.schema import Scenario
-from harness.units import cut, short
+from harness.units import cut, place, short
 
 Kind = Literal["scenario", "campaign", "estimation"]
 _MARKS: Mapping[Kind, tuple[str, ...]] = {
@@ -48,7 +48,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: Missing, unreadable, or not TOML.
     """
-    shown = cut(str(path))
+    shown = place(path)
     try:
         with path.open("rb") as file:
             content = file.read(_LARGEST + 1)

@@ -115,8 +115,8 @@ def test_a_plant_is_not_asked_for_derivatives(omc, tmp_path):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
-def test_it_is_asked_again_only_when_something_moved(omc, tmp_path):
-    """An own version line, a changed Modelica file and the other compiler's FMU are each something."""
+def test_it_is_asked_again_only_when_something_moved(omc, own_cache, tmp_path):
+    """An own version line and a changed Modelica file are each something."""
     library = tmp_path / "Lib"
     library.mkdir()
     (library / "package.mo").write_text("package Lib end Lib;")
@@ -134,9 +134,6 @@ def test_it_is_asked_again_only_when_something_moved(omc, tmp_path):
     assert [made(), made()] == ["built", "current"]
     assert (tmp_path / "out" / "Plant.fmu").read_text() == "1.27"
     (library / "package.mo").write_text('package Lib "other" end Lib;')
-    assert made() == "built"
-    stamp = tmp_path / "out" / "Plant.json"
-    stamp.write_text(stamp.read_text().replace("openmodelica", "native").replace('"inputs": "', '"inputs": "0'))
     assert made() == "built"
 
 

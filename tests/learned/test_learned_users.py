@@ -103,7 +103,7 @@ def test_units_and_names_come_from_the_map(folder, read, tmp_path):
     held = signals(0)
     held |= {name: held[name] / 9.80665 for name in BOXES}
     names = {name: name.replace("[", "_").replace("]", "") for name in UNITS}
-    found = one_run(tmp_path, held, table("g_0", names), ".mat").runs[0]
+    found = one_run(tmp_path, held, table("g_n", names), ".mat").runs[0]
     # The record of direction +1 is run 0; a division and a multiplication round at 270 * 2e-16, the filter adds up.
     np.testing.assert_allclose(found.slow, read.runs[0].slow, rtol=0, atol=1e-9)
 

@@ -170,7 +170,7 @@ REFUSALS = [
             "limits.horizon=40 s",
             *(f"periods.{name}=100 s" for name in ("communication", "estimator", "controller", "trace")),
         ],
-        "[limits] horizon 40 s is shorter than 10 periods of [periods] communication, 100 s each",
+        "[periods] communication must be at most 60 s, got '100 s'; nothing in a train is sampled in less than 1 us",
     ),
     (["periods.trace=20 s"], "[limits] horizon 90 s is shorter than 10 periods of [periods] trace, 20 s each"),
     (["limits.alpha_max=0"], "[limits] alpha_max must be above 0, got 0."),

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from harness.estimate.error import EstimationError
 from harness.estimate.recorded.table import DataTable
 from harness.scenario.file import is_file
-from harness.units import UnitError, conversion, cut, short, unit
+from harness.units import UnitError, conversion, cut, place, short, unit
 
 Vector = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
         EstimationError: Missing, unreadable or of another format; a column is not there or not of numbers.
     """
     if not is_file(path):
-        raise EstimationError(f"{cut(str(path))}: there is no such file; name a recording ({', '.join(FORMATS)}).")
+        raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
     asked = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
     match path.suffix.lower():
         case ".csv":
