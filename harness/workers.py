@@ -4,7 +4,6 @@ import multiprocessing
 import os
 import signal
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Generator
@@ -17,6 +16,7 @@ from typing import Final, ParamSpec, TypeVar
 import pebble
 
 from harness.interrupted import deaf_children
+from harness.scratch import scratch
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 
@@ -36,8 +36,8 @@ def workers(count: int) -> Generator[Executor]:
     however they ended.
     """
     with (
-        tempfile.TemporaryDirectory(prefix="railgrip-workers-", ignore_cleanup_errors=True) as scratch,
-        _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": scratch}),
+        scratch("workers") as folder,
+        _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder)}),
     ):
         # Spawned, because CasADi holds threads, and because a library reads the variables when it is loaded.
         pool = pebble.ProcessPool(count, initializer=_start_worker, context=get_context("spawn"))

@@ -24,8 +24,9 @@ ALLOWED = {
     "harness.record": ("harness.record", "harness.scenario", "estimators.consistency"),
     "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario", "harness.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
-    "harness.fmu": ("harness.fmu", "harness.units", "harness.limits", "harness.interrupted", "fmus.native.toolchain",
-                    "estimators.prediction", "harness.loop.compiled.Calls", "harness.loop.ports.Edge"),
+    "harness.fmu": ("harness.fmu", "harness.units", "harness.limits", "harness.interrupted", "harness.scratch",
+                    "fmus.native.toolchain", "estimators.prediction", "harness.loop.compiled.Calls",
+                    "harness.loop.ports.Edge"),
 }  # fmt: skip
 
 

@@ -7,14 +7,11 @@ because FMPy's wrapper around each call costs more than the physics behind it.
 import ctypes
 import os
 import re
-import shutil
 import sys
 import tempfile
-import time
 from collections import deque
 from collections.abc import Callable, Generator
-from contextlib import chdir, contextmanager, suppress
-from functools import cache
+from contextlib import chdir, contextmanager
 from itertools import count
 from pathlib import Path
 from typing import Any, Final, Literal, cast
@@ -34,6 +31,7 @@ from harness.fmu.archive import digest
 from harness.fmu.description import Description, Interface
 from harness.fmu.failure import Failure, FmuError, PlantFailed, Reason
 from harness.fmu.parameters import Assignment
+from harness.scratch import scratch
 
 Way = Literal["co-simulation", "model exchange"]
 
@@ -43,9 +41,6 @@ _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
 _TERMINATED: Final = 3  # fmi2StatusKind
-
-_PREFIX: Final = "railgrip-fmu-"
-_FRESH: Final = 60.0  # s
 
 Log = deque[tuple[int, str]]
 _logs: dict[int, Log] = {}
@@ -83,32 +78,24 @@ def _address(function: Any) -> int:
 def unpacked(description: Description) -> Generator[Path]:
     """Yield a temporary folder with the FMU's files, removed at the end.
 
-    Its name carries the number of this process, which also holds a lock on it; those whose process is gone, with the
-    lock, are removed first.
-
     Raises:
         FmuError: The file changed since it was described, or cannot be unpacked.
     """
-    _remove_stale(Path(tempfile.gettempdir()))
     here = f"binaries/{fmpy.platform}/"
-    # A library that is still mapped may not be removable on some platforms; there the system clears it later.
-    with (
-        tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{os.getpid()}-", ignore_cleanup_errors=True) as folder,
-        _locked(Path(folder)),
-    ):
+    with scratch("fmu") as folder:
         try:
             if digest(description.file) != description.digest:
                 raise FmuError(f"{description.file}: the FMU changed while it was being read; try again.")
             fmpy.extract(
                 str(description.file),
-                unzipdir=folder,
+                unzipdir=str(folder),
                 include=lambda name: name.startswith((here, "resources/")) or name == "modelDescription.xml",
             )
         except FmuError:
             raise
         except Exception as error:  # FMPy raises bare Exception for illegal paths in the archive
             raise FmuError(f"{description.file}: the FMU cannot be unpacked: {error}") from error
-        yield Path(folder)
+        yield folder
 
 
 _SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
@@ -138,39 +125,6 @@ def _without_solver_lines(description: Description) -> Generator[None]:
             os.close(before)
             printed.seek(0)
             os.write(1, _SOLVER_LINES.sub(b"", printed.read()))
-
-
-@contextmanager
-def _locked(folder: Path) -> Generator[bool]:
-    """Hold the lock of a folder, which the system releases however this process ends; yield whether it was free."""
-    if os.name != "posix":
-        yield False  # such locks are POSIX; nothing is removed elsewhere
-        return
-    import fcntl
-
-    number = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW)
-    try:
-        try:
-            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            free = True
-        except OSError:
-            free = False
-        yield free
-    finally:
-        os.close(number)
-
-
-@cache
-def _remove_stale(temporary: Path) -> None:
-    """Remove what runs left behind that were killed; once in a process."""
-    for folder in temporary.glob(f"{_PREFIX}*"):
-        with suppress(OSError):
-            status = folder.lstat()
-            # One that was made this minute may not have its lock yet.
-            if os.name == "posix" and status.st_uid == os.geteuid() and time.time() - status.st_mtime > _FRESH:
-                with _locked(folder) as free:
-                    if free:
-                        shutil.rmtree(folder, ignore_errors=True)
 
 
 class Instance:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from mule_fmu import mule
 
-from harness.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe, instance
+from harness.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe
 from harness.fmu.child import ANSWER, FAILED
 from harness.fmu.isolation import KEEPER
 from harness.limits import FMU_LIMITS, FmuLimits
@@ -142,14 +142,3 @@ def test_the_keeper_needs_the_standard_library_only():
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-
-
-def test_what_a_killed_run_left_is_removed_by_the_next(scratch: Path, foundry: Path):
-    """A folder in use, here by this very process, stays."""
-    stale, used = (scratch / f"railgrip-fmu-{number}-x" for number in (1, os.getpid()))
-    for folder in (stale, used):
-        (folder / "binaries").mkdir(parents=True)
-        os.utime(folder, (0, 0))
-    with instance._locked(used), instance.unpacked(describe(mule(foundry))) as mine:
-        assert sorted(scratch.iterdir()) == sorted([used, mine])
-    assert list(scratch.iterdir()) == [used]
