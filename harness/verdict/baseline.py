@@ -9,14 +9,14 @@ A baseline file says for each stop the distance, how far it may move, and why it
     tolerance = 0.39     # m
     reason = "First calibration."
 
-and, where the law is chaotic, between what distances it spreads when the plant's rounding changes:
-
-    spread = [279.8, 324.3]  # m
-
 A stop whose distance rounding decides (see `harness.scenario.conditioning`) has a range: `distance` is the median of
-its repeats, `lowest` and `highest` are theirs, and `tolerance` is what it may lie beyond them. Beside the distances
-stand the longest lock of any group [s] and the strokes of all valves, as of the last `make accept`: shown, not
-compared.
+its repeats, `lowest` and `highest` are theirs, and `tolerance` is what it may lie beyond them. Where another compiler's
+plant, the same but for rounding, stops elsewhere, its distance stands there as it does among the repeats:
+
+    compilers = { openmodelica = 279.8 }  # m
+
+Beside the distances stand the longest lock of any group [s] and the strokes of all valves, as of the last `make
+accept`: shown, not compared.
 
 The same for the figures of a study of `harness.headlines`:
 
@@ -73,8 +73,8 @@ class Accepted(Table):
     longest_lock: Annotated[float, Unit("s", at_least=0)] | None = None
     valve_strokes: NonNegativeInt | None = None
     reason: Annotated[str, Field(min_length=1)]
-    spread: tuple[Distance, Distance] | None = Field(
-        default=None, description="lowest and highest distance of plants that are the same but for rounding"
+    compilers: dict[str, Distance] = Field(
+        default={}, description="compiler → distance with its plant, where it differs"
     )
 
     @model_validator(mode="after")
@@ -141,11 +141,11 @@ class Baseline(Table):
     def across_compilers(self) -> Self:
         """Return the baseline that FMUs of another compiler have to keep to.
 
-        A stop with a spread, of a law that is chaotic on its rail, may end anywhere in it.
+        A stop that another compiler's plant is known to end elsewhere may end anywhere between.
         """
         stops: dict[str, Accepted] = {}
         for name, stop in self.stops.items():
-            low, high = stop.spread or stop.ends
+            low, high = (choose((*stop.ends, *stop.compilers.values())) for choose in (min, max))
             middle, half = (low + high) / 2, (high - low) / 2
             stops[name] = stop.model_copy(update={"distance": middle, "tolerance": half + ACROSS_COMPILERS * high})
         return self.model_copy(update={"stops": stops})
@@ -332,7 +332,7 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
 
 
 def _accepted_stop(found: Finding, distance: float, before: Accepted | AcceptedFigure | None, reason: str) -> Accepted:
-    spread = before.spread if isinstance(before, Accepted) else None
+    compilers = before.compilers if isinstance(before, Accepted) else {}
     if found.repeated is not None and found.repeated.spreads:
         return Accepted(
             distance=round(found.repeated.median, 3),
@@ -340,12 +340,15 @@ def _accepted_stop(found: Finding, distance: float, before: Accepted | AcceptedF
             lowest=found.repeated.lowest,
             highest=found.repeated.highest,
             reason=reason.strip(),
-            spread=spread,
+            compilers=compilers,
         )
     is_number = before is not None and before.ends[0] == before.ends[1]
     relative = before.tolerance / before.value if before and is_number else TOLERANCE
     return Accepted(
-        distance=round(distance, 3), tolerance=_digits(relative * distance, 2), reason=reason.strip(), spread=spread
+        distance=round(distance, 3),
+        tolerance=_digits(relative * distance, 2),
+        reason=reason.strip(),
+        compilers=compilers,
     )
 
 
@@ -366,7 +369,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
             f"tolerance = {stop.tolerance!r}  # m",
             *(f"{name} = {value!r}" for name, value in stop.model_dump(include=_BESIDE, exclude_none=True).items()),
             f"reason = {json.dumps(stop.reason, ensure_ascii=False)}",
-            *([f"spread = {list(stop.spread)!r}  # m"] if stop.spread else []),
+            *([f"compilers = {_inline(stop.compilers)}  # m"] if stop.compilers else []),
         ]
     for name, figure in sorted(baseline.figures.items()):
         lines += [
@@ -423,6 +426,10 @@ def _state(before: Accepted | AcceptedFigure | None, found: Finding | None, *, o
         return "new"
     lowest, highest = before.ends
     return "kept" if lowest - before.tolerance <= found.value <= highest + before.tolerance else "moved"
+
+
+def _inline(table: Mapping[str, float]) -> str:
+    return f"{{ {', '.join(f'{json.dumps(key)} = {value!r}' for key, value in table.items())} }}"
 
 
 def _digits(value: float, count: int) -> float:
