@@ -8,7 +8,7 @@ those of Clopper and Pearson (Biometrika 26, 1934).
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -99,6 +99,12 @@ def distributions_of(rows: Sequence[Row]) -> tuple[Distribution, ...]:
         )
         for here in groups.values()
     )
+
+
+def over_cases(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of a scenario's many cases as if each case were a draw."""
+    cases = {case: number for number, case in enumerate(dict.fromkeys(row.case for row in rows), start=1)}
+    return [replace(row, case="", draw=cases[row.case]) for row in rows]
 
 
 def distribution_texts(distributions: Sequence[Distribution]) -> Texts:

@@ -15,12 +15,12 @@ _JITTER = 0.26  # of the height of a row, to either side
 _Against = Callable[[Distribution], Paired | None]
 
 
-def distribution_figure(distributions: Sequence[Distribution]) -> Figure:
+def distribution_figure(distributions: Sequence[Distribution], *, of: str = "draw") -> Figure:
     """Return a row of panels for each set of conditions, a line for each controller.
 
     Left the distances, with median and the range from 5 to 95 %; right of them the change draw by draw against the
     published slip-based control and against the best tuned one, where there are such, with the median and its interval.
-    Draws without standstill are counted in the name of the line; they have no point.
+    Draws without standstill are counted in the name of the line; they have no point. What a draw is called says `of`.
     """
     settings = list(dict.fromkeys(map(_setting, distributions)))
     sides: list[tuple[str, _Against]] = []
@@ -43,7 +43,7 @@ def distribution_figure(distributions: Sequence[Distribution]) -> Figure:
             x="braking distance [m]",
             title=f"{place.replace('_', ' ')}, actuation {actuation}, sensors {sensors}, creep curve {polach}",
         )
-        panels[0].set_yticks(range(len(here)), [_name(one) for one in here])
+        panels[0].set_yticks(range(len(here)), [_name(one, of) for one in here])
         for line, one in enumerate(here):
             distances = [distance for distance in one.distances_m.values() if math.isfinite(distance)]
             _points(panels[0], line, distances)
@@ -61,7 +61,7 @@ def distribution_figure(distributions: Sequence[Distribution]) -> Figure:
             panel.grid(visible=False, axis="y")
     for panel in grid[:-1].flat:
         panel.set_xlabel("")
-    keys = [("a draw", style.SKY, "."), ("median", style.VERMILION, "|"), ("5 to 95 % of the draws", style.BLUE, "_")]
+    keys = [(f"a {of}", style.SKY, "."), ("median", style.VERMILION, "|"), (f"5 to 95 % of the {of}s", style.BLUE, "_")]
     keys += [("right: 95 % interval of the median", style.BLUE, "_")] if sides else []
     marks = [Line2D([], [], color=colour, marker=mark, markersize=9, linestyle="") for _, colour, mark in keys]
     made.legend(marks, [name for name, _, _ in keys], ncols=4, fontsize=8, loc="outside lower right", frameon=False)
@@ -81,8 +81,11 @@ def _range(panel: style.Axes, line: int, low: float, middle: float, high: float)
         panel.plot([middle, middle], [line - 0.32, line + 0.32], color=style.VERMILION, linewidth=2.2, zorder=3)
 
 
-def _name(one: Distribution) -> str:
-    return one.controller_label + ("" if one.stood == one.draws else f"\n{one.draws - one.stood} draws without stop")
+def _name(one: Distribution, of: str) -> str:
+    missing = one.draws - one.stood
+    return one.controller_label + (
+        f"\n{missing} {of}{'s' if missing > 1 else ''} without standstill" if missing else ""
+    )
 
 
 def _setting(one: Distribution) -> tuple[str, ...]:

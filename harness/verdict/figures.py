@@ -10,7 +10,9 @@ from matplotlib.ticker import NullLocator
 
 from harness.record.signals import GROUPS
 from harness.verdict import style
-from harness.verdict.reference import CONTROLLERS, controller_of
+from harness.verdict.distribution import distributions_of, over_cases
+from harness.verdict.distribution_figure import distribution_figure
+from harness.verdict.reference import label
 from harness.verdict.results import Result
 from harness.verdict.row import Row
 
@@ -33,8 +35,6 @@ _STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
 _MOST_BARS = 9
 """Scenarios side by side, whose bars still have room for a number."""
 
-_DARK = {"full_brake", "slip_two_state", "ideal_bound"}
-
 
 def friction_figure(stops: Sequence[Result]) -> Figure:
     """Return the maximum friction over time at each wheelset, a panel for each stop (one of each scenario).
@@ -48,8 +48,8 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
         mu0, time = trace["mu0"].values, trace["time"].values
         colours = style.lead_to_trail(mu0.shape[1])
         for wheelsets in style.alike(list(mu0.T)):
-            label = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.spelled(wheelsets)}"
-            panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=label)
+            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.spelled(wheelsets)}"
+            panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
         style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
@@ -104,30 +104,28 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
     A bar for each where a bar has room for its number, else the distribution over the cases of a scenario.
     """
     if len({row.label for row in rows}) > _MOST_BARS:
-        return _distribution_figure(rows)
+        return distribution_figure(distributions_of(over_cases(rows)), of="stop")
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
     scenarios = list(dict.fromkeys(row.label for row in rows))
-    controllers = [name for name in _CONTROLLER_COLOURS if any(row.controller == name for row in rows)]
-    made = style.figure(10, 3.2 * len(settings))
+    colours = _bar_colours(rows)
+    made = style.figure(max(10.0, 0.42 * len(scenarios) * len(colours)), 3.2 * len(settings))
     panels = made.subplots(len(settings), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    width = 0.8 / len(controllers)
+    width = 0.8 / len(colours)
     for panel, setting in zip(panels, settings, strict=True):
         here = {
-            (row.label, row.controller): row
+            (row.label, row.controller_label): row
             for row in rows
             if (row.actuation, row.sensors, row.polach) == setting and row.distance_m is not None
         }
-        for number, controller in enumerate(controllers):
+        for number, (controller, colour) in enumerate(colours.items()):
             found = [(k, here[name, controller]) for k, name in enumerate(scenarios) if (name, controller) in here]
-            places = [k + (number - (len(controllers) - 1) / 2) * width for k, _ in found]
+            places = [k + (number - (len(colours) - 1) / 2) * width for k, _ in found]
             lengths = [row.distance_m or 0.0 for _, row in found]
-            panel.bar(
-                places, lengths, 0.92 * width, color=_CONTROLLER_COLOURS[controller], label=CONTROLLERS[controller]
-            )
+            panel.bar(places, lengths, 0.92 * width, color=colour, label=controller)
             for place, length, (_, row) in zip(places, lengths, found, strict=True):
                 panel.annotate(
                     f"{length:.0f}", (place, length), ha="center", va="top", fontsize=8, xytext=(0, -3),
-                    textcoords="offset points", color="white" if controller in _DARK else style.BLACK,
+                    textcoords="offset points", color="white" if colour in style.DARK else style.BLACK,
                 )  # fmt: skip
                 if row.paper_distance_m is not None:
                     half = 0.46 * width
@@ -143,41 +141,19 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
-    panels[0].legend(ncols=7, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
+    panels[0].legend(ncols=4, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
     return made
 
 
-def _distribution_figure(rows: Sequence[Row]) -> Figure:
-    """Return a line for each scenario, setting and controller: every stop a dot, quartiles a bar, the median a mark."""
-    lines: dict[tuple[str, str, str, str], dict[str, list[float]]] = {}
-    for row in rows:
-        if row.distance_m is not None:
-            line = lines.setdefault((row.scenario, row.actuation, row.sensors, row.polach), {})
-            line.setdefault(row.controller, []).append(row.distance_m)
-    counts = [len(line) for line in lines.values()]
-    made = style.figure(10, 0.9 * len(lines) + 0.42 * sum(counts))
-    panels = made.subplots(
-        len(lines), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": [n + 0.6 for n in counts]}
-    )[:, 0]
-    for panel, ((scenario, actuation, sensors, polach), line) in zip(panels, lines.items(), strict=True):
-        for place, (controller, distances) in enumerate(line.items()):
-            colour = _CONTROLLER_COLOURS[controller]
-            # Dots beside each other in the order of the stops: chance, for a reader, and the same in every drawing.
-            beside = place + 0.3 * (np.arange(len(distances)) % 7 - 3) / 3
-            panel.plot(distances, beside, ".", color=colour, markersize=4, alpha=0.5)
-            low, median, high = np.percentile(distances, [25, 50, 75])
-            panel.plot([low, high], [place, place], color=colour, linewidth=6, alpha=0.6, solid_capstyle="butt")
-            panel.plot([median, median], [place - 0.35, place + 0.35], color=style.BLACK, linewidth=2)
-            panel.annotate(
-                f"{median:.0f} m ({min(distances):.0f}–{max(distances):.0f}), {len(distances)} stops",
-                (1.01, place), xycoords=("axes fraction", "data"), va="center", fontsize=8,
-            )  # fmt: skip
-        name = scenario.replace("_", " ")
-        style.dress(panel, title=f"{name}: actuation {actuation}, sensors {sensors}, creep curve {polach}")
-        panel.set_yticks(range(len(line)), [CONTROLLERS[controller] for controller in line])
-        panel.set_ylim(len(line) - 0.4, -0.6)
-    panels[-1].set_xlabel("braking distance [m]: stops, quartiles, median (range)")
-    return made
+def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
+    """Return name of each controller → colour: that of its kind, lighter for each further one of the kind."""
+    kinds = {row.controller_label: row.controller for row in rows}
+    order = [*_CONTROLLER_COLOURS, *dict.fromkeys(kinds.values())]
+    colours: dict[str, str] = {}
+    for name in sorted(kinds, key=lambda name: order.index(kinds[name])):
+        alike = sum(kinds[other] == kinds[name] for other in colours)
+        colours[name] = style.lighter(_CONTROLLER_COLOURS.get(kinds[name], style.GREEN), alike)
+    return colours
 
 
 def stop_figure(stop: Result) -> Figure:
@@ -189,21 +165,23 @@ def stop_figure(stop: Result) -> Figure:
     """
     trace, metrics = stop.record.trace(), stop.record.metrics
     time = trace["time"].values
-    rows = {label: draw for label, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[label])}
+    rows = {
+        quantity: draw for quantity, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[quantity])
+    }
     outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
     height = 1.3 + 1.94 * len(rows)
     made = style.figure(14, height, {**_STOP_MARGINS, "bottom": 0.5 / height, "top": 1 - 0.77 / height})
     panels = made.subplots(len(rows), GROUPS, sharex=True, sharey="row", squeeze=False)
-    for row, (label, draw) in zip(panels, rows.items(), strict=True):
+    for row, (quantity, draw) in zip(panels, rows.items(), strict=True):
         for group, panel in enumerate(row):
             draw(panel, time, trace, group)
-            shares = outside.get(label)
+            shares = outside.get(quantity)
             if shares is not None and isfinite(shares[group]):
                 panel.text(0.98, 0.96, f"{shares[group]:.0%} outside ±2σ", transform=panel.transAxes, ha="right",
                            va="top", fontsize=8)  # fmt: skip
             panel.grid(visible=True, color="#DDDDDD", linewidth=0.6)
             panel.spines[["top", "right"]].set_visible(False)
-        row[0].set_ylabel(label)
+        row[0].set_ylabel(quantity)
         row[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     for group in range(GROUPS):
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
@@ -213,7 +191,7 @@ def stop_figure(stop: Result) -> Figure:
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     made.suptitle(
-        f"{_title(stop)}: {CONTROLLERS[controller_of(scenario)]}, actuation "
+        f"{_title(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
         f"{metrics.duration:.1f} s{used}{consistency}",
         x=0.01, ha="left", fontsize=11,

@@ -72,7 +72,7 @@ def _published_rows(
         distances = {name: reference.distance for name, reference in found.items() if reference is not None}
         if distances:
             before = before or distances  # the first is the paper's SBC
-            row = {_FIRST: f"*paper: {label(_law(next(iter(stops.values()))))}*"}
+            row = {_FIRST: f"*paper: {_label(next(iter(stops.values())))}*"}
             for name in scenarios:
                 change = None if distances is before else distances[name] / before[name] - 1
                 row[name.replace("_", " ")] = f"{distances[name]:.1f} m" + _brackets([change])
@@ -112,9 +112,9 @@ def _name(
     stops: Mapping[str, PlannedStop], lines: Mapping[tuple[str, str], Mapping[str, PlannedStop]], edge: str
 ) -> str:
     """Return what the controller of a line is called; with its variant where another one is called the same."""
-    labels = [label(_law(next(iter(other.values())))) for (where, _), other in lines.items() if where == edge]
+    labels = [_label(next(iter(other.values()))) for (where, _), other in lines.items() if where == edge]
     first = next(iter(stops.values()))
-    own = label(_law(first))
+    own = _label(first)
     return own if labels.count(own) == 1 else f"{own}, {first.variants['controller'].replace('_', ' ')}"
 
 
@@ -143,6 +143,10 @@ def _best_tuned(stops: Sequence[PlannedStop], baseline: Baseline) -> list[Planne
             distance,
         )
     ]
+
+
+def _label(stop: PlannedStop) -> str:
+    return label(stop.scenario.resolved())
 
 
 def _law(stop: PlannedStop) -> Mapping[str, object]:

@@ -34,14 +34,12 @@ _SLIP_BASED = {"slip_two_state", "slip_three_state"}
 _Stop = TypeVar("_Stop")
 
 
-def label(controller: Mapping[str, Any]) -> str:
-    """Return what a [controller] table is called; one of slip-based control says its thresholds."""
-    kind = str(controller["kind"])
+def label(scenario: Mapping[str, Any]) -> str:
+    """Return what the controller of a resolved scenario is called; one of slip-based control says its thresholds."""
+    controller, kind = scenario["controller"], controller_of(scenario)
     name = CONTROLLERS.get(kind, kind)
     if kind not in _SLIP_BASED:
         return name
-    if _is_searched(controller):
-        return f"{name}, searched"
     return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from harness.record.atomic import replacing
@@ -16,6 +16,8 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000",
 )  # fmt: skip
 GREY = "#767676"
+DARK = {GREY, BLUE, BLACK}
+"""On these writing is white."""
 LIGHT_GREEN, LIGHT_VERMILION = "#80CFB9", "#EAAF80"  # halfway to white
 
 _LEAD_TO_TRAIL = LinearSegmentedColormap.from_list("lead_to_trail", [BLUE, "#7B5FC0", PURPLE])
@@ -34,6 +36,14 @@ def readable(unit: str) -> tuple[float, str]:
 def lead_to_trail(count: int) -> list[Any]:
     """Return colours from blue, the first wheelset, to purple, the last."""
     return [_LEAD_TO_TRAIL(number / max(count - 1, 1)) for number in range(count)]
+
+
+def lighter(colour: str, steps: int) -> str:
+    """Return a colour as #RRGGBB, nearer to white with each step."""
+    if steps == 0:
+        return colour
+    red, green, blue = (1 - (1 - part) / (1 + 0.5 * steps) for part in to_rgb(colour))
+    return to_hex((red, green, blue))
 
 
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:

@@ -107,7 +107,7 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, hidden: Seque
         actuation=record.scenario["actuation"]["kind"],
         sensors=record.scenario["sensors"]["kind"],
         controller=controller_of(result.record.scenario),
-        controller_label=label(_law(result)),
+        controller_label=label(result.record.scenario),
         estimator=_estimator(result),
         draw=int(result.variants[DRAW]) if DRAW in result.variants else None,
         reference="published" if sbc is result else "best tuned" if tuned is result else None,
@@ -148,7 +148,7 @@ def _setting(result: Result) -> tuple[str, ...]:
 
 def _shown(result: Result) -> tuple[str, ...]:
     """Return what the columns of a row say about its scenario."""
-    return (result.record.scenario["name"], *_setting(result), label(_law(result)), _estimator(result))
+    return (result.record.scenario["name"], *_setting(result), label(result.record.scenario), _estimator(result))
 
 
 def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:

@@ -94,7 +94,7 @@ def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
 
 
 def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
-    """A line for each controller, with a dot for each stop, and no taller for more stops."""
+    """The figure of draws: a line for each controller, with a dot for each stop, and no taller for more stops."""
     rows = rows_of(read_results(folder))
     many = [
         replace(row, case=f"seed {seed}", distance_m=row.distance_m + seed)
@@ -103,13 +103,28 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
         if row.distance_m is not None
     ]
     made = distance_figure(many)
-    assert len(made.axes) == 3
-    for panel in made.axes:
-        assert len(panel.get_yticklabels()) == 2
-        assert sorted(len(line.get_xdata()) for line in panel.lines) == [2, 2, 2, 2, 30, 30]
-        assert [text.get_text().endswith(", 30 stops") for text in panel.texts] == [True, True]
-    assert "[m]" in made.axes[-1].get_xlabel()
+    assert len(made.axes) == 3 * 2  # scenarios; distance, and change against the published control
+    for panel in made.axes[::2]:
+        assert [text.get_text() for text in panel.get_yticklabels()] == ["SBC, two-state 10/15 %", "ABC"]
+        assert [len(line.get_xdata()) for line in panel.lines if line.get_marker() == "."] == [30, 30]
+    assert "[m]" in made.axes[-2].get_xlabel()
+    assert made.legends[0].get_texts()[0].get_text() == "a stop"
     assert made.get_figheight() == distance_figure([*many, *many]).get_figheight()
+
+
+def test_controllers_of_one_kind_have_a_bar_each(folder):
+    """Two-state control with its own thresholds and with others; the second is not drawn over the first."""
+    rows = [row for row in rows_of(read_results(folder)) if row.controller == "slip_two_state"]
+    others = [
+        replace(row, controller_label="SBC, two-state 1/2 %", distance_m=0.9 * row.distance_m, paper_distance_m=None)
+        for row in rows
+    ]
+    panel = distance_figure([*rows, *others]).axes[0]
+    assert sorted(bar.get_height() for bar in panel.patches) == pytest.approx(
+        sorted(row.distance_m for row in (*rows, *others))
+    )
+    assert len({bar.get_facecolor() for bar in panel.patches}) == 2
+    assert len({round(bar.get_x(), 6) for bar in panel.patches}) == len(panel.patches)
 
 
 def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
