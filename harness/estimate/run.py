@@ -30,8 +30,6 @@ SHOWN = {"v": "speed", "w": "wheelset_speed"}
 AT_ONCE = 10_000
 """Samples between two words of progress: a tenth of a second."""
 
-"""Where compiled filters are kept and found again."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:

@@ -44,8 +44,9 @@ def tune(
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
     from harness.estimate.error import EstimationError
-    from harness.field.filtering import prediction, task_of
+    from harness.field.filtering import filter_of, follow, lost, prediction, task_of
     from harness.field.noise import save_noise
+    from harness.field.objective import DIVERGED
     from harness.field.runs import TUNING, brakings
     from harness.field.tune import Search
     from harness.field.tune import tune as search_for
@@ -81,4 +82,9 @@ def tune(
         results={"objective": found.value, "generations": float(len(found.history))},
     )
     say(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations")
+    filter_ = filter_of(model, chosen.period)
+    for case, task in zip(made, tasks, strict=True) if found.value < DIVERGED else ():
+        instant = lost(task, follow(task, filter_, found.noise))
+        if instant is not None:
+            say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
     say(str(out))

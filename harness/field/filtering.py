@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.belief import Estimate
 from estimators.compiled import CompiledFilter, Followed
+from estimators.consistency import lost_at
 from estimators.prediction import CasadiPrediction
 from harness.estimate.recording import columns, period_of, truth_of
 from harness.estimate.run import by_name
@@ -95,3 +96,9 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     filter_.retune(noise.process, noise.readings)
     start = Estimate(mean=task.start.mean, covariance=start_scale * task.start.covariance)
     return filter_.follow(start, task.held, task.seen)
+
+
+def lost(task: Task, followed: Followed) -> float | None:
+    """Return when innovations said that the beliefs mean nothing [s] from the first sample, None where they do not."""
+    step = lost_at(followed.squared, followed.used)
+    return None if step is None else (step + 1) * task.period

@@ -10,7 +10,7 @@ from harness.estimate.recording import truth_of
 from harness.field.braking import Braking
 from harness.field.degeneracy import Sweep, common_factor, readings_trusted
 from harness.field.figures import degeneracy_figure, friction_figure, readings_figure, speed_figure, track_figure
-from harness.field.filtering import filter_of, follow, prediction, task_of
+from harness.field.filtering import filter_of, follow, lost, prediction, task_of
 from harness.field.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
 from harness.field.objective import terms_of
 from harness.field.runs import TEST, TUNING, brakings
@@ -71,6 +71,7 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
             "",
             *_track({case: track_score(*pair) for case, pair in made.items()}, made[TEST][1]),
             *_case({title: score(test, told) for title, told in followed.items()}, worst),
+            *_lost({title: lost(test, told) for title, told in followed.items()}),
             *_seeds(spread),
             *_noises(noises),
             *_degeneracy(common, trusted),
@@ -148,6 +149,11 @@ def _case(scores: dict[str, Score], worst: dict[str, float]) -> list[str]:
         "![friction](friction.png)",
         "",
     ]
+
+
+def _lost(instants: dict[str, float | None]) -> list[str]:
+    found = [f"{title} from {instant:.2f} s on" for title, instant in instants.items() if instant is not None]
+    return [f"Lost, by its innovations: the filter with the noises {', '.join(found)}.", ""] if found else []
 
 
 def _seeds(spread: Spread) -> list[str]:

@@ -15,7 +15,7 @@ from harness.estimate.selection import prediction_seeing
 from harness.estimate.spec import estimate_of, settings_for
 from harness.field.braking import Braking, braking_of
 from harness.field.degeneracy import common_factor
-from harness.field.filtering import Task, filter_of, follow, prediction, specification, task_of
+from harness.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
 from harness.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
 from harness.field.objective import terms_of, value
 from harness.field.score import score, track_score
@@ -88,6 +88,15 @@ def test_the_whole_train_s_friction_is_found_though_its_groups_share_is_not(task
     assert found.pad_friction > found.pad_friction_constant
     assert found.pad_friction < 0.85 * tuned.pad_friction
     assert abs(found.distance) < 5e-3
+
+
+def test_a_filter_that_claims_far_too_much_is_told_to_be_lost(task, model):
+    """The same gains, claims ten thousand times as narrow: no mean moves, so only innovations can tell."""
+    filter_ = filter_of(model, task.period)
+    assert lost(task, follow(task, filter_, PHYSICAL)) is None
+    vain = follow(task, filter_, PHYSICAL.scaled(1e-8, 1e-8), start_scale=1e-8)
+    instant = lost(task, vain)
+    assert instant == pytest.approx(100 * task.period)  # after the first window of steps
 
 
 def test_rates_of_five_readings_cannot_tell_eight_frictions_apart(model):
