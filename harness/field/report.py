@@ -63,6 +63,11 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
         title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in others)
         for title, noise in noises.items()
     }
+
+    def pads_of(noise: Noise) -> dict[str, float]:
+        scores = {case: score(task, follow(task, filter_, noise)) for case, task in tasks.items()}
+        return {case: found.pad_friction / found.pad_friction_constant for case, found in scores.items()}
+
     text = "\n".join(
         (
             "# Field test: friction of a train from pressures and speeds",
@@ -72,6 +77,7 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
             *_track({case: track_score(*pair) for case, pair in made.items()}, made[TEST][1]),
             *_case({title: score(test, told) for title, told in followed.items()}, worst),
             *_lost({title: lost(test, told) for title, told in followed.items()}),
+            *_brakes({title: pads_of(noise) for title, noise in noises.items()}),
             *_seeds(spread),
             *_noises(noises),
             *_degeneracy(common, trusted),
@@ -147,6 +153,18 @@ def _case(scores: dict[str, Score], worst: dict[str, float]) -> list[str]:
         "![readings](readings.png)",
         "",
         "![friction](friction.png)",
+        "",
+    ]
+
+
+def _brakes(shares: dict[str, dict[str, float]]) -> list[str]:
+    cases = next(iter(shares.values()))
+    rows = [(title, *(f"{share:.2f}" for share in of.values())) for title, of in shares.items()]
+    return [
+        "Error of the pad friction of single groups over that of the best constant for all, which is known afterwards; "
+        "below 1 the filter tells brakes apart:",
+        "",
+        *_table(("noises", *cases), rows),
         "",
     ]
 
