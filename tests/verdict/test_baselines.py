@@ -170,11 +170,11 @@ def test_a_baseline_is_of_a_campaign_or_of_a_study(tmp_path):
         load_baseline(path)
 
 
-def test_across_compilers_a_distance_keeps_to_half_a_percent_and_a_chaotic_one_between_what_both_gave():
+def test_across_compilers_a_distance_keeps_to_half_a_percent_and_one_that_differs_lies_between_what_both_gave():
     """The law as printed stopped in 324.3 m with our FMU and in 279.8 m with OpenModelica's, 1e-7 apart."""
     plain = Accepted(distance=380.0, tolerance=0.38, reason="First.")
-    chaotic = plain.model_copy(update={"distance": 324.3, "compilers": {"openmodelica": 279.8}})
-    wide = Baseline(campaign="c.toml", stops={"plain": plain, "chaotic": chaotic}).across_compilers()
+    differing = plain.model_copy(update={"distance": 324.3, "compilers": {"openmodelica": 279.8}})
+    wide = Baseline(campaign="c.toml", stops={"plain": plain, "differing": differing}).across_compilers()
 
     def found(**distances: float) -> dict[str, str]:
         return states(
@@ -182,13 +182,13 @@ def test_across_compilers_a_distance_keeps_to_half_a_percent_and_a_chaotic_one_b
         )
 
     for distance in (378.2, 380.0, 381.8):
-        assert found(plain=distance, chaotic=300.0)["plain"] == "kept"
+        assert found(plain=distance, differing=300.0)["plain"] == "kept"
     for distance in (377.9, 382.1):
-        assert found(plain=distance, chaotic=300.0)["plain"] == "moved"
+        assert found(plain=distance, differing=300.0)["plain"] == "moved"
     for distance in (279.8, 301.0, 324.3):
-        assert found(plain=380.0, chaotic=distance)["chaotic"] == "kept"
+        assert found(plain=380.0, differing=distance)["differing"] == "kept"
     for distance in (277.9, 326.2):
-        assert found(plain=380.0, chaotic=distance)["chaotic"] == "moved"
+        assert found(plain=380.0, differing=distance)["differing"] == "moved"
 
 
 def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
