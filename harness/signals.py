@@ -1,0 +1,159 @@
+"""The signals of a stop, each named once: what parties exchange and what a trace holds follows from these tables."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+from harness.formation import Extent, Formation
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """One column or one block of columns of a trace.
+
+    Attributes:
+        name: Of the variable; the plant's output of the same name, or with a prefix who says it.
+        extent: What it has one value of each: the train, each group, each wheelset.
+        unit: SI, "1" for ratios.
+        meaning: For axes and for readers of the file.
+    """
+
+    name: str
+    extent: Extent
+    unit: str
+    meaning: str
+
+
+def places(signals: Iterable[Signal], formation: Formation) -> Mapping[str, slice]:
+    """Return where each signal stands in a vector that holds them one after the other."""
+    first, columns = 0, dict[str, slice]()
+    for signal in signals:
+        width = formation.width(signal.extent)
+        columns[signal.name] = slice(first, first + width)
+        first += width
+    return MappingProxyType(columns)
+
+
+def length(columns: Mapping[str, slice]) -> int:
+    """Return the length of a vector of signals that stand at these places."""
+    return max(place.stop for place in columns.values())
+
+
+PLANT = (
+    Signal("distance", "train", "m", "distance since the brake demand"),
+    Signal("speed", "train", "m/s", "speed of the train"),
+    Signal("acceleration", "train", "m/s2", "acceleration of the train, forward positive"),
+    Signal("wheelset_speed", "group", "rad/s", "rotational speed of the wheelsets"),
+    Signal("slip", "group", "1", "slip 1 - r*omega/v, braking positive"),
+    Signal("adhesion", "wheelset", "1", "adhesion, braking force over wheel load"),
+    Signal("group_adhesion", "group", "1", "adhesion, braking forces over wheel loads of the group"),
+    Signal("wheelset_load", "wheelset", "N", "vertical wheelset load on the rail"),
+    Signal("deflection", "wheelset", "m", "primary suspension deflection from static, compression positive"),
+    Signal("cylinder_pressure", "group", "Pa", "brake cylinder pressure"),
+    Signal("pad_force", "group", "N", "normal force of one brake unit"),
+    Signal("pad_friction", "group", "1", "friction of the brake pads"),
+    Signal("disc_temperature", "group", "K", "temperature of the brake discs"),
+    Signal("brake_torque", "group", "N.m", "torque of the brakes"),
+    Signal("air_used", "train", "m3", "free air used since the brake demand"),
+    Signal("contact_heat", "train", "J", "energy dissipated in the wheel/rail contacts"),
+    Signal("pad_heat", "train", "J", "energy dissipated in the brake pads"),
+    Signal("damper_heat", "train", "J", "energy dissipated in the primary dampers"),
+    Signal("resistance_work", "train", "J", "work of running and track resistance"),
+    Signal("kinetic_energy", "train", "J", "kinetic energy of the train and its wheelsets"),
+    Signal("locked", "group", "1", "1 while the wheelsets are locked"),
+    Signal("standstill", "train", "1", "1 once the train stands"),
+)
+"""Truth: the plant's outputs."""
+
+SENT = (
+    Signal(
+        "command",
+        "group",
+        "1",
+        "command to the plant: cylinder pressure [Pa] or valve (-1 vent, 0 hold, 1 fill)",
+    ),
+    Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
+    Signal("track_force", "train", "N", "force of the track, forward positive"),
+)
+"""What the plant was given, in the order of its inputs."""
+
+READINGS = (
+    Signal("reading_speed", "train", "m/s", "read speed of the train"),
+    Signal("reading_wheelset_speed", "group", "rad/s", "read rotational speed of the wheelsets"),
+    Signal("reading_deflection", "wheelset", "m", "read primary suspension deflection"),
+    Signal("reading_acceleration", "train", "m/s2", "read acceleration of the train"),
+    Signal("reading_cylinder_pressure", "group", "Pa", "read brake cylinder pressure"),
+)
+"""What the sensors showed."""
+
+BELIEVED = (
+    Signal("estimate_speed", "train", "m/s", "estimated speed of the train"),
+    Signal("estimate_wheelset_speed", "group", "rad/s", "estimated rotational speed of the wheelsets"),
+    Signal("estimate_adhesion", "group", "1", "estimated adhesion"),
+    Signal("estimate_pad_friction", "group", "1", "estimated friction of the brake pads"),
+)
+"""States of the estimator."""
+
+SPREAD = (
+    Signal("estimate_adhesion_sd", "group", "1", "standard deviation of the estimated adhesion"),
+    Signal("estimate_pad_friction_sd", "group", "1", "standard deviation of the estimated pad friction"),
+)
+"""How sure it was of them."""
+
+ESTIMATES = (*BELIEVED, *SPREAD, Signal("estimate_slip", "group", "1", "estimated slip"))
+"""What the estimator believed; absent from the trace of a stop without one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """Where each quantity stands in the vectors that the parties of a loop exchange.
+
+    Attributes:
+        formation: Of the vehicle.
+        input: What the plant is sent: the signals of `SENT`.
+        output: What it shows: those of `PLANT`.
+        reading: What sensors show: those of `READINGS`, without their prefix. An entry is NaN where a sensor has
+            nothing new.
+    """
+
+    formation: Formation
+    input: Mapping[str, slice]
+    output: Mapping[str, slice]
+    reading: Mapping[str, slice]
+
+    @property
+    def inputs(self) -> int:
+        """Length of the plant's vector of inputs."""
+        return length(self.input)
+
+    @property
+    def outputs(self) -> int:
+        """Length of the plant's vector of outputs."""
+        return length(self.output)
+
+    @property
+    def readings(self) -> int:
+        """Length of a reading."""
+        return length(self.reading)
+
+    def header(self) -> str:
+        """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
+        sizes = {
+            "GROUPS": self.formation.groups,
+            "WHEELSETS": self.formation.wheelsets,
+            "INPUTS": self.inputs,
+            "OUTPUTS": self.outputs,
+            "READINGS": self.readings,
+        }
+        for vector in ("input", "output", "reading"):
+            named: Mapping[str, slice] = getattr(self, vector)
+            sizes |= {f"{vector}_{name}".upper(): place.start for name, place in named.items()}
+        return "".join(f"#define {name} {value}\n" for name, value in sizes.items())
+
+
+@cache
+def layout_of(formation: Formation) -> Layout:
+    """Return the layout for a formation."""
+    reading = {name.removeprefix("reading_"): place for name, place in places(READINGS, formation).items()}
+    return Layout(formation, places(SENT, formation), places(PLANT, formation), MappingProxyType(reading))
