@@ -101,7 +101,13 @@ SPREAD = (
 )
 """How sure it was of them."""
 
-ESTIMATES = (*BELIEVED, *SPREAD, Signal("estimate_slip", "group", "1", "estimated slip"))
+INNOVATION = (
+    Signal("estimate_nis", "train", "1", "normalised innovation squared of the estimator's last step"),
+    Signal("estimate_readings", "train", "1", "readings that this step used, the degrees of the former"),
+)
+"""How far the readings were from what the estimator expected, in its own claim."""
+
+ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """What the estimator believed; absent from the trace of a stop without one."""
 
 

@@ -20,7 +20,7 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
 
     The best of a logarithmic grid of slips, refined by golden section on its logarithm and by a parabola through the
     last points; at each sample on its own. Below the locked wheel a curve is assumed to have one maximum within four
-    grid steps (a factor of 3.2 in slip); a flat one that rises again towards the lock may have its greatest value there.
+    grid steps (a factor of 3.2 in slip); one that rises again towards the lock may have its greatest value there.
 
     Args:
         contact: The creep curve.
