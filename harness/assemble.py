@@ -6,6 +6,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.metadata import version
+from itertools import count, takewhile
 from math import inf
 from pathlib import Path
 
@@ -29,17 +30,15 @@ from harness.contact import compiled_contact
 from harness.engine import Engine
 from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
 from harness.foreign_controller import foreign_controller
+from harness.formation import Formation
 from harness.instruments import sensors_of
 from harness.limits import FMU_LIMITS, FmuLimits
 from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
-from harness.loop.edge import OUTPUT
 from harness.loop.ended import Clock, Ended, implausible
 from harness.loop.ports import Actuation, Controller, Plant
 from harness.loop.rail import TabulatedRail
-from harness.loop.reading import READING
 from harness.loop.watch import Believer
-from harness.record import signals
 from harness.record.adhesion_use import over_the_rail
 from harness.record.bound import with_bound
 from harness.record.contact import Contact
@@ -56,20 +55,24 @@ from harness.scenario.schema import Scenario
 from harness.scenario.seed import generator
 from harness.scenario.track import STEEPEST, track_force_of
 from harness.scenario.vehicle import Nudge
-from harness.train import GRAVITY, brake_groups_of, brake_of
+from harness.signals import ESTIMATES, PLANT, READINGS, SENT, Layout, layout_of
+from harness.train import GRAVITY, brake_groups_of, brake_of, masses_of, units_of_nominal_data
 from harness.trial import Finding, findings, tried
 from harness.units import Unit
 
 Vector = NDArray[np.float64]
 
 CATALOGUE = "TwoPartTrain"
-"""The recipe whose parameters are the train's nominal data."""
+"""The recipe whose parameters are the nominal data of a plant of the same formation that does not say its own."""
 
 _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
 
 _MOST_OF_THE_RAIL = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
+
+_FORMATION = "wheelsets_per_group"
+"""Parameter of an FMU and key of [vehicle.formation]: number of wheelsets of each group, leading group first."""
 
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
@@ -125,27 +128,29 @@ def _rolled(
     engine: Engine,
 ) -> _Rolled:
     believing = scenario.estimator.kind != "none"
+    plant_file = plant_description(scenario)
+    fmus = {plant_file.file.name: plant_file}
+    formation = formation_of(scenario, plant_file)
+    layout = layout_of(formation)
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believing else ())),
-        _samples(scenario) + 1,
+        (*PLANT, *SENT, *READINGS, *(ESTIMATES if believing else ())), formation, _samples(scenario) + 1
     )
     groups = controlled_groups(scenario)
     radius = tuple(group.wheel_radius for group in groups)
-    plant_file = plant_description(scenario)
-    fmus = {plant_file.file.name: plant_file}
     with ExitStack() as stack:
-        plant = stack.enter_context(_plant(scenario, plant_file, radius, tell))
-        believer = stack.enter_context(_believer(scenario, fmus)) if believing else None
-        sensors = sensors_of(scenario, radius[0])
+        plant = stack.enter_context(_plant(scenario, plant_file, layout, radius, tell))
+        believer = stack.enter_context(_believer(scenario, layout, fmus)) if believing else None
+        sensors = sensors_of(scenario, layout, radius[0])
         controller, actuation = stack.enter_context(_controlling(scenario, groups, fmus, tell))
-        obstacle = compiled_cycle.obstacle(plant, sensors, believer, controller, actuation)
+        obstacle = compiled_cycle.obstacle(layout, plant, sensors, believer, controller, actuation)
         if obstacle and engine is Engine.COMPILED:
             raise ScenarioError(f"{scenario.name}: the compiled engine cannot run it: {obstacle}; take 'auto'.")
         loop = cycle.run if obstacle or engine is Engine.PYTHON else compiled_cycle.run
         try:
             ended = loop(
+                layout=layout,
                 plant=plant,
-                rail=TabulatedRail(profile_of(scenario), track_force_of(scenario.track)),
+                rail=TabulatedRail(profile_of(scenario, formation), track_force_of(scenario.track)),
                 sensors=sensors,
                 believer=believer,
                 controller=controller,
@@ -178,7 +183,12 @@ def judged(
     truth = parameters_of(plant_file) | plant_parameters(scenario, plant_file)
     # A foreign plant that does not show its brakes has no bound; the figures that need it are empty.
     with suppress(ScenarioError):
-        trace = with_bound(trace, contact_of(scenario, plant_file), brake_of(truth), scenario.limits.alpha_max)
+        trace = with_bound(
+            trace,
+            contact_of(scenario, plant_file),
+            brake_of(truth, formation_of(scenario, plant_file)),
+            scenario.limits.alpha_max,
+        )
     share = over_the_rail(trace)
     if ended.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
         ended = implausible(
@@ -244,19 +254,59 @@ def parameters_of(description: Description) -> dict[str, float]:
     return found
 
 
-def controlled_groups_of_catalogue() -> tuple[BrakeGroup, ...]:
-    """Return the brakes of the catalogue train."""
-    return brake_groups_of(parameters_of(description_of(recipe_file(CATALOGUE))))
+def catalogue_brakes(groups: int) -> tuple[BrakeGroup, ...]:
+    """Return brakes as the catalogue train has them, for a plant of so many groups that says nothing of its own."""
+    nominal = parameters_of(description_of(recipe_file(CATALOGUE)))
+    known = brake_groups_of(nominal, Formation(_counts(nominal)))
+    return tuple(known[g % len(known)] for g in range(groups))
 
 
 def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
-    """Return the brakes as the controller believes them: the catalogue train and [controller.parameters]."""
-    train = description_of(recipe_file(CATALOGUE))
-    nominal = parameters_of(train)
+    """Return the brakes as the controller believes them: nominal data of the plant and [controller.parameters]."""
+    plant = plant_description(scenario)
+    formation = formation_of(scenario, plant)
+    nominal = nominal_parameters(scenario, plant)
     if isinstance(scenario.controller, ControllerFmu):
-        return controlled_groups_of_catalogue()
-    written = {name: value for name, value in scenario.controller.parameters.items() if name in nominal}
-    return brake_groups_of(nominal | in_units("[controller.parameters]", written, _units_of(train)))
+        return brake_groups_of(nominal, formation)
+    units = units_of_nominal_data(formation)
+    written = {name: value for name, value in scenario.controller.parameters.items() if name in units}
+    return brake_groups_of(nominal | in_units("[controller.parameters]", written, units), formation)
+
+
+def formation_of(scenario: Scenario, plant: Description) -> Formation:
+    """Return the formation of a scenario's plant: what the FMU says of itself, else [vehicle.formation].
+
+    Where neither says it, the plant is taken for one like the catalogue train; its arrays tell if it is not.
+
+    Raises:
+        ScenarioError: FMU and table disagree.
+    """
+    own, table = _counts(parameters_of(plant)), scenario.vehicle.formation
+    written = table.wheelsets_per_group if table is not None else ()
+    if own and written and own != written:
+        raise ScenarioError(
+            f"{scenario.name}: [vehicle.formation] {_FORMATION} is {list(written)}, {plant.file.name} has {list(own)}; "
+            "leave the table out"
+        )
+    return Formation(own or written or _counts(parameters_of(description_of(recipe_file(CATALOGUE)))))
+
+
+def _counts(parameters: Mapping[str, float]) -> tuple[int, ...]:
+    names = (f"{_FORMATION}[{g}]" for g in count(1))
+    return tuple(int(parameters[name]) for name in takewhile(parameters.__contains__, names))
+
+
+def nominal_parameters(scenario: Scenario, plant: Description) -> dict[str, float]:
+    """Return the data that a controller may know of a plant: its own, or those of the catalogue train if it is alike.
+
+    A plant from outside has names of its own; one of another formation than the catalogue train leaves all data to
+    [controller.parameters].
+    """
+    if not isinstance(scenario.vehicle.plant, NamedFile):
+        return parameters_of(plant)
+    catalogue = description_of(recipe_file(CATALOGUE))
+    alike = formation_of(scenario, plant) == formation_of(scenario, catalogue)
+    return parameters_of(catalogue) if alike else {}
 
 
 def _units_of(description: Description) -> dict[str, Unit | str]:
@@ -267,38 +317,57 @@ def _units_of(description: Description) -> dict[str, Unit | str]:
 
 
 def plant_parameters(scenario: Scenario, description: Description) -> dict[str, float]:
-    """Return [vehicle.parameters] in the units of the plant FMU."""
+    """Return [vehicle.parameters] in the units of the plant FMU.
+
+    Raises:
+        ScenarioError: There is no such parameter, its unit has another dimension, or it only describes the plant.
+    """
+    fixed = next((name for name in scenario.vehicle.parameters if name.startswith(f"{_FORMATION}[")), None)
+    if fixed is not None:
+        raise ScenarioError(
+            f"[vehicle.parameters] {fixed} says how {description.file.name} is made and cannot be set; name another one"
+        )
     return in_units("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
-def plant_signals(*, pneumatic: bool, track_force: bool) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
+def plant_signals(
+    formation: Formation, *, pneumatic: bool, track_force: bool
+) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
     """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
 
     Args:
+        formation: Of the vehicle.
         pneumatic: It takes positions of valves, else pressures.
         track_force: It has to take a force of the track.
     """
     name, unit = ("valve_command", "1") if pneumatic else ("pressure_command", "Pa")
     inputs = (
-        Signal(name=name, unit=unit, size=signals.GROUPS, needed=True),
-        Signal(name="mu0", unit="1", size=signals.WHEELSETS, needed=True),
+        Signal(name=name, unit=unit, size=formation.groups, needed=True),
+        Signal(name="mu0", unit="1", size=formation.wheelsets, needed=True),
         Signal(name="track_force", unit="N", size=0, needed=track_force),
     )
     outputs = tuple(
-        Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in _NEEDED)
-        for s in signals.PLANT
+        Signal(
+            name=s.name,
+            unit=s.unit,
+            size=0 if s.extent == "train" else formation.width(s.extent),
+            needed=s.name in _NEEDED,
+        )
+        for s in PLANT
     )
     return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
 
 
-def _track_fits(scenario: Scenario, description: Description) -> None:
+def _track_fits(scenario: Scenario, description: Description, formation: Formation) -> None:
     """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass.
 
     Raises:
         ScenarioError: The force is more than that of the steepest gradient.
     """
     truth = parameters_of(description) | plant_parameters(scenario, description)
-    mass = sum(value for name, value in truth.items() if name.startswith("m_wheelset["))
+    mass = 0.0
+    with suppress(ScenarioError):
+        mass = float(masses_of(truth, formation).sum())
     most, force = STEEPEST * GRAVITY * mass, max(track_force_of(scenario.track).forces, key=abs)
     if mass and abs(force) > most:
         raise ScenarioError(
@@ -326,13 +395,18 @@ def _nudged(values: Mapping[str, float], description: Description, nudge: Nudge)
 
 @contextmanager
 def _plant(
-    scenario: Scenario, description: Description, radius: tuple[float, ...], tell: Callable[[str], None]
+    scenario: Scenario,
+    description: Description,
+    layout: Layout,
+    radius: tuple[float, ...],
+    tell: Callable[[str], None],
 ) -> Generator[Plant]:
-    """Open the plant of a scenario, bound to the edge of the loop."""
-    vehicle = scenario.vehicle
-    _track_fits(scenario, description)
+    """Open the plant of a scenario, bound to the vectors of the loop."""
+    vehicle, formation = scenario.vehicle, layout.formation
+    _track_fits(scenario, description, formation)
     own = not isinstance(vehicle.plant, NamedFile)
     inputs, outputs, start = plant_signals(
+        formation,
         pneumatic=scenario.actuation.kind == "pneumatic",
         track_force=bool(np.any(track_force_of(scenario.track).forces)),
     )
@@ -363,22 +437,23 @@ def _plant(
             suppress(PlantFailed),
             opening(tell=lambda sentence: None) as first,
         ):  # the stop itself will say how it failed
-            _refuse_unfit(scenario, description, _trial_of(scenario, first))
+            _refuse_unfit(scenario, description, _trial_of(scenario, layout, first))
     with opening(tell=tell) as opened:
-        yield _WithSlip(opened, radius) if "slip" in binding.outputs.absent else opened
+        yield _WithSlip(opened, layout, radius) if "slip" in binding.outputs.absent else opened
 
 
-def _trial_of(scenario: Scenario, plant: Plant) -> tuple[Finding, ...]:
+def _trial_of(scenario: Scenario, layout: Layout, plant: Plant) -> tuple[Finding, ...]:
     """Return what a short run of a plant from outside shows, before its stop."""
     groups = controlled_groups(scenario)
     pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
     ideal = scenario.actuation.kind == "ideal"
     vent, fill = -1.0, 1.0
     trial = tried(
+        layout,
         plant,
         period=scenario.periods.communication,
-        release=(0.0 if ideal else vent,) * signals.GROUPS,
-        brake=pressure if ideal else (fill,) * signals.GROUPS,
+        release=(0.0 if ideal else vent,) * len(groups),
+        brake=pressure if ideal else (fill,) * len(groups),
     )
     return findings(trial, speed=scenario.start.speed, radius=radius, pressure=pressure)
 
@@ -395,8 +470,8 @@ def _refuse_unfit(scenario: Scenario, description: Description, found: tuple[Fin
 class _WithSlip:
     """A foreign plant that does not show slip: it follows from the speeds it shows and the nominal radii."""
 
-    def __init__(self, plant: Plant, radius: tuple[float, ...]) -> None:
-        self._plant = plant
+    def __init__(self, plant: Plant, layout: Layout, radius: tuple[float, ...]) -> None:
+        self._plant, self._at = plant, layout.output
         self._radius = np.array(radius)
 
     def start(self, inputs: Vector) -> Vector:
@@ -406,8 +481,8 @@ class _WithSlip:
         return self._whole(self._plant.step(inputs))
 
     def _whole(self, truth: Vector) -> Vector:
-        speed = max(float(truth[OUTPUT["speed"]][0]), 1e-3)
-        truth[OUTPUT["slip"]] = 1.0 - self._radius * truth[OUTPUT["wheelset_speed"]] / speed
+        speed = max(float(truth[self._at["speed"]][0]), 1e-3)
+        truth[self._at["slip"]] = 1.0 - self._radius * truth[self._at["wheelset_speed"]] / speed
         return truth
 
 
@@ -424,13 +499,17 @@ _NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"
 
 
 @contextmanager
-def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Believer]:
+def _believer(scenario: Scenario, layout: Layout, fmus: dict[str, Description]) -> Generator[Believer]:
     """Make the estimator of a scenario; an FMU that takes part adds itself to `fmus`."""
     table = scenario.estimator
     assert isinstance(table, KalmanFilter)
     noise = _noise(table)
     period = scenario.periods.estimator
     model = lowered(f"RailBraking.FMUs.{table.model}")
+    groups = layout.formation.groups
+    predicted = sum(variable.name.startswith("w[") for variable in model.states)
+    if predicted != groups:
+        raise ScenarioError(f"[estimator] model '{table.model}' is for {predicted} groups, the vehicle has {groups}")
     changed = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | changed
     with ExitStack() as stack:
@@ -454,14 +533,14 @@ def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Bel
             i_rigging=parameters["i_rigging"],
             eta_rigging=parameters["eta_rigging"],
             F_spring=parameters["F_spring"],
-            groups=signals.GROUPS,
+            groups=groups,
         )
         states, outputs = prediction.states, prediction.outputs
         noises = noise.process_noise(states), noise.reading_noise(outputs)
         radius = parameters["r_wheel"]
         mean = np.zeros(len(states))
         at = {name: states.index(f"{name}[1]") for name in ("w", "mu_b", "alpha")}
-        every = np.arange(signals.GROUPS)
+        every = np.arange(groups)
         mean[states.index("v")] = scenario.start.speed
         mean[at["w"] + every] = scenario.start.speed / radius
         mean[at["mu_b"] + every] = [parameters[f"mu_b_start[{g + 1}]"] for g in every]
@@ -473,7 +552,7 @@ def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Bel
         else:
             plain = ExtendedKalmanFilter(prediction, *noises, period, gate)
             filter_ = Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(outputs))
-        seen = [READING[name.partition("[")[0]].start + _element(name) for name in outputs]
+        seen = [layout.reading[name.partition("[")[0]].start + _element(name) for name in outputs]
         yield Believer(
             filter=filter_,
             seen=np.array(seen, dtype=np.intp),
@@ -481,7 +560,7 @@ def _believer(scenario: Scenario, fmus: dict[str, Description]) -> Generator[Bel
             wheelset_speed=at["w"] + every,
             adhesion=at["alpha"] + every,
             pad_friction=at["mu_b"] + every,
-            wheel_radius=(radius,) * signals.GROUPS,
+            wheel_radius=(radius,) * groups,
         )
 
 
@@ -518,7 +597,7 @@ def _controlling(
     name = description.file.name
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, _units_of(description))
-    with foreign_controller(scenario, table, description, values, tell) as (controller, commands_valves):
+    with foreign_controller(scenario, table, description, values, len(groups), tell) as (controller, commands_valves):
         yield controller, Direct() if commands_valves else actuation_of(scenario, groups)
 
 
@@ -531,7 +610,7 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
     table = scenario.controller
     if isinstance(table, ControllerFmu) or table.kind == "ideal_bound":
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
-    train = parameters_of(description_of(recipe_file(CATALOGUE)))
+    train = units_of_nominal_data(formation_of(scenario, plant_description(scenario)))
     own = {name: value for name, value in table.parameters.items() if name not in train}
     where = "[controller.parameters]"
     if table.kind == "full_brake":

@@ -8,24 +8,21 @@ import numpy as np
 from controllers.sight import Sight
 from harness.fmu import Binding, Description, FmuError, Plant, PlantFailed, Signal, bind, open_plant
 from harness.loop.ports import ControllerFailed
-from harness.record.signals import GROUPS
 from harness.scenario.parties import ControllerFmu
 from harness.scenario.schema import Scenario
 
-_READ = (
-    Signal(name="speed", unit="m/s", size=0, needed=False),
-    Signal(name="acceleration", unit="m/s2", size=0, needed=False),
-    Signal(name="slip", unit="1", size=GROUPS, needed=False),
-    Signal(name="pressure", unit="Pa", size=GROUPS, needed=False),
-)
-_BELIEVED = (
-    Signal(name="adhesion", unit="1", size=GROUPS, needed=False),
-    Signal(name="pad_friction", unit="1", size=GROUPS, needed=False),
-)
-_GIVEN = (
-    Signal(name="demand", unit="Pa", size=GROUPS, needed=False),
-    Signal(name="command", unit="1", size=GROUPS, needed=False),
-)
+_READ = ("speed", "acceleration", "slip", "pressure")
+_BELIEVED = ("adhesion", "pad_friction")
+_GIVEN = ("demand", "command")
+_UNITS = {"speed": "m/s", "acceleration": "m/s2", "pressure": "Pa", "demand": "Pa"}
+_OF_TRAIN = frozenset({"speed", "acceleration"})
+
+
+def _signals(names: tuple[str, ...], groups: int) -> tuple[Signal, ...]:
+    return tuple(
+        Signal(name=name, unit=_UNITS.get(name, "1"), size=0 if name in _OF_TRAIN else groups, needed=False)
+        for name in names
+    )
 
 
 class ForeignController:
@@ -63,7 +60,7 @@ class ForeignController:
         return tuple(decided[self._given].tolist())
 
 
-def binding_of(scenario: Scenario, table: ControllerFmu, description: Description) -> tuple[Binding, str]:
+def binding_of(scenario: Scenario, table: ControllerFmu, description: Description, groups: int) -> tuple[Binding, str]:
     """Tie what a law sees and gives to the variables of the FMU; return that and what it gives, demand or command.
 
     Raises:
@@ -71,13 +68,19 @@ def binding_of(scenario: Scenario, table: ControllerFmu, description: Descriptio
     """
     where = f"{scenario.name}: [controller.map]"
     seen = (*_READ, *(_BELIEVED if scenario.estimator.kind != "none" else ()))
-    mapped = tuple(signal for signal in _GIVEN if signal.name in table.map)
-    binding = bind(description, inputs=seen, outputs=mapped or _GIVEN, table=table.map, where=where)
-    file, given = description.file.name, [s.name for s in mapped or _GIVEN if s.name not in binding.outputs.absent]
+    outputs = tuple(name for name in _GIVEN if name in table.map) or _GIVEN
+    binding = bind(
+        description,
+        inputs=_signals(seen, groups),
+        outputs=_signals(outputs, groups),
+        table=table.map,
+        where=where,
+    )
+    file, given = description.file.name, [name for name in outputs if name not in binding.outputs.absent]
     if len(given) != 1:
         found = " and ".join(given) or "neither demand nor command"
         raise FmuError(
-            f"{where}: {file} gives {found}; wanted is one of demand [Pa] and command of the {GROUPS} groups: say "
+            f"{where}: {file} gives {found}; wanted is one of demand [Pa] and command of the {groups} groups: say "
             'which variables they are, as in demand = "pressure[{i}]".'
         )
     if given == ["command"] and scenario.actuation.kind != "pneumatic":
@@ -94,6 +97,7 @@ def foreign_controller(
     table: ControllerFmu,
     description: Description,
     parameters: dict[str, float],
+    groups: int,
     tell: Callable[[str], None],
 ) -> Generator[tuple[ForeignController, bool]]:
     """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
@@ -104,7 +108,7 @@ def foreign_controller(
         FmuError: It does not fit.
         PlantFailed: It does not load.
     """
-    binding, gives = binding_of(scenario, table, description)
+    binding, gives = binding_of(scenario, table, description, groups)
     if binding.unused:
         names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
         tell(

@@ -16,18 +16,17 @@ from numpy.typing import NDArray
 
 from harness import assemble
 from harness.loop.ended import Ended
-from harness.record import signals
 from harness.record.bound import with_bound
 from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
-from harness.record.signals import WHEELSETS
 from harness.record.stop import Stop
 from harness.scenario.adhesion import profile_of
 from harness.scenario.error import ScenarioError
 from harness.scenario.merge import merged
 from harness.scenario.schema import Scenario
 from harness.scenario.track import track_force_of
-from harness.train import GRAVITY, brake_of
+from harness.signals import PLANT, SENT
+from harness.train import GRAVITY, brake_of, masses_of
 
 Array = NDArray[np.float64]
 
@@ -59,22 +58,24 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     order = np.argsort(known["speed"].values)
     speeds = known["speed"].values[order]
     friction = known["pad_friction"].values[order]
-    mass = sum(parameters[f"m_wheelset[{i + 1}]"] for i in range(WHEELSETS))
+    formation = assemble.formation_of(scenario, plant)
+    masses = masses_of(parameters, formation)
+    mass = sum(masses.tolist())
     drawn = np.sum(known["adhesion"].values * known["wheelset_load"].values, axis=1)
     resistance = (-mass * known["acceleration"].values - drawn)[order]
 
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
-    profile, force = profile_of(scenario), track_force_of(scenario.track)
-    load = np.array([parameters[f"m_wheelset[{i + 1}]"] * GRAVITY for i in range(WHEELSETS)])
-    contact, brake = assemble.contact_of(scenario, plant), brake_of(parameters)
-    recorder = Recorder((*signals.PLANT, *signals.SENT), count)
+    profile, force = profile_of(scenario, formation), track_force_of(scenario.track)
+    load = masses * GRAVITY
+    contact, brake = assemble.contact_of(scenario, plant), brake_of(parameters, formation)
+    recorder = Recorder((*PLANT, *SENT), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
     for _ in range(_ROUNDS):
         at = recorder.columns
         rows = recorder.rows
-        pad = np.stack([np.interp(speed, speeds, friction[:, g]) for g in range(signals.GROUPS)], axis=1)
+        pad = np.stack([np.interp(speed, speeds, friction[:, g]) for g in range(formation.groups)], axis=1)
         rows[:, at["distance"]] = distance[:, None]
         rows[:, at["speed"]] = speed[:, None]
         rows[:, at["acceleration"]] = acceleration[:, None]

@@ -4,17 +4,17 @@ import numpy as np
 
 from harness.loop.ports import Sensors
 from harness.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
-from harness.record.signals import GROUPS
 from harness.scenario.schema import Scenario
 from harness.scenario.seed import generator
 from harness.scenario.sensors import IdealSensors as IdealTable
+from harness.signals import Layout
 
 
-def sensors_of(scenario: Scenario, wheel_radius: float) -> Sensors:
+def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Sensors:
     """Return the sensors of a scenario; what is constant over a stop is drawn here."""
     table = scenario.sensors
     if isinstance(table, IdealTable):
-        return IdealSensors()
+        return IdealSensors(layout)
     period = scenario.periods.communication
     lot = generator(scenario.seed, "sensors.lot")
     instruments = ServiceInstruments(
@@ -30,8 +30,8 @@ def sensors_of(scenario: Scenario, wheel_radius: float) -> Sensors:
         acceleration_noise=table.acceleration.noise,
         acceleration_bias=table.acceleration.bias * float(lot.standard_normal()),
         deflection_noise=table.deflection.noise,
-        pressure_offset=table.pressure.error * table.pressure.full_scale * lot.standard_normal(GROUPS),
+        pressure_offset=table.pressure.error * table.pressure.full_scale * lot.standard_normal(layout.formation.groups),
         pressure_step=table.pressure.full_scale / float(np.exp2(table.pressure.bits)),
         pressure_lag=table.pressure.lag,
     )
-    return ServiceSensors(instruments, period, generator(scenario.seed, "sensors.noise"))
+    return ServiceSensors(layout, instruments, period, generator(scenario.seed, "sensors.noise"))

@@ -18,16 +18,23 @@ def add_to(app: typer.Typer) -> None:
     def map_(  # pyright: ignore[reportUnusedFunction]
         file: Annotated[Path, typer.Argument(metavar="TRAIN.fmu", help="A co-simulation FMU.")],
         speed: Annotated[float, typer.Option(min=1, max=150, help="Of the short run at its start [m/s].")] = 20.0,
+        per_group: Annotated[
+            list[int] | None,
+            typer.Option("--wheelsets-of-group", min=1, help="Of each group, leading first; 2, 1, 1, 2 if not given."),
+        ] = None,
         period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of it [s].")] = 1e-3,
     ) -> None:
         """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
-        from harness.assemble import controlled_groups_of_catalogue, plant_signals
+        from harness.assemble import catalogue_brakes, plant_signals
         from harness.draft import drafted
         from harness.fmu import PlantFailed, bind, describe, open_plant
+        from harness.formation import Formation
+        from harness.signals import layout_of
         from harness.trial import findings, tried
 
         description = describe(file)
-        inputs, outputs, start = plant_signals(pneumatic=False, track_force=False)
+        formation = Formation(tuple(per_group or (2, 1, 1, 2)))
+        inputs, outputs, start = plant_signals(formation, pneumatic=False, track_force=False)
         wanted: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
         wanted |= {s.name: (s, "output") for s in outputs}
         wanted[start.name] = (start, "parameter")
@@ -47,7 +54,7 @@ def add_to(app: typer.Typer) -> None:
             table=table,
             where="the draft of [vehicle.map]",
         )
-        groups = controlled_groups_of_catalogue()
+        groups = catalogue_brakes(formation.groups)
         pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
         plant = open_plant(
             description, binding, period=period, parameters=binding.translated({"speed_start": speed}), trusted=False,
@@ -55,7 +62,7 @@ def add_to(app: typer.Typer) -> None:
         )  # fmt: skip
         try:
             with plant as opened:
-                trial = tried(opened, period=period, release=(0.0,) * len(groups), brake=pressure)
+                trial = tried(layout_of(formation), opened, period=period, release=(0.0,) * len(groups), brake=pressure)
         except PlantFailed as failed:
             typer.echo(f"# the short run failed: {failed}")
             raise typer.Exit(3) from failed

@@ -1,44 +1,65 @@
-"""The catalogue train: nominal data of the vehicle as controllers and figures take them.
+"""Nominal data of a vehicle as controllers and figures take them.
 
 They come from the plant's Modelica class through its FMU; a scenario changes them for the controller in
 [controller.parameters] and for the plant in [vehicle.parameters], so that the two may differ on purpose.
 """
 
 from collections.abc import Mapping
-from dataclasses import fields
+from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from controllers.brake import BrakeGroup
+from harness.formation import Formation
 from harness.record.bound import Brake
-from harness.record.signals import GROUPS
-from harness.scenario.adhesion import GROUP_OF_WHEELSET
 from harness.scenario.error import ScenarioError
 
 GRAVITY = 9.81  # m/s2, as in RailBraking.Types
 
+_OF_GROUPS = MappingProxyType({"p_max": "Pa", "n_units": "1", "r_friction": "m", "r_wheel": "m", "J": "kg.m2"})
+_OF_ALL = MappingProxyType({"A_piston": "m2", "i_rigging": "1", "eta_rigging": "1", "F_spring": "N"})
+_MASS = "m_wheelset"
 
-def brake_of(parameters: Mapping[str, float]) -> Brake:
+
+def units_of_nominal_data(formation: Formation) -> dict[str, str]:
+    """Return parameter name → unit of all nominal data of a vehicle."""
+    units = dict(_OF_ALL)
+    for name, unit in _OF_GROUPS.items():
+        units |= {f"{name}[{g + 1}]": unit for g in range(formation.groups)}
+    return units | {f"{_MASS}[{i + 1}]": "kg" for i in range(formation.wheelsets)}
+
+
+def masses_of(parameters: Mapping[str, float], formation: Formation) -> NDArray[np.float64]:
+    """Return the mass that each wheelset carries on the rail [kg]; a mass of the vehicle is shared alike.
+
+    Raises:
+        ScenarioError: A parameter is missing.
+    """
+    if "m" in parameters and f"{_MASS}[1]" not in parameters:
+        return np.full(formation.wheelsets, parameters["m"] / formation.wheelsets)
+    return _each(parameters, _MASS, formation.wheelsets)
+
+
+def brake_of(parameters: Mapping[str, float], formation: Formation) -> Brake:
     """Return the brake equipment for the ideal bound.
 
     Raises:
         ScenarioError: A parameter is missing.
     """
-    scalars = ("A_piston", "i_rigging", "eta_rigging", "F_spring")
-    values: dict[str, object] = {name: _value(parameters, name) for name in scalars}
-    values |= {field.name: _each(parameters, field.name) for field in fields(Brake) if field.name not in scalars}
+    values: dict[str, object] = {name: _value(parameters, name) for name in _OF_ALL}
+    values |= {name: _each(parameters, name, formation.groups) for name in _OF_GROUPS}
     return Brake(**values)  # pyright: ignore[reportArgumentType]  (floats and arrays by name, as the fields say)
 
 
-def brake_groups_of(parameters: Mapping[str, float]) -> tuple[BrakeGroup, ...]:
+def brake_groups_of(parameters: Mapping[str, float], formation: Formation) -> tuple[BrakeGroup, ...]:
     """Return the brake equipment as a controller knows it, leading group first.
 
     Raises:
         ScenarioError: A parameter is missing or makes no brake.
     """
-    brake = brake_of(parameters)
-    masses = np.array([_value(parameters, f"m_wheelset[{i + 1}]") for i in range(len(GROUP_OF_WHEELSET))])
-    loads = np.bincount(np.array(GROUP_OF_WHEELSET), weights=masses * GRAVITY)
+    brake = brake_of(parameters, formation)
+    loads = formation.summed(masses_of(parameters, formation) * GRAVITY)
     try:
         return tuple(
             BrakeGroup(
@@ -52,14 +73,17 @@ def brake_groups_of(parameters: Mapping[str, float]) -> tuple[BrakeGroup, ...]:
                 spring_force=brake.F_spring,
                 pressure_max=float(brake.p_max[g]),
             )
-            for g in range(GROUPS)
+            for g in range(formation.groups)
         )
     except ValueError as problem:
         raise ScenarioError(f"[controller.parameters]: {problem}") from problem
 
 
-def _each(parameters: Mapping[str, float], name: str) -> np.ndarray:
-    return np.array([_value(parameters, f"{name}[{g + 1}]") for g in range(GROUPS)])
+def _each(parameters: Mapping[str, float], name: str, count: int) -> NDArray[np.float64]:
+    """Return the elements of an array of parameters, or one value for all."""
+    if name in parameters:
+        return np.full(count, parameters[name])
+    return np.array([_value(parameters, f"{name}[{i + 1}]") for i in range(count)])
 
 
 def _value(parameters: Mapping[str, float], name: str) -> float:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.edge import COMMAND, FRICTION, INPUTS, OUTPUT
 from harness.loop.ports import Plant
+from harness.signals import Layout
 
 Matrix = NDArray[np.float64]
 
@@ -47,20 +47,25 @@ class Trial:
     """The outputs of a plant that coasted and braked.
 
     Attributes:
-        rows: A row for each sample, as in `harness.loop.edge`; NaN where the plant shows nothing.
+        layout: Of the plant's vectors.
+        rows: A row for each sample, as `layout` orders the outputs; NaN where the plant shows nothing.
         coasting: Number of them before the brakes were applied.
         period: Of the samples [s].
     """
 
+    layout: Layout
     rows: Matrix
     coasting: int
     period: float
 
 
-def tried(plant: Plant, *, period: float, release: tuple[float, ...], brake: tuple[float, ...]) -> Trial:
+def tried(
+    layout: Layout, plant: Plant, *, period: float, release: tuple[float, ...], brake: tuple[float, ...]
+) -> Trial:
     """Let a plant coast and brake, until it has lost half of its speed or 5 s are over.
 
     Args:
+        layout: Of the plant's vectors.
         plant: Not yet started.
         period: Its communication period [s].
         release: Command of each group that leaves the brakes released.
@@ -69,18 +74,19 @@ def tried(plant: Plant, *, period: float, release: tuple[float, ...], brake: tup
     Raises:
         PlantFailed: It refused a step.
     """
-    inputs = np.zeros(INPUTS)
-    inputs[COMMAND], inputs[FRICTION] = release, _GOOD_RAIL
+    command = layout.input["command"]
+    inputs = np.zeros(layout.inputs)
+    inputs[command], inputs[layout.input["mu0"]] = release, _GOOD_RAIL
     rows = [plant.start(inputs)]
     coasting = max(round(_COAST / period), 2)
     rows += [plant.step(inputs) for _ in range(coasting)]
-    inputs[COMMAND] = brake
-    speed = OUTPUT["speed"].start
+    inputs[command] = brake
+    speed = layout.output["speed"].start
     for _ in range(max(round(_BRAKE / period), 2)):
         rows.append(plant.step(inputs))
         if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
             break
-    return Trial(rows=np.array(rows), coasting=coasting + 1, period=period)
+    return Trial(layout=layout, rows=np.array(rows), coasting=coasting + 1, period=period)
 
 
 def findings(
@@ -94,7 +100,7 @@ def findings(
         radius: Of the wheels of each group, as the harness believes [m].
         pressure: Full brake cylinder pressure of each group [Pa].
     """
-    shown = {name: trial.rows[:, place] for name, place in OUTPUT.items()}
+    shown = {name: trial.rows[:, place] for name, place in trial.layout.output.items()}
     v, x, a = (shown[name][:, 0] for name in ("speed", "distance", "acceleration"))
     last, coasting = trial.coasting - 1, trial.coasting
     found = [_ratio("speed", v[0], speed, 0.01, "m/s at the start, [start] speed is")]

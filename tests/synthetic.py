@@ -6,15 +6,19 @@ import numpy as np
 from scipy.stats import chi2
 
 import harness.scenario
+from harness.formation import Formation
 from harness.record.bound import Brake, with_bound
 from harness.record.metrics import measure
 from harness.record.outcome import Outcome
-from harness.record.signals import ESTIMATES, PLANT, READINGS, SENT
 from harness.record.stop import Stop
 from harness.record.trace import trace_of
 from harness.scenario.adhesion import profile_of
+from harness.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
 
 LIBRARY = Path(harness.scenario.__file__).parent / "library"
+
+TWO_PART_TRAIN = Formation((2, 1, 1, 2))
+LAYOUT = layout_of(TWO_PART_TRAIN)
 
 # A train of round numbers: 6 wheelsets of 100 kN, wheels of 0.4 m.
 LOAD = 1e5
@@ -76,15 +80,15 @@ def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_
         values = np.asarray(signals.get(signal.name, 0.0), dtype=float)
         if values.ndim == 1 and values.shape == time.shape:
             values = values[:, None]
-        blocks[signal] = np.array(np.broadcast_to(values, (len(time), signal.width)))
-    return trace_of(blocks, period)
+        blocks[signal] = np.array(np.broadcast_to(values, (len(time), TWO_PART_TRAIN.width(signal.extent))))
+    return trace_of(blocks, TWO_PART_TRAIN, period)
 
 
 def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the train stands"):
     """A stop of a scenario as if it had braked uniformly, with the friction that the scenario names."""
     period = scenario.periods.communication
     trace = uniform_stop(scenario.start.speed, deceleration, period, scenario.estimator.kind != "none")
-    trace["mu0"].values[:] = profile_of(scenario).table(trace["time"].values, trace["distance"].values)
+    trace["mu0"].values[:] = profile_of(scenario, TWO_PART_TRAIN).table(trace["time"].values, trace["distance"].values)
     trace = with_bound(trace, parabola, BRAKE, scenario.limits.alpha_max)
     return Stop(
         scenario=scenario,

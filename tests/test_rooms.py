@@ -17,11 +17,14 @@ ALLOWED = {
     # The loop knows protocols and the values that pass between parties, no party.
     "harness.units": (),
     "harness.limits": (),
-    "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.record.signals",
-                     "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
-    "harness.scenario": ("harness.scenario", "harness.units", "harness.limits"),
+    "harness.formation": (),
+    "harness.signals": ("harness.formation",),
+    "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.signals",
+                     "harness.formation", "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
+    "harness.scenario": ("harness.scenario", "harness.formation", "harness.units", "harness.limits"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
-    "harness.record": ("harness.record", "harness.scenario", "estimators.consistency"),
+    "harness.record": ("harness.record", "harness.scenario", "harness.formation", "harness.signals",
+                       "estimators.consistency"),
     "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario", "harness.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "harness.fmu": ("harness.fmu", "harness.units", "harness.limits", "harness.interrupted", "harness.scratch",

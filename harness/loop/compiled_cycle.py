@@ -2,6 +2,7 @@
 
 import ctypes
 from collections.abc import Callable
+from functools import cache
 from typing import Any, Protocol, runtime_checkable
 
 import casadi as ca
@@ -9,25 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.loop.actuation import Direct
-from harness.loop.edge import FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
 from harness.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
 from harness.loop.library import compiled, kernel
 from harness.loop.plausible import Plausibility
 from harness.loop.ports import Actuation, Controller, Edge, Plant, Sensors
 from harness.loop.rail import TabulatedRail
-from harness.loop.reading import READINGS
 from harness.loop.sensors import IdealSensors, ServiceSensors
 from harness.loop.watch import NEGATIVE, Believer, complete
 from harness.record.recorder import Recorder
-from harness.record.signals import BELIEVED, GROUPS, INNOVATION, PLANT, SENT, SPREAD
-from harness.record.signals import READINGS as READ
+from harness.signals import BELIEVED, INNOVATION, PLANT, READINGS, SENT, SPREAD, Layout, length, places
 
 Vector = NDArray[np.float64]
 
 _GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND, _IMPLAUSIBLE = range(6)
 _NEGATIVE_VARIANCE = -1
-_GIVEN = 2 + 4 * GROUPS
-"""What a law is shown: speed and acceleration, and of each group slip, adhesion, pad friction and pressure."""
 
 
 @runtime_checkable
@@ -87,33 +83,46 @@ class _Formula(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_void_p) for name in ("call", "state", "parameter"))
 
 
-class _Cycle(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("cross", "crossing", "taken", "shown", "present")),
-        ("start", ctypes.c_double),
-        *((name, ctypes.c_void_p) for name in ("mu0", "begins", "forces")),
-        ("grid", ctypes.c_double),
-        *((name, ctypes.c_void_p) for name in ("service", "shown_by_ideal", "advance", "block", "held", "seen")),
-        *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
-        *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
-        *((name, _Formula) for name in ("law", "valves")),
-        ("plausibility", ctypes.c_void_p),
-        *((name, ctypes.c_double) for name in ("period", "stop_speed")),
-        ("rows", ctypes.c_void_p),
-        *((name, ctypes.c_double * size) for name, size in (("truth", OUTPUTS), ("inputs", INPUTS))),
-        *((name, ctypes.c_double * READINGS) for name in ("latest", "fresh")),
-        *((name, ctypes.c_double * sum(s.width for s in block)) for name, block in _BELIEF.items()),
-        ("command", ctypes.c_double * GROUPS),
-        *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
-        *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
-        *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
-        ("innovation_at", ctypes.c_longlong),
-        *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
-    )
+@cache
+def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
+    """Return the struct `Cycle` of cycle.c for vectors of this layout."""
+    vectors = {
+        "truth": layout.outputs, "inputs": layout.inputs, "latest": layout.readings, "fresh": layout.readings,
+        **{name: length(places(block, layout.formation)) for name, block in _BELIEF.items()},
+        "command": layout.formation.groups,
+    }  # fmt: skip
+
+    class Cycle(ctypes.Structure):
+        _fields_ = (
+            *((name, ctypes.c_void_p) for name in ("cross", "crossing", "taken", "shown", "present")),
+            ("start", ctypes.c_double),
+            *((name, ctypes.c_void_p) for name in ("mu0", "begins", "forces")),
+            ("grid", ctypes.c_double),
+            *((name, ctypes.c_void_p) for name in ("service", "shown_by_ideal", "advance", "block", "held", "seen")),
+            *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
+            *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
+            *((name, _Formula) for name in ("law", "valves")),
+            ("plausibility", ctypes.c_void_p),
+            *((name, ctypes.c_double) for name in ("period", "stop_speed")),
+            ("rows", ctypes.c_void_p),
+            *((name, ctypes.c_double * size) for name, size in vectors.items()),
+            *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
+            *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
+            *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
+            ("innovation_at", ctypes.c_longlong),
+            *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
+        )
+
+    return Cycle
 
 
 def obstacle(
-    plant: Plant, sensors: Sensors, believer: Believer | None, controller: Controller, actuation: Actuation
+    layout: Layout,
+    plant: Plant,
+    sensors: Sensors,
+    believer: Believer | None,
+    controller: Controller,
+    actuation: Actuation,
 ) -> str | None:
     """Return which party cannot be called from C, and why; None when all can."""
     if not isinstance(plant, PlantInC):
@@ -126,15 +135,18 @@ def obstacle(
         return "the controller is Python, not a formula"
     if not isinstance(actuation, Direct | FormulaInC):
         return "the actuation is Python, not a formula"
-    # In C the vectors of both have the lengths that cycle.c gives them.
-    for who, formula, takes in (("controller", controller, _GIVEN), ("actuation", actuation, 2 * GROUPS)):
-        if isinstance(formula, FormulaInC) and (formula.step.numel_in(1), formula.step.numel_out(1)) != (takes, GROUPS):
-            return f"the {who} is not for {GROUPS} groups"
+    # In C the vectors of both have the lengths that cycle.c gives them. A law is shown speed and acceleration, and of
+    # each group slip, adhesion, pad friction and pressure.
+    groups = layout.formation.groups
+    for who, formula, takes in (("controller", controller, 2 + 4 * groups), ("actuation", actuation, 2 * groups)):
+        if isinstance(formula, FormulaInC) and (formula.step.numel_in(1), formula.step.numel_out(1)) != (takes, groups):
+            return f"the {who} is not for {groups} groups"
     return None
 
 
 def run(
     *,
+    layout: Layout,
     plant: Plant,
     rail: TabulatedRail,
     sensors: Sensors,
@@ -156,20 +168,20 @@ def run(
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
         TypeError: There is an `obstacle`.
     """
-    if (reason := obstacle(plant, sensors, believer, controller, actuation)) is not None:
+    if (reason := obstacle(layout, plant, sensors, believer, controller, actuation)) is not None:
         raise TypeError(f"the loop in C cannot run this: {reason}")
     assert isinstance(plant, PlantInC)
-    inputs = np.zeros(INPUTS)
-    inputs[FRICTION], inputs[FORCE] = rail.mu0(0.0, 0.0), rail.force(0.0)
+    inputs = np.zeros(layout.inputs)
+    inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0(0.0, 0.0), rail.force(0.0)
     truth = plant.start(inputs)
-    parts = _Parts(plant.edge(), rail, sensors, believer, controller, actuation, wheel_radius, recorder)
+    parts = _Parts(layout, plant.edge(), rail, sensors, believer, controller, actuation, wheel_radius, recorder)
     its = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
     its.period, its.stop_speed, its.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
     its.estimator_every, its.controller_every = clock.estimator, clock.controller
     its.truth[:], its.inputs[:] = truth.tolist(), inputs.tolist()
-    cycle, address = kernel().cycle, ctypes.addressof(its)
-    at_speed, at_distance = OUTPUT["speed"].start, OUTPUT["distance"].start
+    cycle, address = kernel(layout).cycle, ctypes.addressof(its)
+    at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
     ended = _GOING
     try:
         for first in range(0, clock.samples + 1, ServiceSensors.BLOCK):
@@ -203,6 +215,7 @@ class _Parts:
 
     def __init__(
         self,
+        layout: Layout,
         plant: Edge,
         rail: TabulatedRail,
         sensors: Sensors,
@@ -217,7 +230,7 @@ class _Parts:
         begins, forces = np.array(rail.sections.begins), np.array(rail.sections.forces)
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
         shown = self._places(sensors.shown) if isinstance(sensors, IdealSensors) else None
-        self.struct = its = _Cycle(
+        self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, crossing=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
             mu0=self._at(mu0), begins=self._at(begins), forces=self._at(forces), grid=rail.friction.step,
@@ -225,8 +238,10 @@ class _Parts:
             service=service, shown_by_ideal=shown, radius=self._at(np.array(wheel_radius)),
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
-            true_at=recorder.block(PLANT).start, sent_at=recorder.block(SENT).start, read_at=recorder.block(READ).start,
+            true_at=recorder.block(PLANT).start, sent_at=recorder.block(SENT).start,
+            read_at=recorder.block(READINGS).start,
         )  # fmt: skip
+        its = self.struct
         self._filter = filter_ = believer.filter if believer is not None else None
         if believer is not None and isinstance(filter_, FilterInC):
             its.advance, its.block, its.squared = filter_.entry

@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT
 from harness.loop.ended import (
     Clock,
     Ended,
@@ -20,11 +19,12 @@ from harness.loop.plausible import Plausibility
 from harness.loop.ports import Actuation, Controller, ControllerFailed, Plant, Rail, Sensors
 from harness.loop.watch import Beliefs, Believer, Readings
 from harness.record.recorder import Recorder
-from harness.record.signals import PLANT, READINGS, SENT
+from harness.signals import PLANT, READINGS, SENT, Layout
 
 
 def run(
     *,
+    layout: Layout,
     plant: Plant,
     rail: Rail,
     sensors: Sensors,
@@ -47,6 +47,7 @@ def run(
     decides. The row of a sample holds the truth at its end, the reading and belief then, and what was sent for it.
 
     Args:
+        layout: Of the vectors that parties exchange.
         plant: Not yet started.
         rail: Friction and force along the track.
         sensors: Instruments.
@@ -67,13 +68,15 @@ def run(
     true, sent, read = (recorder.block(signals) for signals in (PLANT, SENT, READINGS))
     period = clock.period
     report_every = max(round(0.25 / period), 1)
-    at_speed, at_distance = OUTPUT["speed"].start, OUTPUT["distance"].start
+    at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
+    sent_command, sent_friction = layout.input["command"], layout.input["mu0"]
+    sent_force = layout.input["track_force"].start
 
-    inputs = np.zeros(INPUTS)
-    inputs[FRICTION] = rail.mu0(0.0, 0.0)
-    inputs[FORCE] = rail.force(0.0)
+    inputs = np.zeros(layout.inputs)
+    inputs[sent_friction] = rail.mu0(0.0, 0.0)
+    inputs[sent_force] = rail.force(0.0)
     truth = plant.start(inputs)
-    watch = Readings(wheel_radius) if believer is None else Beliefs(believer, recorder)
+    watch = Readings(layout, wheel_radius) if believer is None else Beliefs(layout, believer, recorder)
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     written = 0
@@ -82,7 +85,7 @@ def run(
             if k > 0:
                 truth = plant.step(inputs)
             time, distance, speed = k * period, float(truth[at_distance]), float(truth[at_speed])
-            if not plausibility.holds(k, truth, inputs):
+            if not plausibility.holds(layout, k, truth, inputs):
                 return implausible(plausibility.reason(time), k)
             reading = sensors.read(k, truth)
             row = rows[k]
@@ -107,13 +110,13 @@ def run(
                 command = actuation.command(demands, sight.pressure)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
-                inputs[COMMAND] = command
+                inputs[sent_command] = command
             if speed <= stop_speed:
                 return stood(distance, time, written)
             if progress is not None and k % report_every == 0:
                 progress(speed)
-            inputs[FRICTION] = rail.mu0(time, distance)
-            inputs[FORCE] = rail.force(distance)
+            inputs[sent_friction] = rail.mu0(time, distance)
+            inputs[sent_force] = rail.force(distance)
     finally:
         recorder.written = written
         watch.complete(rows[:written])

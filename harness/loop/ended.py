@@ -66,5 +66,5 @@ def without_controller(problem: str, samples: int) -> Ended:
 
 def without_command(command: tuple[float, ...], time: float, samples: int) -> Ended:
     """Return the end of a run whose controller gave something else than numbers."""
-    reason = f"The controller's command at {time:.3f} s is {command}, not four numbers."
+    reason = f"The controller's command at {time:.3f} s is {command}, not {len(command)} numbers."
     return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=reason, samples=samples)

@@ -8,24 +8,23 @@ from typing import Final
 import casadi as ca
 
 from fmus.native.toolchain import shared_library
-from harness.loop.edge import INPUTS, OUTPUT, OUTPUTS
-from harness.loop.reading import READING, READINGS
-from harness.record.signals import GROUPS, WHEELSETS
+from harness.signals import Layout
 
 KERNEL: Final = files("harness.loop") / "kernel"
 _PARTS: Final = ("sensors.h", "sensors.c", "plausible.h", "plausible.c", "cycle.c")
 
 
 @cache
-def kernel() -> ctypes.CDLL:
-    """Return the sensors, the checks of a plant and the cycle in C.
+def kernel(layout: Layout) -> ctypes.CDLL:
+    """Return the sensors, the checks of a plant and the cycle in C, for vectors of this layout.
 
     Raises:
         fmus.errors.CompilerMissing: There is no C compiler.
     """
     sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in _PARTS}
-    made = shared_library(sources | {"edge.h": _edge()}, "cycle")
-    library = ctypes.CDLL(str(made))
+    formation = layout.formation
+    name = f"cycle_{formation.groups}_{formation.wheelsets}"
+    library = ctypes.CDLL(str(shared_library(sources | {"layout.h": layout.header()}, name)))
     library.read_encoder.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_double]
     library.read_encoder.restype = ctypes.c_double
     library.read_service.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p, ctypes.c_void_p]
@@ -34,14 +33,6 @@ def kernel() -> ctypes.CDLL:
     library.plausible.restype = ctypes.c_int
     library.cycle.argtypes, library.cycle.restype = [ctypes.c_void_p, ctypes.c_longlong], ctypes.c_int
     return library
-
-
-def _edge() -> str:
-    """Return what crosses the edge of the plant, and where it stands, as a header."""
-    sizes = {"GROUPS": GROUPS, "WHEELSETS": WHEELSETS, "INPUTS": INPUTS, "OUTPUTS": OUTPUTS, "READINGS": READINGS}
-    places = {f"OUTPUT_{name.upper()}": place.start for name, place in OUTPUT.items()}
-    places |= {f"READING_{name.upper()}": place.start for name, place in READING.items()}
-    return "".join(f"#define {name} {value}\n" for name, value in (sizes | places).items())
 
 
 @cache

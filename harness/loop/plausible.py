@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.loop.library import kernel
+from harness.signals import Layout
 
 _CHECKS = (
     ("", "", ""),
@@ -32,15 +33,16 @@ class Plausibility(ctypes.Structure):
         *((name, ctypes.c_longlong) for name in ("check", "element")),
     )
 
-    def holds(self, sample: int, truth: NDArray[np.float64], inputs: NDArray[np.float64]) -> bool:
+    def holds(self, layout: Layout, sample: int, truth: NDArray[np.float64], inputs: NDArray[np.float64]) -> bool:
         """Return whether the truth of a sample can be; samples come in order.
 
         Args:
+            layout: Of truth and inputs.
             sample: Its number.
             truth: Outputs of the plant then, contiguous.
             inputs: That were held until then, contiguous.
         """
-        return kernel().plausible(ctypes.byref(self), sample, truth.ctypes.data, inputs.ctypes.data) == 1
+        return kernel(layout).plausible(ctypes.byref(self), sample, truth.ctypes.data, inputs.ctypes.data) == 1
 
     def reason(self, time: float) -> str:
         """Return what was wrong at a time [s], and what was expected, in a sentence."""

@@ -19,7 +19,7 @@ class Edge:
     Attributes:
         cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/crossing.c` has it.
         plan: Address of its first argument.
-        inputs: Read by it, shape (INPUTS,).
+        inputs: Read by it, shape (Layout.inputs,).
         outputs: Written by it: those that the plant has.
         present: Their places among all outputs.
         start: Time at which the plant starts [s].
@@ -35,7 +35,7 @@ class Edge:
 
 @runtime_checkable
 class Plant(Protocol):
-    """The simulated truth; vectors as in `harness.loop.edge`."""
+    """The simulated truth; vectors as `harness.signals.Layout` orders them."""
 
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time."""
@@ -51,7 +51,7 @@ class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample, ordered as in `harness.loop.reading`; NaN where there is no new one."""
+        """Return the reading of a sample, ordered as in `harness.signals.Layout`; NaN where there is no new one."""
         ...
 
 

@@ -1,19 +1,17 @@
-"""Sensors: the truth as the train sees it, in readings as `harness.loop.reading` orders them."""
+"""Sensors: the truth as the train sees it, in readings as `harness.signals.Layout` orders them."""
 
 import ctypes
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.edge import OUTPUT, OUTPUTS
 from harness.loop.library import kernel
-from harness.loop.reading import READING, READINGS
-from harness.record.signals import GROUPS, WHEELSETS
+from harness.signals import Layout
 
 Vector = NDArray[np.float64]
-
-_FROM = np.concatenate([np.arange(OUTPUT[name].start, OUTPUT[name].stop) for name in READING])
 
 
 class IdealSensors:
@@ -23,11 +21,14 @@ class IdealSensors:
         shown: Which output each entry of a reading shows.
     """
 
-    shown = _FROM
+    def __init__(self, layout: Layout) -> None:
+        """Read a vehicle whose vectors have this layout."""
+        places = [layout.output[name] for name in layout.reading]
+        self.shown = np.concatenate([np.arange(place.start, place.stop) for place in places])
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the truth, in the order of a reading."""
-        return truth.take(_FROM)
+        return truth.take(self.shown)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,15 +78,21 @@ class _Encoder(ctypes.Structure):
     )
 
 
-class _Service(ctypes.Structure):
-    _fields_ = (
-        ("encoder", _Encoder * GROUPS),
-        *((name, ctypes.c_void_p) for name in ("noise", "offset_steps", "past")),
-        *((name, ctypes.c_double) for name in ("period", "speed_scale", "acceleration_bias", "pressure_step")),
-        ("pressure_share", ctypes.c_double),
-        ("pressure", ctypes.c_double * GROUPS),
-        *((name, ctypes.c_longlong) for name in ("block", "speed_every", "speed_latency")),
-    )
+@cache
+def service_struct(groups: int) -> type[ctypes.Structure]:
+    """Return the struct `Service` of sensors.h for so many groups."""
+
+    class Service(ctypes.Structure):
+        _fields_ = (
+            ("encoder", _Encoder * groups),
+            *((name, ctypes.c_void_p) for name in ("noise", "offset_steps", "past")),
+            *((name, ctypes.c_double) for name in ("period", "speed_scale", "acceleration_bias", "pressure_step")),
+            ("pressure_share", ctypes.c_double),
+            ("pressure", ctypes.c_double * groups),
+            *((name, ctypes.c_longlong) for name in ("block", "speed_every", "speed_latency")),
+        )
+
+    return Service
 
 
 class ServiceSensors:
@@ -98,28 +105,30 @@ class ServiceSensors:
     BLOCK = 1024
     """Samples between two draws of noise."""
 
-    _NOISES = 2 + WHEELSETS  # train speed, acceleration, one per deflection
-
-    def __init__(self, instruments: ServiceInstruments, period: float, random: np.random.Generator) -> None:
-        """Read every `period` [s], with noise from `random`."""
-        its = instruments
+    def __init__(
+        self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
+    ) -> None:
+        """Read a vehicle of this layout every `period` [s], with noise from `random`."""
+        its, groups = instruments, layout.formation.groups
         self._random = random
-        self._encoders = [Encoder(instruments, period, random) for _ in range(GROUPS)]
-        self._deviation = np.array([its.speed_noise, its.acceleration_noise] + [its.deflection_noise] * WHEELSETS)
-        self._noise = np.empty((self.BLOCK, self._NOISES))
+        self._encoders = [Encoder(layout, instruments, period, random) for _ in range(groups)]
+        self._deviation = np.array(
+            [its.speed_noise, its.acceleration_noise] + [its.deflection_noise] * layout.formation.wheelsets
+        )
+        self._noise = np.empty((self.BLOCK, self._deviation.size))
         self._past = np.empty(its.speed_latency + 1)
         self._offset_steps = its.pressure_offset / its.pressure_step
-        self.struct = _Service(
-            encoder=(_Encoder * GROUPS)(*(encoder.struct for encoder in self._encoders)),
+        self.struct: Any = service_struct(groups)(
+            encoder=(_Encoder * groups)(*(encoder.struct for encoder in self._encoders)),
             noise=self._noise.ctypes.data, offset_steps=self._offset_steps.ctypes.data, past=self._past.ctypes.data,
             period=period, speed_scale=its.speed_scale, acceleration_bias=its.acceleration_bias,
             pressure_step=its.pressure_step, pressure_share=period / (its.pressure_lag + period),
             block=self.BLOCK, speed_every=its.speed_every, speed_latency=its.speed_latency,
         )  # fmt: skip
-        self._truth, self._reading = np.empty(OUTPUTS), np.empty(READINGS)
+        self._truth, self._reading = np.empty(layout.outputs), np.empty(layout.readings)
         self._address = ctypes.addressof(self.struct)
         self._places = self._truth.ctypes.data, self._reading.ctypes.data
-        self._read = kernel().read_service
+        self._read = kernel(layout).read_service
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
@@ -143,7 +152,9 @@ class Encoder:
     now would mean less than the cut-off: then the reading is zero.
     """
 
-    def __init__(self, instruments: ServiceInstruments, period: float, random: np.random.Generator) -> None:
+    def __init__(
+        self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
+    ) -> None:
         """Mount a pole wheel at a random angle."""
         its = instruments
         pitch = 2.0 * np.pi / its.pulses
@@ -155,7 +166,7 @@ class Encoder:
             silence=pitch * its.wheel_radius / max(its.cut_off, 1e-3),
         )  # fmt: skip
         self._address = ctypes.addressof(self.struct)
-        self._read = kernel().read_encoder
+        self._read = kernel(layout).read_encoder
 
     def read(self, sample: int, speed: float) -> float:
         """Return the reading at a sample [rad/s], from the true speed then; NaN without a new pulse."""

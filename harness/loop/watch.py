@@ -7,28 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.sight import Sight
+from harness import signals
 from harness.loop.ports import Filter
-from harness.loop.reading import READING, READINGS
-from harness.record import signals
 from harness.record.recorder import Recorder
-from harness.record.signals import GROUPS
+from harness.signals import Layout
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_SPEED = READING["speed"].start
-_WHEELSET_SPEED = READING["wheelset_speed"]
-_ACCELERATION = READING["acceleration"].start
-_PRESSURE = READING["cylinder_pressure"]
-
 _SMALL_SPEED = 0.05
 """Speed [m/s] below which slip is not formed: over the last millimetres it is a ratio of two noises."""
 
 NEGATIVE = "The estimator diverged: a variance is negative or not a number."
-
-_EVERY = np.ones(READINGS)
-"""Its product with a reading is NaN exactly when an entry is: readings are far too small to overflow."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,14 +48,15 @@ class Believer:
 class Readings:
     """A train without an estimator."""
 
-    def __init__(self, wheel_radius: tuple[float, ...]) -> None:
+    def __init__(self, layout: Layout, wheel_radius: tuple[float, ...]) -> None:
         """See nothing yet."""
-        self._radius = wheel_radius
+        self._at, self._every, self._radius = layout.reading, np.ones(layout.readings), wheel_radius
         self._latest: Vector | None = None
 
     def see(self, reading: Vector) -> None:
         """Take a reading; where it is NaN the last one goes on."""
-        if self._latest is None or not math.isnan(_EVERY.dot(reading)):
+        # The sum is NaN exactly when an entry is: readings are far too small to overflow.
+        if self._latest is None or not math.isnan(self._every.dot(reading)):
             self._latest = reading
         else:
             self._latest = np.where(np.isnan(reading), self._latest, reading)
@@ -82,9 +74,9 @@ class Readings:
         """Return what the controller sees now."""
         assert self._latest is not None
         values = self._latest.tolist()
-        speed = values[_SPEED]
-        slip = _slips(speed, values[_WHEELSET_SPEED], self._radius)
-        return Sight(time, speed, values[_ACCELERATION], slip, None, None, tuple(values[_PRESSURE]))
+        speed, acceleration = values[self._at["speed"].start], values[self._at["acceleration"].start]
+        slip = _slips(speed, values[self._at["wheelset_speed"]], self._radius)
+        return Sight(time, speed, acceleration, slip, None, None, tuple(values[self._at["cylinder_pressure"]]))
 
 
 class Beliefs:
@@ -94,8 +86,10 @@ class Beliefs:
     follows from them is computed for all rows at once in `complete`.
     """
 
-    def __init__(self, believer: Believer, recorder: Recorder) -> None:
+    def __init__(self, layout: Layout, believer: Believer, recorder: Recorder) -> None:
         """See nothing yet, and believe what the filter does."""
+        self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
+        self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
         self._filter = its = believer.filter
         self._radius, self._seen = believer.wheel_radius, believer.seen
         uncertain = [believer.adhesion, believer.pad_friction]
@@ -116,8 +110,8 @@ class Beliefs:
         if self._latest is None:
             self._latest = reading
             # What the pressures were before anything was read is not known: the first reading stands for it.
-            self._filter.held[:GROUPS] = reading[_PRESSURE]
-        elif not math.isnan(_EVERY.dot(reading)):
+            self._filter.held[: self._groups] = reading[self._pressure]
+        elif not math.isnan(self._every.dot(reading)):  # as above
             self._latest = self._fresh = reading
         else:
             new = ~np.isnan(reading)
@@ -135,7 +129,7 @@ class Beliefs:
         except ArithmeticError as diverged:
             return str(diverged)
         self._fresh = None
-        its.held[:GROUPS] = self._latest[_PRESSURE]
+        its.held[: self._groups] = self._latest[self._pressure]
         self._innovation = (its.squared_innovation, np.add.reduce(its.used))
         self._believed = its.mean.take(self._states)
         self._spread = spread = self._variances.take(self._uncertain)
@@ -157,15 +151,15 @@ class Beliefs:
         """Return what the controller sees now; a sensor without a new reading shows its last one."""
         assert self._latest is not None
         speed, *believed = self._believed.tolist()
-        acceleration, *pressure = self._latest[_ACCELERATION:].tolist()
+        groups = self._groups
         return Sight(
             time,
             speed,
-            acceleration,
-            _slips(speed, believed[:GROUPS], self._radius),
-            tuple(believed[GROUPS : 2 * GROUPS]),
-            tuple(believed[2 * GROUPS :]),
-            tuple(pressure),
+            float(self._latest[self._acceleration]),
+            _slips(speed, believed[:groups], self._radius),
+            tuple(believed[groups : 2 * groups]),
+            tuple(believed[2 * groups :]),
+            tuple(self._latest[self._pressure].tolist()),
         )
 
 

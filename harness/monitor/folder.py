@@ -12,9 +12,10 @@ from harness.estimate.recorded.files import FORMATS
 from harness.estimate.recorded.specified import taken_for
 from harness.estimate.recording import recording_of
 from harness.estimate.spec import Specification, parameters_for
+from harness.formation import Formation
 from harness.monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
-from harness.record.signals import Signal
 from harness.record.trace import FILE_NAME, read_trace, trace_of, write_trace
+from harness.signals import Signal
 
 TEMPERATURE = "reading_disc_temperature"
 """Variable (time, group) of a trace that tells the temperature of the discs [K]; its first sample is used."""
@@ -141,4 +142,4 @@ def write_recording(recording: xarray.Dataset, temperature: np.ndarray, folder: 
     blocks[discs] = np.tile(temperature, (count, 1))
     place = folder / str(recording.attrs["name"])
     place.mkdir(parents=True, exist_ok=True)
-    write_trace(trace_of(blocks, float(recording.attrs["period"])), place / FILE_NAME)
+    write_trace(trace_of(blocks, Formation((1,) * GROUPS), float(recording.attrs["period"])), place / FILE_NAME)

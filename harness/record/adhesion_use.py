@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from harness.scenario.adhesion import GROUP_OF_WHEELSET
+from harness.record.trace import formation_in
 
 
 def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
@@ -12,13 +12,14 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     1 is a stop at the ideal bound. A wheelset may exceed it for a moment: inertia releases force that no
     steady torque would hold. NaN where the trace has no bound, as of a plant that does not show its brakes.
     """
+    unknown = float("nan"), (float("nan"),) * formation_in(trace).wheelsets
     if "ideal_share" not in trace:
-        return float("nan"), (float("nan"),) * len(GROUP_OF_WHEELSET)
+        return unknown
     time, load = trace["time"].values, trace["wheelset_load"].values
     used = np.trapezoid(trace["adhesion"].values * load, time, axis=0)
     possible = np.trapezoid(trace["ideal_share"].values * load, time, axis=0)
     if not np.all(possible > 0):
-        return float("nan"), (float("nan"),) * len(GROUP_OF_WHEELSET)
+        return unknown
     return float(used.sum() / possible.sum()), tuple(map(float, used / possible))
 
 
@@ -29,10 +30,7 @@ def over_the_rail(trace: xarray.Dataset) -> float:
     """
     if "peak_adhesion" not in trace:
         return float("nan")
-    groups = np.array(GROUP_OF_WHEELSET)
-    load = np.stack(
-        [trace["wheelset_load"].values[:, groups == g].sum(axis=1) for g in range(groups.max() + 1)], axis=1
-    )
+    load = formation_in(trace).summed(trace["wheelset_load"].values)
     used, possible = (
         np.trapezoid((trace[name].values * load).sum(axis=1), trace["time"].values)
         for name in ("group_adhesion", "peak_adhesion")

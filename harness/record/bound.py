@@ -1,6 +1,6 @@
 """The ideal bound: the adhesion that the best possible control could have used at every sample of a stop.
 
-For each ω-group it is min(peak adhesion, brake limit, α_max): what the rail gives at the best slip, what full
+For each group it is min(peak adhesion, brake limit, α_max): what the rail gives at the best slip, what full
 brake pressure could have drawn, what the operator may use.
 """
 
@@ -11,7 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from harness.record.contact import Contact, peak
-from harness.scenario.adhesion import GROUP_OF_WHEELSET
+from harness.record.trace import formation_in
 
 Array = NDArray[np.float64]
 
@@ -20,14 +20,14 @@ _STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are s
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Brake:
-    """What full pressure makes at the rim of each ω-group; names and values are the plant's parameters.
+    """What full pressure makes at the rim of each group; names and values are the plant's parameters.
 
     Attributes:
-        p_max: Highest cylinder pressure, shape (4,) [Pa].
-        n_units: Brake units of the group, shape (4,).
-        r_friction: Friction radius, shape (4,) [m].
-        r_wheel: Rolling radius, shape (4,) [m].
-        J: Moment of inertia, shape (4,) [kg m2].
+        p_max: Highest cylinder pressure, shape (groups,) [Pa].
+        n_units: Brake units of the group, shape (groups,).
+        r_friction: Friction radius, shape (groups,) [m].
+        r_wheel: Rolling radius, shape (groups,) [m].
+        J: Moment of inertia, shape (groups,) [kg m2].
         A_piston: Piston area [m2].
         i_rigging: Rigging ratio, both pads.
         eta_rigging: Rigging efficiency.
@@ -45,11 +45,11 @@ class Brake:
     F_spring: float
 
     def limit(self, pad_friction: Array, load: Array, deceleration: Array) -> Array:
-        """Return the adhesion at which full pressure would just hold the slip, shape (n, 4).
+        """Return the adhesion at which full pressure would just hold the slip, shape (n, groups).
 
         Args:
-            pad_friction: Of each group, shape (n, 4).
-            load: Of each group, shape (n, 4) [N].
+            pad_friction: Of each group, shape (n, groups).
+            load: Of each group, shape (n, groups) [N].
             deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
         """
         pad_force = self.eta_rigging * self.i_rigging * np.maximum(self.p_max * self.A_piston - self.F_spring, 0)
@@ -67,22 +67,21 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
     """
     time, speed = trace["time"].values, trace["speed"].values
     load, mu0 = trace["wheelset_load"].values, trace["mu0"].values
-    groups = np.array(GROUP_OF_WHEELSET)
-    count = groups.max() + 1
+    formation = formation_in(trace)
+    groups = formation.group_of_wheelset
     period = time[1] - time[0] if len(time) > 1 else _STRIDE
     # The last sample is always among them, so that nothing is extrapolated.
     chosen = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
 
-    peak_slip, peak_each = np.empty((len(time), count)), np.empty(load.shape)
-    for group in range(count):
-        members = np.flatnonzero(groups == group)
-        slip, each = peak(contact, speed[chosen], load[np.ix_(chosen, members)], mu0[np.ix_(chosen, members)])
+    peak_slip, peak_each = np.empty((len(time), formation.groups)), np.empty(load.shape)
+    for group, members in enumerate(formation.members()):
+        slip, each = peak(contact, speed[chosen], load[chosen, members], mu0[chosen, members])
         peak_slip[:, group] = np.interp(time, time[chosen], slip)
-        for number, member in enumerate(members):
+        for number, member in enumerate(range(members.start, members.stop)):
             peak_each[:, member] = np.interp(time, time[chosen], each[:, number])
 
-    group_load = _by_group(load, groups, count)
-    peak_adhesion = _by_group(peak_each * load, groups, count) / group_load
+    group_load = formation.summed(load)
+    peak_adhesion = formation.summed(peak_each * load) / group_load
     limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values)
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
@@ -103,8 +102,3 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
         ideal_adhesion=(("time", "group"), ideal, ratio | {"long_name": "adhesion of the ideal bound"}),
         ideal_share=(("time", "wheelset"), share, ratio | {"long_name": "share in the ideal bound"}),
     )
-
-
-def _by_group(values: Array, groups: NDArray[np.int_], count: int) -> Array:
-    """Return the sums over the wheelsets of each group: shape (n, 6) → (n, count)."""
-    return np.stack([values[:, groups == group].sum(axis=1) for group in range(count)], axis=1)

@@ -19,8 +19,8 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
     """Return the best common slip of wheelsets that turn as one, and the adhesion of each at it.
 
     The best of a logarithmic grid of slips, refined by golden section on its logarithm and by a parabola through the
-    last points; at each sample on its own. A curve is assumed to have one maximum within four grid steps (a factor
-    of 3.2 in slip).
+    last points; at each sample on its own. Below the locked wheel a curve is assumed to have one maximum within four
+    grid steps (a factor of 3.2 in slip); one that rises again towards the lock may have its greatest value there.
 
     Args:
         contact: The creep curve.
@@ -43,7 +43,7 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
     last = len(grid) - 1
     # Every other slip first, then the neighbours of the best.
     coarse = np.stack([force(np.full(speed.shape, point)) for point in grid[::2]])
-    best = 2 * np.argmax(coarse, axis=0)
+    best = 2 * np.argmax(coarse[:-1], axis=0)
     around = [np.maximum(best - 1, 0), best, np.minimum(best + 1, last)]
     beside = np.stack([force(grid[around[0]]), coarse[best // 2, every], force(grid[around[2]])])
     nearest = np.argmax(beside, axis=0)
@@ -65,7 +65,9 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
     vertex = _vertex((left, middle, right), (force_left, force(middle), force_right))
     refined = np.clip(vertex, low, high)
     # A maximum at the edge of the grid is not inside the bracket: never return less than the grid had.
-    chosen = np.where(force(refined) >= highest, refined, grid[best])
+    reached = force(refined)
+    chosen = np.where(reached >= highest, refined, grid[best])
+    chosen = np.where(coarse[-1] > np.maximum(reached, highest), grid[last], chosen)
     return np.exp(chosen), adhesion(chosen)
 
 

@@ -29,7 +29,7 @@ class Figure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Metrics:
-    """The figures of a stop; tuples are lead to trail, of six wheelsets or four ω-groups.
+    """The figures of a stop; tuples are lead to trail, of wheelsets or groups.
 
     A figure that does not exist (no estimator, no motion) is NaN or None; `meanings` says what each is.
     """

@@ -6,8 +6,9 @@ from types import MappingProxyType
 import numpy as np
 import xarray
 
-from harness.record.signals import Signal
+from harness.formation import Formation
 from harness.record.trace import trace_of
+from harness.signals import Signal, length, places
 
 
 class Recorder:
@@ -24,17 +25,15 @@ class Recorder:
         at: Signal name → first column.
     """
 
-    __slots__ = ("_signals", "at", "columns", "rows", "written")
+    __slots__ = ("_formation", "_signals", "at", "columns", "rows", "written")
 
-    def __init__(self, signals: Iterable[Signal], capacity: int) -> None:
-        """Make room for `capacity` samples of the signals, in their order."""
-        self._signals = tuple(signals)
-        first = np.cumsum([0, *(signal.width for signal in self._signals)]).tolist()
-        spans = zip(self._signals, first[:-1], first[1:], strict=True)
-        self.columns = MappingProxyType({signal.name: slice(begin, end) for signal, begin, end in spans})
+    def __init__(self, signals: Iterable[Signal], formation: Formation, capacity: int) -> None:
+        """Make room for `capacity` samples of the signals of a vehicle, in their order."""
+        self._signals, self._formation = tuple(signals), formation
+        self.columns = places(self._signals, formation)
         self.at = MappingProxyType({name: columns.start for name, columns in self.columns.items()})
         # Not filled with NaN: a stop of half a minute leaves most of its horizon unused, some 50 MB.
-        self.rows = np.empty((capacity, first[-1]))
+        self.rows = np.empty((capacity, length(self.columns)))
         self.written = 0
 
     def block(self, signals: Sequence[Signal]) -> slice:
@@ -47,4 +46,4 @@ class Recorder:
         The arrays are views: the recorder must not be written to afterwards.
         """
         blocks = {signal: self.rows[:count, self.columns[signal.name]] for signal in self._signals}
-        return trace_of(blocks, period)
+        return trace_of(blocks, self._formation, period)

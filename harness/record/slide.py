@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.scenario.adhesion import GROUP_OF_WHEELSET
+from harness.record.trace import formation_in
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ def _sample_times(trace: xarray.Dataset) -> Array:
 
 
 def slip_histogram(trace: xarray.Dataset) -> tuple[tuple[float, ...], ...]:
-    """Return the time [s] of each group in each slip class of `SLIP_EDGES`; shape (4, 9)."""
+    """Return the time [s] of each group in each slip class of `SLIP_EDGES`; shape (groups, classes)."""
     times, slip = _sample_times(trace), trace["slip"].values
     classes = np.digitize(slip, SLIP_EDGES)
     counts = [np.bincount(classes[:, g], weights=times, minlength=len(SLIP_EDGES) + 1) for g in range(slip.shape[1])]
@@ -54,9 +54,9 @@ def locked_distance(trace: xarray.Dataset) -> tuple[float, ...]:
 
 
 def tread_power(trace: xarray.Dataset) -> Array:
-    """Return F·v·s, the power that each wheelset dissipates in its contacts [W], shape (n, 6)."""
+    """Return F·v·s, the power that each wheelset dissipates in its contacts [W], shape (n, wheelsets)."""
     force = trace["adhesion"].values * trace["wheelset_load"].values
-    slip = trace["slip"].values[:, list(GROUP_OF_WHEELSET)]
+    slip = trace["slip"].values[:, formation_in(trace).group_of_wheelset]
     return force * slip * trace["speed"].values[:, None]
 
 

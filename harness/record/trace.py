@@ -1,7 +1,7 @@
 """The signals of a stop on their sample grid: an xarray data set with units, and its NetCDF file.
 
-Dimensions are `time` [s since the brake demand], `group` (1 to 4, ω-groups lead to trail) and `wheelset` (1
-to 6).
+Dimensions are `time` [s since the brake demand], `group` and `wheelset`, both counted from 1, lead to trail;
+`group_of_wheelset` says which wheelsets turn as one.
 """
 
 from collections.abc import Mapping
@@ -15,20 +15,25 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from harness.formation import Formation, formation_of
 from harness.record.atomic import write_bytes
 from harness.record.error import RecordError
-from harness.record.signals import GROUPS, WHEELSETS, Signal
+from harness.signals import Signal
 
 FILE_NAME = "trace.nc"
 
 _ATTRIBUTES = ("units", "long_name")
 
 
-def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], period: float) -> xarray.Dataset:
+_GROUPS = "group_of_wheelset"
+
+
+def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation, period: float) -> xarray.Dataset:
     """Return a trace of signals sampled together.
 
     Args:
         blocks: Signal → its samples, shape (n, width); the arrays are kept, not copied.
+        formation: Of the vehicle.
         period: Of the samples [s]; the first is the brake demand.
     """
     count = len(next(iter(blocks.values())))
@@ -40,8 +45,9 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], period: float) -> xar
         )
         for signal, block in blocks.items()
     }
+    membership = {"long_name": "group that the wheelset turns with"}
     return xarray.Dataset(
-        variables,
+        variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
         coords={
             # Time is counted and multiplied, never summed.
             "time": (
@@ -51,12 +57,17 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], period: float) -> xar
             ),
             "group": (
                 "group",
-                np.arange(1, GROUPS + 1),
+                np.arange(1, formation.groups + 1),
                 {"long_name": "group of wheelsets that turn as one"},
             ),
-            "wheelset": ("wheelset", np.arange(1, WHEELSETS + 1), {"long_name": "wheelset, lead to trail"}),
+            "wheelset": ("wheelset", np.arange(1, formation.wheelsets + 1), {"long_name": "wheelset, lead to trail"}),
         },
     )
+
+
+def formation_in(trace: xarray.Dataset) -> Formation:
+    """Return the formation of the vehicle that a trace is of."""
+    return formation_of(trace[_GROUPS].values.tolist())
 
 
 def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:

@@ -6,17 +6,14 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.formation import Formation
 from harness.scenario.curve import Curve
 from harness.scenario.error import ScenarioError
 from harness.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
 from harness.scenario.schema import Scenario
 from harness.scenario.seed import generator
-from harness.scenario.table import WHEELSETS
 
 Array = NDArray[np.float64]
-
-GROUP_OF_WHEELSET = (0, 0, 1, 2, 3, 3)
-"""ω-group of each wheelset: motor bogies turn as one, the wheelsets of the Jacobs bogie alone."""
 
 _FARTHEST = 20e3  # m; full braking from 500 km/h takes half of it, and the table 200 MB
 _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
@@ -33,7 +30,7 @@ class Profile:
         over_time: Whether the axis is the time since the brake demand [s], else the distance of the first
             wheelset since then [m].
         step: Of the grid, in the axis' unit.
-        mu0_at: Friction at the grid points, shape (n, 6), wheelsets lead to trail.
+        mu0_at: Friction at the grid points, shape (n, wheelsets), lead to trail.
     """
 
     over_time: bool
@@ -41,7 +38,7 @@ class Profile:
     mu0_at: Array
 
     def mu0(self, time: float, distance: float) -> Array:
-        """Return the friction at each wheelset, shape (6,), at a time [s] and distance [m] since the demand.
+        """Return the friction at each wheelset, shape (wheelsets,), at a time [s] and distance [m] since the demand.
 
         The array is a view of the table, not to be written to.
         """
@@ -49,27 +46,28 @@ class Profile:
         return self.mu0_at[min(max(nearest, 0), len(self.mu0_at) - 1)]
 
     def table(self, time: Array, distance: Array) -> Array:
-        """Return `mu0` for many instants at once: shapes (n,), (n,) → (n, 6)."""
+        """Return `mu0` for many instants at once: shapes (n,), (n,) → (n, wheelsets)."""
         nearest = ((time if self.over_time else distance) / self.step + 0.5).astype(int)
         return self.mu0_at[np.clip(nearest, 0, len(self.mu0_at) - 1)]
 
 
-def profile_of(scenario: Scenario) -> Profile:
-    """Return the friction profile of a scenario, up to its horizon.
+def profile_of(scenario: Scenario, formation: Formation) -> Profile:
+    """Return the friction profile of a scenario under each wheelset of a formation, up to its horizon.
 
     A profile over time reaches all wheelsets at once. One over distance lies on the rail: a wheelset meets it
     `wheelset_offsets` later than the first.
 
     Raises:
-        ScenarioError: Level and conditioning bring friction above 1.
+        ScenarioError: Level and conditioning bring friction above 1, or something is given for another number of
+            wheelsets.
     """
-    adhesion = scenario.adhesion
+    adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _demand_resolved(scenario)
     over_time = not scenario.runs_over_distance
     if over_time:
         step = scenario.periods.communication
         axis = step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)
-        places = np.repeat(axis[:, None], WHEELSETS, axis=1)
+        places = np.repeat(axis[:, None], wheelsets, axis=1)
     else:
         step = _PLACE_STEP
         # A braking train cannot get farther than this before the horizon.
@@ -80,9 +78,13 @@ def profile_of(scenario: Scenario) -> Profile:
                 f"horizon, {reach / 1e3:.3g} km; {_FARTHEST / 1e3:g} km is the most, shorten the horizon"
             )
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
-        places = axis[:, None] - np.array(scenario.vehicle.wheelset_offsets)
+        offsets = scenario.vehicle.wheelset_offsets
+        _check_count(scenario, "[vehicle] wheelset_offsets", len(offsets), wheelsets)
+        places = axis[:, None] - np.array(offsets)
     match adhesion:
         case Constant(mu0=mu0):
+            if len(mu0) > 1:
+                _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
             found = np.broadcast_to(mu0, places.shape)
         case Trapezoid():
             found = _trapezoid(adhesion, places)
@@ -91,16 +93,23 @@ def profile_of(scenario: Scenario) -> Profile:
         case Random():
             found = _random(adhesion, places, scenario.seed)
         case FromTable(curve=curve):
+            if curve.mu0.shape[1] > 1:
+                _check_count(scenario, f"[adhesion] file {adhesion.file.written}", curve.mu0.shape[1], wheelsets)
             found = _from_curve(curve, places)
         case _:
             assert_never(adhesion)
-    mu0 = _conditioned(adhesion.factor * found, adhesion.conditioning)
+    mu0 = _conditioned(adhesion.factor * found, adhesion.conditioning, formation)
     if mu0.max() > 1:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
         )
     mu0.flags.writeable = False
     return Profile(over_time=over_time, step=step, mu0_at=mu0)
+
+
+def _check_count(scenario: Scenario, what: str, count: int, wheelsets: int) -> None:
+    if count != wheelsets:
+        raise ScenarioError(f"{scenario.name}: {what} is for {count} wheelsets, the vehicle has {wheelsets}")
 
 
 def _demand_resolved(scenario: Scenario) -> None:
@@ -185,14 +194,14 @@ def _from_curve(curve: Curve, places: Array) -> Array:
     return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)
 
 
-def _conditioned(mu0: Array, conditioning: Conditioning | None) -> Array:
+def _conditioned(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:
     """Raise low friction for wheelsets behind: each one ahead closes a fraction of the gap to `recovered`.
 
-    mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n), n wheelsets or ω-groups ahead of j. So minima
+    mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n), n wheelsets or groups ahead of j. So minima
     rise from front to rear and friction at or above `recovered` stays.
     """
     if conditioning is None:
         return np.array(mu0)
-    ahead = np.array(GROUP_OF_WHEELSET if conditioning.by == "group" else range(WHEELSETS))
+    ahead = formation.group_of_wheelset if conditioning.by == "group" else np.arange(formation.wheelsets)
     closed = 1 - (1 - conditioning.fraction) ** ahead
     return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * closed

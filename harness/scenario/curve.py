@@ -1,4 +1,4 @@
-"""The user's own friction curve: a CSV file with one axis and one or six columns of mu0."""
+"""The user's own friction curve: a CSV file with one axis and one column of mu0 or one for each wheelset."""
 
 import csv
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Curve:
     mu0: NDArray[np.float64]
 
 
-def read_curve(path: Path, *, wheelsets: int) -> Curve:
+def read_curve(path: Path) -> Curve:
     """Read the columns time [s] or distance [m], and mu0 or mu0_1 … mu0_n.
 
     Raises:
@@ -39,14 +39,15 @@ def read_curve(path: Path, *, wheelsets: int) -> Curve:
     if not rows:
         raise ValueError("is empty; the first line names the columns, such as time,mu0")
     header = [cell.strip() for cell in rows[0][1]]
-    each = [f"mu0_{number}" for number in range(1, wheelsets + 1)]
+    each = [f"mu0_{number}" for number in range(1, len(header))]
     known = {"time", "distance", "mu0", *each}
     axes = [name for name in ("time", "distance") if name in header]
     columns = next((wanted for wanted in (["mu0"], each) if set(header) == {*axes, *wanted}), None)
     if len(axes) != 1 or columns is None or len(header) != 1 + len(columns):
         raise ValueError(
-            f"has {len(header)} columns; its first line wants to name time [s] or distance [m], and mu0 or "
-            f"{each[0]} … {each[-1]}, and names of these {', '.join(sorted({*header} & known)) or 'none'}"
+            f"has {len(header)} columns; its first line wants to name time [s] or distance [m], and mu0 for all "
+            "wheelsets or mu0_1, mu0_2 … for each, and names of these "
+            f"{', '.join(sorted({*header} & known)) or 'none'}"
         )
     values = np.array([_numbers(line, row, len(header)) for line, row in rows[1:]])
     if len(values) < 2:

@@ -8,11 +8,11 @@ from harness.scenario.curve import Curve, read_curve
 from harness.scenario.file import NamedFile
 from harness.scenario.polach import Polach
 from harness.scenario.quantity import Magnitude, Unit
-from harness.scenario.table import WHEELSETS, Friction, Table, broken
+from harness.scenario.table import Friction, Table, broken
 
 
 class Conditioning(Table):
-    """Each wheelset or ω-group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
+    """Each wheelset or group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
 
     fraction: Annotated[float, Unit("1", at_least=0, below=1)]
     recovered: Friction
@@ -51,16 +51,12 @@ class Constant(_Profile):
     """The same friction everywhere, for the train or for each wheelset."""
 
     kind: Literal["constant"]
-    mu0: tuple[Friction, ...] = Field(description="one number for the whole train, or six")
+    mu0: tuple[Friction, ...] = Field(description="one number for the whole train, or one for each wheelset")
 
     @field_validator("mu0", mode="before")
     @classmethod
-    def _one_or_six(cls, written: Any) -> Any:
-        if not isinstance(written, list | tuple):
-            return (written,) * WHEELSETS
-        if len(written) != WHEELSETS:
-            raise broken(f"must be one number or {WHEELSETS}, got {len(written)}")
-        return tuple(written)
+    def _one_or_each(cls, written: Any) -> Any:
+        return tuple(written) if isinstance(written, list | tuple) else (written,)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -169,7 +165,7 @@ class Random(_Varying):
 
 
 class FromTable(_Profile):
-    """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_6."""
+    """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
 
     kind: Literal["table"]
     file: NamedFile
@@ -185,7 +181,7 @@ class FromTable(_Profile):
     def curve(self) -> Curve:
         """The content of the file."""
         try:
-            return read_curve(self.file.path, wheelsets=WHEELSETS)
+            return read_curve(self.file.path)
         except ValueError as problem:
             raise broken(f"file {self.file.written}: {problem}") from problem
 

@@ -7,9 +7,6 @@ from pydantic_core import PydanticCustomError
 
 from harness.scenario.quantity import Magnitude, Unit
 
-WHEELSETS = 6
-GROUPS = 4
-
 FASTEST = 160.0  # m/s
 _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"
 _LONGEST = "no braking lasts three hours"

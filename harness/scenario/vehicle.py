@@ -7,7 +7,17 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_seriali
 from harness.scenario.file import NamedFile
 from harness.scenario.mapped import MapEntry
 from harness.scenario.quantity import Unit
-from harness.scenario.table import WHEELSETS, Length, Parameters, Speed, Table, broken, scalars
+from harness.scenario.table import Length, Parameters, Speed, Table, broken, scalars
+
+
+class FormationTable(Table):
+    """What a plant that does not say it itself is made of."""
+
+    wheelsets_per_group: tuple[Annotated[StrictInt, Field(ge=1, le=64)], ...] = Field(
+        min_length=1,
+        max_length=256,
+        description="number of wheelsets of each group that turns as one and shares a brake, leading group first",
+    )
 
 
 class Nudge(Table):
@@ -31,6 +41,9 @@ class Vehicle(Table):
     )
     trust: StrictBool = Field(
         default=False, description="load an FMU of one's own into this process: faster, but a crash in it ends the run"
+    )
+    formation: FormationTable | None = Field(
+        default=None, description="of a plant that does not say which wheelsets turn as one"
     )
     wheelset_offsets: tuple[Length, ...] = Field(
         default=(),
@@ -56,9 +69,9 @@ class Vehicle(Table):
 
     @field_validator("wheelset_offsets")
     @classmethod
-    def _six_in_order(cls, offsets: tuple[float, ...]) -> tuple[float, ...]:
-        if offsets and (len(offsets) != WHEELSETS or offsets[0] != 0 or list(offsets) != sorted(offsets)):
-            raise broken(f"must be {WHEELSETS} rising distances that start with 0, got {list(offsets)}")
+    def _in_order(cls, offsets: tuple[float, ...]) -> tuple[float, ...]:
+        if offsets and (offsets[0] != 0 or list(offsets) != sorted(offsets)):
+            raise broken(f"must be rising distances that start with 0, got {list(offsets)}")
         return offsets
 
 

@@ -8,7 +8,6 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from harness.record.signals import GROUPS
 from harness.verdict import style
 from harness.verdict.distribution import distributions_of, over_cases
 from harness.verdict.distribution_figure import distribution_figure
@@ -157,7 +156,7 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
 
 
 def stop_figure(stop: Result) -> Figure:
-    """Return what an engineer asks of one stop: a column for each ω-group, rows from speed to pressure.
+    """Return what an engineer asks of one stop: a column for each group, rows from speed to pressure.
 
     Speeds of train and wheelset; slip and the slip of greatest adhesion; adhesion with its estimate ±2σ and the
     greatest possible; the same of the pad friction; cylinder pressure. What a plant from outside hides, and nobody
@@ -171,7 +170,7 @@ def stop_figure(stop: Result) -> Figure:
     outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
     height = 1.3 + 1.94 * len(rows)
     made = style.figure(14, height, {**_STOP_MARGINS, "bottom": 0.5 / height, "top": 1 - 0.77 / height})
-    panels = made.subplots(len(rows), GROUPS, sharex=True, sharey="row", squeeze=False)
+    panels = made.subplots(len(rows), trace.sizes["group"], sharex=True, sharey="row", squeeze=False)
     for row, (quantity, draw) in zip(panels, rows.items(), strict=True):
         for group, panel in enumerate(row):
             draw(panel, time, trace, group)
@@ -183,7 +182,7 @@ def stop_figure(stop: Result) -> Figure:
             panel.spines[["top", "right"]].set_visible(False)
         row[0].set_ylabel(quantity)
         row[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
-    for group in range(GROUPS):
+    for group in range(trace.sizes["group"]):
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
         panels[-1, group].set_xlabel("time [s]")
     panels[0, 0].set_xlim(0, time[-1])

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from synthetic import LAYOUT, TWO_PART_TRAIN
 
 from fmus.native import package
 from fmus.native.dae import read
 from fmus.native.system import explicit
 from harness.assemble import run_stop
 from harness.fmu import Binding, CoSimulation, Description, FmuError, Signal, bind, describe
-from harness.loop.edge import COMMAND, FORCE, FRICTION, INPUTS, OUTPUT, OUTPUTS
 from harness.record.outcome import Outcome
-from harness.record.signals import PLANT
 from harness.scenario.load import load
+from harness.signals import PLANT
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = ROOT / "harness" / "scenario" / "library" / "foreign_train.toml"
@@ -36,7 +36,12 @@ NEEDED = ("speed", "distance", "acceleration", "wheelset_speed", "cylinder_press
 def answered(*more: str) -> tuple[Signal, ...]:
     """The loop's outputs, of which those for every stop are needed, and `more`."""
     return tuple(
-        Signal(name=s.name, unit=s.unit, size=0 if s.width == 1 else s.width, needed=s.name in (*NEEDED, *more))
+        Signal(
+            name=s.name,
+            unit=s.unit,
+            size=0 if s.extent == "train" else TWO_PART_TRAIN.width(s.extent),
+            needed=s.name in (*NEEDED, *more),
+        )
         for s in PLANT
     )
 
@@ -74,8 +79,12 @@ def stop(
     foreign: Description, binding: Binding, *, pressure: float, grip: float, force: float, duration: float
 ) -> np.ndarray:
     """Return the outputs of each millisecond of a braking with constant inputs, from 20 m/s."""
-    inputs = np.zeros(INPUTS)
-    inputs[COMMAND], inputs[FRICTION], inputs[FORCE] = pressure, grip, force
+    inputs = np.zeros(LAYOUT.inputs)
+    inputs[LAYOUT.input["command"]], inputs[LAYOUT.input["mu0"]], inputs[LAYOUT.input["track_force"]] = (
+        pressure,
+        grip,
+        force,
+    )
     parameters = binding.translated({"speed_start": 20.0})
     with CoSimulation(foreign, binding, period=PERIOD, parameters=parameters) as plant:
         rows = [plant.start(inputs)]
@@ -84,7 +93,7 @@ def stop(
 
 
 def column(rows: np.ndarray, name: str) -> np.ndarray:
-    return rows[:, OUTPUT[name]]
+    return rows[:, LAYOUT.output[name]]
 
 
 def test_it_answers_in_our_units(foreign: Description, binding: Binding):
@@ -101,8 +110,8 @@ def test_what_it_lacks_is_no_number_and_the_rest_is_there(foreign: Description, 
         *("damper_heat", "resistance_work", "kinetic_energy", "standstill"),
     )
     rows = stop(foreign, binding, pressure=2e5, grip=0.3, force=0.0, duration=0.1)
-    assert rows.shape == (101, OUTPUTS)
-    for name, where in OUTPUT.items():
+    assert rows.shape == (101, LAYOUT.outputs)
+    for name, where in LAYOUT.output.items():
         assert np.isnan(rows[:, where]).all() == (name in binding.outputs.absent), name
         assert np.isnan(rows[:, where]).any() == (name in binding.outputs.absent), name
 

@@ -18,7 +18,7 @@ from harness.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describ
 from harness.fmu.child import ANSWER, FAILED
 from harness.fmu.isolation import KEEPER
 from harness.limits import FMU_LIMITS, FmuLimits
-from harness.record.signals import GROUPS, PLANT
+from harness.signals import PLANT
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes of FMUs are held on Linux")
 
@@ -30,15 +30,15 @@ def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
     description = describe(plant, limits)
     binding = bind(
         description,
-        inputs=[Signal(name="pressure_command", unit="Pa", size=GROUPS, needed=True)],
+        inputs=[Signal(name="pressure_command", unit="Pa", size=4, needed=True)],
         outputs=[Signal(name=s.name, unit=s.unit, size=0, needed=True) for s in SIGNALS],
     )
     plant_in_its_own = IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits)
     try:
         with plant_in_its_own as opened:
-            opened.start(np.zeros(GROUPS))
+            opened.start(np.zeros(4))
             for _ in range(20):
-                opened.step(np.zeros(GROUPS))
+                opened.step(np.zeros(4))
     except PlantFailed as failed:
         return str(failed)
     pytest.fail("it did not fail")

@@ -102,7 +102,11 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
         for place in ("build/native", "build/estimators", "build/loop"):
             (tmp_path / place).mkdir(parents=True, exist_ok=True)
             (tmp_path / place / f"{name}.so").write_bytes(content)
-    code = "from harness.loop.library import kernel; from harness.fmu.crossing import _library; kernel(); _library()"
+    code = (
+        "from harness.loop.library import kernel; from harness.fmu.crossing import _library;"
+        "from harness.formation import Formation; from harness.signals import layout_of;"
+        "kernel(layout_of(Formation((1,)))); _library()"
+    )
     root = str(Path(cache.__file__).parents[1])
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"PYTHONPATH": root}, capture_output=True,

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
+from synthetic import TWO_PART_TRAIN
 
 import harness.scenario
 from harness.estimate.recorded.read import recorded
@@ -122,7 +123,7 @@ def test_a_mutated_scenario_is_asked_about_or_refused(data):
     def question():
         scenario = scenario_of(table, directory=ROOM / "library", origin="mutant.toml")
         scenario.digest()
-        profile_of(scenario)
+        profile_of(scenario, TWO_PART_TRAIN)
         track_force_of(scenario.track)
         sensors_of(scenario, 0.38)
 

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
+from synthetic import LAYOUT, TWO_PART_TRAIN
 
+from harness import signals
 from harness.loop.cycle import run
-from harness.loop.edge import COMMAND, FRICTION, OUTPUT, OUTPUTS
 from harness.loop.ended import Clock
-from harness.loop.reading import READING, READINGS
 from harness.loop.sensors import IdealSensors
 from harness.loop.watch import Believer
-from harness.record import signals
 from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
 
@@ -27,17 +26,17 @@ class Block:
 
     def step(self, inputs):
         self.seen.append(inputs.copy())
-        a = -inputs[COMMAND].mean() / 1e5
+        a = -inputs[LAYOUT.input["command"]].mean() / 1e5
         self.distance += self.speed * PERIOD + 0.5 * a * PERIOD**2
         self.speed += a * PERIOD
         return self._outputs(a)
 
     def _outputs(self, a):
-        truth = np.zeros(OUTPUTS)
-        truth[OUTPUT["speed"]] = self.speed
-        truth[OUTPUT["distance"]] = self.distance
-        truth[OUTPUT["acceleration"]] = a
-        truth[OUTPUT["wheelset_speed"]] = self.speed / 0.4
+        truth = np.zeros(LAYOUT.outputs)
+        truth[LAYOUT.output["speed"]] = self.speed
+        truth[LAYOUT.output["distance"]] = self.distance
+        truth[LAYOUT.output["acceleration"]] = a
+        truth[LAYOUT.output["wheelset_speed"]] = self.speed / 0.4
         return truth
 
 
@@ -67,12 +66,15 @@ def brake(
     plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05, actuation=None
 ):
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believer else ())), samples + 1
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believer else ())),
+        TWO_PART_TRAIN,
+        samples + 1,
     )
     ended = run(
+        layout=LAYOUT,
         plant=plant,
         rail=Rail(),
-        sensors=sensors or IdealSensors(),
+        sensors=sensors or IdealSensors(LAYOUT),
         believer=believer,
         controller=controller or Constant(),
         actuation=actuation or Direct(),
@@ -106,8 +108,8 @@ def test_a_command_acts_in_the_period_after_the_decision():
     plant = Block(10.0)
     _, recorder = brake(plant, samples=3)
     assert recorder.rows[0, recorder.columns["command"]].tolist() == [0.0] * 4
-    assert plant.seen[0][COMMAND].tolist() == [1e5] * 4
-    assert plant.seen[1][FRICTION][0] == pytest.approx(0.1 + 0.1 * 1e-6, rel=1e-6)
+    assert plant.seen[0][LAYOUT.input["command"]].tolist() == [1e5] * 4
+    assert plant.seen[1][LAYOUT.input["mu0"]][0] == pytest.approx(0.1 + 0.1 * 1e-6, rel=1e-6)
 
 
 def test_a_demand_that_is_none_is_not_hidden_by_the_actuation():
@@ -129,7 +131,7 @@ def test_the_controller_is_asked_at_its_own_period():
 def test_a_controller_without_a_number_is_an_outcome():
     ended, _ = brake(Block(10.0), Constant(float("nan")))
     assert ended.outcome is Outcome.CONTROLLER_FAILED
-    assert "not four numbers" in ended.reason
+    assert "not 4 numbers" in ended.reason
 
 
 class Spy:
@@ -167,9 +169,9 @@ class Sparse:
     """Sensors whose train speed comes every third sample and whose pressures count the samples."""
 
     def read(self, sample, truth):
-        reading = np.zeros(READINGS)
+        reading = np.zeros(LAYOUT.readings)
         reading[0] = sample if sample % 3 == 0 else np.nan
-        reading[READING["cylinder_pressure"]] = sample
+        reading[LAYOUT.reading["cylinder_pressure"]] = sample
         return reading
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from synthetic import LAYOUT, TWO_PART_TRAIN
 
 from controllers.brake import BrakeGroup
 from controllers.law import Law, law
@@ -19,19 +20,17 @@ from controllers.sampled import choose
 from controllers.slip_based import SlipBased
 from controllers.tuning import PAPER_LEVELS
 from controllers.valves import ValveLogic, ValveModel
+from harness import signals
 from harness.fmu import PlantFailed
 from harness.fmu.failure import Failure
 from harness.loop import compiled_cycle, cycle
 from harness.loop.actuation import Direct
-from harness.loop.edge import COMMAND, FRICTION, INPUTS, OUTPUT, OUTPUTS
 from harness.loop.ended import Clock
 from harness.loop.plausible import Plausibility
 from harness.loop.ports import Edge
 from harness.loop.rail import TabulatedRail
-from harness.loop.reading import READING
 from harness.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
 from harness.loop.watch import Believer
-from harness.record import signals
 from harness.record.outcome import Outcome
 from harness.record.recorder import Recorder
 from harness.scenario.adhesion import Profile
@@ -60,11 +59,11 @@ class Plant:
     def __init__(self, *, speed=20.0, slowing=0.8, fails_at=None, lacks=(), wrong=None):
         self.speed, self.slowing, self.fails_at, self.wrong = speed, slowing, fails_at, wrong
         self.random, self.sample, self.given = np.random.default_rng(7), 0, []
-        here = np.ones(OUTPUTS, dtype=bool)
+        here = np.ones(LAYOUT.outputs, dtype=bool)
         for name in lacks:
-            here[OUTPUT[name]] = False
+            here[LAYOUT.output[name]] = False
         self.present = np.flatnonzero(here)
-        self.taken, self.shown = np.zeros(INPUTS), np.zeros(self.present.size)
+        self.taken, self.shown = np.zeros(LAYOUT.inputs), np.zeros(self.present.size)
         self._cross = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)(self._crossing)
 
     def start(self, inputs):
@@ -98,18 +97,20 @@ class Plant:
         return PlantFailed(Failure(file="made.fmu", time=self.sample * 1e-3, reason="error", call="fmi2DoStep"))
 
     def _truth(self, inputs):
-        k, truth = self.sample, np.zeros(OUTPUTS)
+        k, truth = self.sample, np.zeros(LAYOUT.outputs)
         time = 1e-3 * k
         speed = self.speed - self.slowing * time
         rolled = self.speed * time - self.slowing * time**2 / 2
-        truth[OUTPUT["distance"]] = rolled + 1e-3 * inputs[FRICTION].sum() - (5e-3 if k < 3 else 0.0)
-        truth[OUTPUT["speed"]] = speed
-        truth[OUTPUT["acceleration"]] = -self.slowing + 0.1 * self.random.standard_normal()
-        truth[OUTPUT["wheelset_speed"]] = speed / 0.38 * (1 - 0.2 * np.abs(np.sin(0.01 * k + np.arange(4))))
-        truth[OUTPUT["cylinder_pressure"]] = 1e5 + 0.3 * inputs[COMMAND] + 1e3 * self.random.standard_normal(4)
+        truth[LAYOUT.output["distance"]] = rolled + 1e-3 * inputs[LAYOUT.input["mu0"]].sum() - (5e-3 if k < 3 else 0.0)
+        truth[LAYOUT.output["speed"]] = speed
+        truth[LAYOUT.output["acceleration"]] = -self.slowing + 0.1 * self.random.standard_normal()
+        truth[LAYOUT.output["wheelset_speed"]] = speed / 0.38 * (1 - 0.2 * np.abs(np.sin(0.01 * k + np.arange(4))))
+        truth[LAYOUT.output["cylinder_pressure"]] = (
+            1e5 + 0.3 * inputs[LAYOUT.input["command"]] + 1e3 * self.random.standard_normal(4)
+        )
         if self.wrong:
             self.wrong(k, truth)
-        whole = np.full(OUTPUTS, np.nan)
+        whole = np.full(LAYOUT.outputs, np.nan)
         whole[self.present] = truth[self.present]
         return whole
 
@@ -153,7 +154,7 @@ class Filter:
 
 def believer(filter_):
     names = "speed", "wheelset_speed", "acceleration"
-    seen = np.concatenate([np.arange(READING[name].start, READING[name].stop) for name in names])
+    seen = np.concatenate([np.arange(LAYOUT.reading[name].start, LAYOUT.reading[name].stop) for name in names])
     places = {"wheelset_speed": 1, "pad_friction": 5, "adhesion": 9}
     return Believer(
         filter=filter_, seen=seen, speed=0, wheel_radius=RADIUS, **{n: at + np.arange(4) for n, at in places.items()}
@@ -187,12 +188,17 @@ VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, 
 def brake(engine, plant, controller, filter_, *, samples, service, valves, every, over_time, asked=None):
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if filter_ else ())), samples + 1
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if filter_ else ())),
+        TWO_PART_TRAIN,
+        samples + 1,
     )
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
     parties = dict(
+        layout=LAYOUT,
         plant=plant,
-        sensors=ServiceSensors(INSTRUMENTS, 1e-3, np.random.default_rng(5)) if service else IdealSensors(),
+        sensors=ServiceSensors(LAYOUT, INSTRUMENTS, 1e-3, np.random.default_rng(5))
+        if service
+        else IdealSensors(LAYOUT),
         believer=believer(filter_) if filter_ else None,
         controller=controller,
         actuation=ValveLogic([3.4e5] * 4, VALVES) if valves else Direct(),
@@ -248,7 +254,7 @@ def test_a_train_that_stands(sample):
 def test_a_law_that_gives_no_number(calls):
     outcome, reason, written = same(controller=lambda: speechless(calls))
     assert (outcome, written) == (Outcome.CONTROLLER_FAILED, calls + 1)
-    assert "is (nan, nan, nan, nan), not four numbers" in reason
+    assert "is (nan, nan, nan, nan), not 4 numbers" in reason
 
 
 @pytest.mark.parametrize("call", [1, 300, BLOCK - 1, BLOCK, BLOCK + 1])
@@ -281,7 +287,7 @@ def showing(signal, change, element=0):
     """Return what makes a plant show a signal changed by `change`(sample, value)."""
 
     def wrong(sample, truth):
-        at = OUTPUT[signal].start + element
+        at = LAYOUT.output[signal].start + element
         truth[at] = change(sample, truth[at])
 
     return wrong
@@ -349,16 +355,16 @@ def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, roundi
     def honest(k, truth):
         shown = speed - slowing * 1e-3 * (k - late if k else 0)
         gone = speed * 1e-3 * k - slowing * (1e-3 * k) ** 2 / 2
-        truth[OUTPUT["speed"]] = rounding * round(shown / rounding) if rounding else shown
-        truth[OUTPUT["distance"]] = grid * round(gone / grid) if grid else gone
+        truth[LAYOUT.output["speed"]] = rounding * round(shown / rounding) if rounding else shown
+        truth[LAYOUT.output["distance"]] = grid * round(gone / grid) if grid else gone
 
     plausibility = Plausibility(period=1e-3, start_speed=speed)
-    truth, inputs = np.full(OUTPUTS, np.nan), np.zeros(INPUTS)
+    truth, inputs = np.full(LAYOUT.outputs, np.nan), np.zeros(LAYOUT.inputs)
     for k in range(400):
         honest(k, truth)
-        if truth[OUTPUT["speed"]][0] <= 0.1 and k:
+        if truth[LAYOUT.output["speed"]][0] <= 0.1 and k:
             break
-        assert plausibility.holds(k, truth, inputs), plausibility.reason(1e-3 * k)
+        assert plausibility.holds(LAYOUT, k, truth, inputs), plausibility.reason(1e-3 * k)
 
 
 @settings(deadline=None, max_examples=30)
@@ -367,16 +373,18 @@ def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
     """A stop of 25 m from 20 m/s, of which 0.1 %, one sample of travel and a centimetre are 5.5 cm."""
 
     def wrong(k, truth):
-        truth[OUTPUT["distance"]] = scale * truth[OUTPUT["distance"]] + offset
+        truth[LAYOUT.output["distance"]] = scale * truth[LAYOUT.output["distance"]] + offset
 
     plausibility, plant = Plausibility(period=1e-3, start_speed=20.0), Plant(slowing=8.0, wrong=wrong)
-    inputs = np.zeros(INPUTS)
-    rows = [plausibility.holds(0, plant.start(inputs), inputs)]
-    rows += [plausibility.holds(k, plant.step(inputs), inputs) for k in range(1, 2480)]
+    inputs = np.zeros(LAYOUT.inputs)
+    rows = [plausibility.holds(LAYOUT, 0, plant.start(inputs), inputs)]
+    rows += [plausibility.holds(LAYOUT, k, plant.step(inputs), inputs) for k in range(1, 2480)]
     assert not all(rows)
 
 
 def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
-    reason = compiled_cycle.obstacle(Plant(), IdealSensors(), None, SlipBased(GROUPS[:1], PAPER_LEVELS), Direct())
+    reason = compiled_cycle.obstacle(
+        LAYOUT, Plant(), IdealSensors(LAYOUT), None, SlipBased(GROUPS[:1], PAPER_LEVELS), Direct()
+    )
     assert reason == "the controller is not for 4 groups"

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from synthetic import LAYOUT
 
-from harness.loop.edge import OUTPUT, OUTPUTS
-from harness.loop.reading import READING
 from harness.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors
 
 PERIOD = 1e-3
@@ -32,25 +31,25 @@ def instruments(**changes):
 
 
 def truth(speed=20.0, wheel=52.0, acceleration=-0.8, pressure=2e5):
-    values = np.zeros(OUTPUTS)
-    values[OUTPUT["speed"]] = speed
-    values[OUTPUT["wheelset_speed"]] = wheel
-    values[OUTPUT["acceleration"]] = acceleration
-    values[OUTPUT["cylinder_pressure"]] = pressure
+    values = np.zeros(LAYOUT.outputs)
+    values[LAYOUT.output["speed"]] = speed
+    values[LAYOUT.output["wheelset_speed"]] = wheel
+    values[LAYOUT.output["acceleration"]] = acceleration
+    values[LAYOUT.output["cylinder_pressure"]] = pressure
     return values
 
 
 def encoder_readings(speed_of, seconds, **changes):
-    encoder = Encoder(instruments(**changes), PERIOD, np.random.default_rng(1))
+    encoder = Encoder(LAYOUT, instruments(**changes), PERIOD, np.random.default_rng(1))
     samples = np.arange(round(seconds / PERIOD))
     true = np.array([speed_of(k * PERIOD) for k in samples])
     return samples * PERIOD, true, np.array([encoder.read(int(k), w) for k, w in zip(samples, true, strict=True)])
 
 
 def test_ideal_sensors_show_the_truth():
-    reading = IdealSensors().read(0, truth())
-    assert reading[READING["speed"]].tolist() == [20.0]
-    assert reading[READING["cylinder_pressure"]].tolist() == [2e5] * 4
+    reading = IdealSensors(LAYOUT).read(0, truth())
+    assert reading[LAYOUT.reading["speed"]].tolist() == [20.0]
+    assert reading[LAYOUT.reading["cylinder_pressure"]].tolist() == [2e5] * 4
 
 
 def test_a_perfect_encoder_is_as_good_as_its_clock():
@@ -90,34 +89,34 @@ def test_a_wheel_that_turns_again_is_read_again():
 
 def test_noises_and_biases_are_those_of_the_sheet():
     """20 s of a constant truth: means within four deviations of the mean, deviations within 10 %."""
-    sensors = ServiceSensors(instruments(), PERIOD, np.random.default_rng(3))
+    sensors = ServiceSensors(LAYOUT, instruments(), PERIOD, np.random.default_rng(3))
     readings = np.array([sensors.read(k, truth()) for k in range(20000)])
     speed = readings[:, 0][~np.isnan(readings[:, 0])]
     assert len(speed) == pytest.approx(20000 / 50, abs=2)
     # Late by 50 ms and carried forward by the (biased) acceleration over 50 ms.
     assert speed.mean() == pytest.approx(20 * 1.002 + (-0.8 + 0.04) * 0.05, abs=4 * 0.1 / np.sqrt(len(speed)))
     assert speed.std() == pytest.approx(0.1, rel=0.1)
-    acceleration = readings[:, READING["acceleration"].start]
+    acceleration = readings[:, LAYOUT.reading["acceleration"].start]
     assert acceleration.mean() == pytest.approx(-0.76, abs=4 * 0.03 / np.sqrt(20000))
     assert acceleration.std() == pytest.approx(0.03, rel=0.05)
-    deflection = readings[:, READING["deflection"]]
+    deflection = readings[:, LAYOUT.reading["deflection"]]
     assert deflection.std(axis=0) == pytest.approx([2e-4] * 6, rel=0.05)
-    pressure = readings[-1, READING["cylinder_pressure"]]
+    pressure = readings[-1, LAYOUT.reading["cylinder_pressure"]]
     assert np.abs(pressure - (2e5 + instruments().pressure_offset)).max() <= 0.5 * 1e6 / 4096
 
 
 def test_a_pressure_step_arrives_with_the_transducers_lag():
     """63 % after the time constant, within one sample."""
     sensors = ServiceSensors(
-        instruments(pressure_offset=np.zeros(4), pressure_step=1.0), PERIOD, np.random.default_rng(3)
+        LAYOUT, instruments(pressure_offset=np.zeros(4), pressure_step=1.0), PERIOD, np.random.default_rng(3)
     )
     sensors.read(0, truth(pressure=0.0))
-    seen = [sensors.read(k, truth(pressure=1e5))[READING["cylinder_pressure"]][0] for k in range(1, 40)]
+    seen = [sensors.read(k, truth(pressure=1e5))[LAYOUT.reading["cylinder_pressure"]][0] for k in range(1, 40)]
     reached = int(np.argmax(np.array(seen) >= 1e5 * (1 - np.exp(-1)))) + 1
     assert reached == pytest.approx(10, abs=1)
 
 
 def test_the_same_seed_reads_the_same():
-    one, two = (ServiceSensors(instruments(), PERIOD, np.random.default_rng(5)) for _ in range(2))
+    one, two = (ServiceSensors(LAYOUT, instruments(), PERIOD, np.random.default_rng(5)) for _ in range(2))
     for k in range(2000):
         assert np.array_equal(one.read(k, truth()), two.read(k, truth()), equal_nan=True)

@@ -3,23 +3,24 @@
 import ctypes
 
 import pytest
+from synthetic import LAYOUT
 
 from fmus.native.toolchain import shared_library
 from harness.fmu import crossing
 from harness.loop import compiled, compiled_cycle, library, plausible, sensors
 
 LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "run.c")}
-SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "edge.h": library._edge()}
+SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.header()}
 
 
 @pytest.mark.parametrize(
     ("source", "name", "mirror"),
     [
         ("sensors.c", "Encoder", sensors._Encoder),
-        ("sensors.c", "Service", sensors._Service),
+        ("sensors.c", "Service", sensors.service_struct(LAYOUT.formation.groups)),
         ("plausible.c", "Plausibility", plausible.Plausibility),
         ("cycle.c", "Formula", compiled_cycle._Formula),
-        ("cycle.c", "Cycle", compiled_cycle._Cycle),
+        ("cycle.c", "Cycle", compiled_cycle.cycle_struct(LAYOUT)),
         ("crossing.c", "Channel", crossing._Channel),
         ("crossing.c", "Crossing", crossing._Crossing),
         ("run.c", "Filter", compiled._Filter),

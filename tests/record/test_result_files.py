@@ -5,15 +5,15 @@ import time
 
 import numpy as np
 import pytest
-from synthetic import LIBRARY, stop_of, uniform_stop
+from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
 from harness.record.atomic import replacing, write_text
 from harness.record.error import RecordError
 from harness.record.recorder import Recorder
-from harness.record.signals import PLANT, SENT
 from harness.record.stop import read_stop, write_stop
 from harness.record.trace import read_trace, thinned, write_trace
 from harness.scenario.load import load
+from harness.signals import PLANT, SENT
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def stop():
 
 
 def test_what_the_loop_writes_is_what_the_trace_says():
-    recorder = Recorder((*PLANT, *SENT), capacity=10)
+    recorder = Recorder((*PLANT, *SENT), TWO_PART_TRAIN, capacity=10)
     recorder.rows[:5] = np.nan
     recorder.rows[3, recorder.at["speed"]] = 12.5
     recorder.rows[3, recorder.columns["slip"]] = [0.1, 0.2, 0.3, 0.4]

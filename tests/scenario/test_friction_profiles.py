@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from synthetic import TWO_PART_TRAIN
 
 import harness.scenario
+from harness.formation import Formation
 from harness.scenario.adhesion import profile_of
 from harness.scenario.error import ScenarioError
 from harness.scenario.load import load
@@ -18,7 +20,7 @@ PLAIN = ["adhesion.conditioning.fraction=0"]
 
 def profile(name, *overrides):
     # The soap curve is not calibrated: friction is what the file says, whatever `make calibrate` has found.
-    return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]))
+    return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]), TWO_PART_TRAIN)
 
 
 def test_calibration_scales_the_shape_it_is_for_and_no_other():
@@ -165,7 +167,7 @@ def tabled(tmp_path, content, *overrides):
 
 
 def test_a_users_curve_is_straight_between_its_points(tmp_path):
-    found = profile_of(tabled(tmp_path, "time,mu0\n1,0.10\n3,0.20\n"))
+    found = profile_of(tabled(tmp_path, "time,mu0\n1,0.10\n3,0.20\n"), TWO_PART_TRAIN)
     assert found.mu0(0.0, 0.0) == pytest.approx(np.full(6, 0.10))
     assert found.mu0(2.0, 0.0) == pytest.approx(np.full(6, 0.15))
     assert found.mu0(50.0, 0.0) == pytest.approx(np.full(6, 0.20))
@@ -174,7 +176,7 @@ def test_a_users_curve_is_straight_between_its_points(tmp_path):
 def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path):
     header = ",".join(f"mu0_{j}" for j in range(1, 7))
     rows = "distance," + header + "\n0,.1,.1,.1,.1,.1,.1\n100,.2,.3,.4,.5,.6,.7\n"
-    found = profile_of(tabled(tmp_path, rows))
+    found = profile_of(tabled(tmp_path, rows), TWO_PART_TRAIN)
     # wheelset 6 is 33.9 m behind the first
     assert found.mu0(0.0, 83.9)[5] == pytest.approx(0.1 + 0.6 * 0.5)
     assert found.mu0(0.0, 50.0)[0] == pytest.approx(0.15)
@@ -186,7 +188,7 @@ def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path
         ("", "is empty"),
         ("time,friction\n0,1\n", "has 2 columns; its first line wants to name"),
         ("time,distance,mu0\n0,0,1\n", "has 3 columns; its first line wants to name"),
-        ("time,mu0_1,mu0_2\n0,.1,.1\n", "has 3 columns; its first line wants"),
+        ("time,mu0_1,mu0_3\n0,.1,.1\n", "has 3 columns; its first line wants"),
         ("time,mu0\n0,0.1\n", "has 1 rows of numbers"),
         ("time,mu0\n0,0.1\n1,x\n", "line 3: 2 finite numbers are wanted"),
         ("time,mu0\n0,0.1\n1\n", "line 3: 2 finite numbers are wanted"),
@@ -198,3 +200,18 @@ def test_a_curve_that_is_none_is_refused_with_its_line(tmp_path, content, senten
     with pytest.raises(ScenarioError) as refusal:
         tabled(tmp_path, content)
     assert f"mine.toml: [adhesion] file rail.csv: {sentence}" in str(refusal.value)
+
+
+def test_what_is_given_for_another_number_of_wheelsets_is_refused_by_its_key(tmp_path):
+    constant = ["adhesion.kind=constant", "adhesion.polach=wet"]
+    two = load(LIBRARY / "plain.toml", [*constant, "adhesion.mu0=[0.1, 0.2]"])
+    with pytest.raises(ScenarioError, match=r"\[adhesion\] mu0 is for 2 wheelsets, the vehicle has 6"):
+        profile_of(two, TWO_PART_TRAIN)
+    assert profile_of(two, Formation((1, 1))).mu0(0.0, 0.0).tolist() == [0.1, 0.2]
+    with pytest.raises(ScenarioError, match=r"file rail.csv is for 2 wheelsets, the vehicle has 6"):
+        profile_of(tabled(tmp_path, "time,mu0_1,mu0_2\n0,.1,.1\n1,.1,.1\n"), TWO_PART_TRAIN)
+    short = [f"adhesion.{extent}='5 m'" for extent in ("first_fall", "low", "ramp")]
+    overrides = ["adhesion.over=distance", *short, "adhesion.period='90 m'", "vehicle.wheelset_offsets=[0, 2]"]
+    far = load(LIBRARY / "trapezoid.toml", overrides)
+    with pytest.raises(ScenarioError, match=r"wheelset_offsets is for 2 wheelsets, the vehicle has 6"):
+        profile_of(far, TWO_PART_TRAIN)

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from synthetic import TWO_PART_TRAIN
 
 import harness.scenario
 from harness.estimate.spec import load_specification
@@ -127,7 +128,7 @@ def test_what_no_train_does_is_refused_with_the_reason(override, sentence):
 )
 def test_a_rail_finer_than_the_samples_is_refused(name, overrides, sentence):
     scenario = load(ROOM / "library" / f"{name}.toml", overrides)
-    assert sentence in refusal(profile_of, scenario)
+    assert sentence in refusal(profile_of, scenario, TWO_PART_TRAIN)
 
 
 def test_frequencies_are_in_hertz_or_per_second():

@@ -117,7 +117,6 @@ REFUSALS = [
         ["adhesion.conditioning.by=axle"],
         "[adhesion.conditioning] by is 'axle'; there is 'group' or 'wheelset'",
     ),
-    ([*CONSTANT, "adhesion.mu0=[0.1, 0.2]"], "[adhesion] mu0 must be one number or 6, got 2."),
     ([*CONSTANT, "adhesion.mu0=0.1 m"], "[adhesion] mu0 is '0.1 m', but 'm' cannot be converted to '1'."),
     (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
     (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
@@ -153,8 +152,12 @@ REFUSALS = [
     ),
     (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, but the name of an FMU variable is wanted"),
     (
-        ["vehicle.wheelset_offsets=[0, 1]"],
-        "[vehicle] wheelset_offsets must be 6 rising distances that start with 0",
+        ["vehicle.wheelset_offsets=[0, 2, 1]"],
+        "[vehicle] wheelset_offsets must be rising distances that start with 0",
+    ),
+    (
+        ["vehicle.formation.wheelsets_per_group=[2, 0]"],
+        "[vehicle.formation.wheelsets_per_group] 1 is 0; input should be",
     ),
     ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
     (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient or curve but no train_mass"),

@@ -156,10 +156,10 @@ static void roll(Cycle *c, double time)
     const long long nearest = (long long)place;
     long long section = 0;
 
-    copy(c->inputs + GROUPS, c->mu0 + nearest * WHEELSETS, WHEELSETS);
+    copy(c->inputs + INPUT_MU0, c->mu0 + nearest * WHEELSETS, WHEELSETS);
     while (section + 1 < c->sections && c->begins[section + 1] <= distance)
         section++;
-    c->inputs[GROUPS + WHEELSETS] = c->forces[section];
+    c->inputs[INPUT_TRACK_FORCE] = c->forces[section];
 }
 
 /* Go on until the sample `until` is due, or something ends the stop. */

@@ -67,7 +67,7 @@ EXPORT int plausible(Plausibility *its, long long sample, const double *truth, c
             if (!within(its, SLIP, g, truth[OUTPUT_SLIP + g], LEAST_SLIP, MOST_SLIP))
                 return 0;
     for (int i = 0; i < WHEELSETS; i++) {
-        const double most = (1.0 + ADHESION_SHARE) * inputs[GROUPS + i] + ADHESION_STEP;
+        const double most = (1.0 + ADHESION_SHARE) * inputs[INPUT_MU0 + i] + ADHESION_STEP;
         if (!within(its, ADHESION, i, truth[OUTPUT_ADHESION + i], -most, most))
             return 0;
     }

@@ -2,7 +2,7 @@
 #ifndef SENSORS_H
 #define SENSORS_H
 
-#include "edge.h"
+#include "layout.h"
 
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)

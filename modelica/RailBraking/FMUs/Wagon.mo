@@ -2,6 +2,9 @@ within RailBraking.FMUs;
 block Wagon "Wagon of two braked wheelsets whose cylinders follow pressure commands"
   parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start"
     annotation(Dialog(group="Start"));
+  parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
+    "Number of wheelsets that turn as one, leading group first; a description, no value to change"
+    annotation(Dialog(group="Formation"));
   parameter Types.Mass m = 40e3 "Mass of the wagon" annotation(Dialog(group="Wagon"));
   parameter Types.Inertia J[2] = {130, 130} "Inertia of each wheelset about its axle" annotation(Dialog(group="Wagon"));
   parameter Types.Length r_wheel[2] = {0.46, 0.46} "Rolling radius of each wheelset" annotation(Dialog(group="Wagon"));

@@ -2,6 +2,9 @@ within RailBraking.Vehicles;
 partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fills the brake cylinders is left open"
   parameter Types.Velocity speed_start(min=0) = 22.222222222222222 "Speed at the start"
     annotation(Dialog(group="Start"));
+  parameter Types.Ratio wheelsets_per_group[4] = {2, 1, 1, 2}
+    "Number of wheelsets that turn as one, leading group first; a description, no value to change"
+    annotation(Dialog(group="Formation"));
   parameter Types.Mass m_wheelset[6](each min=1e-3) = {13400, 14100, 14500, 14500, 14100, 13400}
     "Mass that each wheelset carries on the rail, its own included" annotation(Dialog(group="Masses"));
   parameter Types.Mass m_unsprung[6](each min=0) = {1500, 1500, 1300, 1300, 1500, 1500} "Mass of each wheelset itself"

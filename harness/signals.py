@@ -1,13 +1,11 @@
-"""The signals of a trace: name, extent, unit and meaning, in the order of a recorded row."""
+"""The signals of a stop, each named once: what parties exchange and what a trace holds follows from these tables."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from functools import cache
+from types import MappingProxyType
 
-GROUPS = 4
-WHEELSETS = 6
-
-Extent = Literal["train", "group", "wheelset"]
-_WIDTH: dict[Extent, int] = {"train": 1, "group": GROUPS, "wheelset": WHEELSETS}
+from harness.formation import Extent, Formation
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +14,7 @@ class Signal:
 
     Attributes:
         name: Of the variable; the plant's output of the same name, or with a prefix who says it.
-        extent: What it has one value of each: the train, each ω-group, each wheelset.
+        extent: What it has one value of each: the train, each group, each wheelset.
         unit: SI, "1" for ratios.
         meaning: For axes and for readers of the file.
     """
@@ -26,10 +24,20 @@ class Signal:
     unit: str
     meaning: str
 
-    @property
-    def width(self) -> int:
-        """Number of columns."""
-        return _WIDTH[self.extent]
+
+def places(signals: Iterable[Signal], formation: Formation) -> Mapping[str, slice]:
+    """Return where each signal stands in a vector that holds them one after the other."""
+    first, columns = 0, dict[str, slice]()
+    for signal in signals:
+        width = formation.width(signal.extent)
+        columns[signal.name] = slice(first, first + width)
+        first += width
+    return MappingProxyType(columns)
+
+
+def length(columns: Mapping[str, slice]) -> int:
+    """Return the length of a vector of signals that stand at these places."""
+    return max(place.stop for place in columns.values())
 
 
 PLANT = (
@@ -101,3 +109,57 @@ INNOVATION = (
 
 ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """What the estimator believed; absent from the trace of a stop without one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """Where each quantity stands in the vectors that the parties of a loop exchange.
+
+    Attributes:
+        formation: Of the vehicle.
+        input: What the plant is sent: the signals of `SENT`.
+        output: What it shows: those of `PLANT`.
+        reading: What sensors show: those of `READINGS`, without their prefix. An entry is NaN where a sensor has
+            nothing new.
+    """
+
+    formation: Formation
+    input: Mapping[str, slice]
+    output: Mapping[str, slice]
+    reading: Mapping[str, slice]
+
+    @property
+    def inputs(self) -> int:
+        """Length of the plant's vector of inputs."""
+        return length(self.input)
+
+    @property
+    def outputs(self) -> int:
+        """Length of the plant's vector of outputs."""
+        return length(self.output)
+
+    @property
+    def readings(self) -> int:
+        """Length of a reading."""
+        return length(self.reading)
+
+    def header(self) -> str:
+        """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
+        sizes = {
+            "GROUPS": self.formation.groups,
+            "WHEELSETS": self.formation.wheelsets,
+            "INPUTS": self.inputs,
+            "OUTPUTS": self.outputs,
+            "READINGS": self.readings,
+        }
+        for vector in ("input", "output", "reading"):
+            named: Mapping[str, slice] = getattr(self, vector)
+            sizes |= {f"{vector}_{name}".upper(): place.start for name, place in named.items()}
+        return "".join(f"#define {name} {value}\n" for name, value in sizes.items())
+
+
+@cache
+def layout_of(formation: Formation) -> Layout:
+    """Return the layout for a formation."""
+    reading = {name.removeprefix("reading_"): place for name, place in places(READINGS, formation).items()}
+    return Layout(formation, places(SENT, formation), places(PLANT, formation), MappingProxyType(reading))

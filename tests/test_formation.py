@@ -1,0 +1,46 @@
+"""A formation: which wheelsets turn as one."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from harness.formation import Formation, formation_of
+from harness.signals import PLANT, READINGS, SENT, layout_of
+
+COUNTS = st.lists(st.integers(1, 5), min_size=1, max_size=12).map(tuple)
+
+
+@given(COUNTS)
+def test_sums_over_groups_are_those_of_a_count_by_membership(counts):
+    """Against numpy's own sums by bin."""
+    formation = Formation(counts)
+    values = np.random.default_rng(1).uniform(size=(3, formation.wheelsets))
+    expected = [np.bincount(formation.group_of_wheelset, weights=row, minlength=formation.groups) for row in values]
+    assert formation.summed(values) == pytest.approx(np.array(expected), rel=1e-15)
+    assert formation_of(formation.group_of_wheelset.tolist()) == formation
+
+
+@given(COUNTS)
+def test_a_layout_has_a_place_of_its_own_for_every_value(counts):
+    layout = layout_of(Formation(counts))
+    for columns, size, signals in (
+        (layout.input, layout.inputs, SENT),
+        (layout.output, layout.outputs, PLANT),
+        (layout.reading, layout.readings, READINGS),
+    ):
+        places = np.concatenate([np.arange(place.start, place.stop) for place in columns.values()])
+        assert places.tolist() == list(range(size))
+        widths = {"train": 1, "group": len(counts), "wheelset": sum(counts)}
+        assert [place.stop - place.start for place in columns.values()] == [widths[s.extent] for s in signals]
+
+
+@pytest.mark.parametrize("counts", [(), (2, 0), (-1,)])
+def test_a_group_has_a_wheelset(counts):
+    with pytest.raises(ValueError, match="one wheelset or more in each of its groups"):
+        Formation(counts)
+
+
+def test_wheelsets_of_a_group_stand_side_by_side():
+    with pytest.raises(ValueError, match="side by side"):
+        formation_of([1, 2, 1])
