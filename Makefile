@@ -28,51 +28,51 @@ $(DEV): $(READY)
 install: $(DEV)  ## make .venv with everything declared in pyproject.toml
 
 fmus: $(READY)  ## build the FMUs that are not up to date
-	$(RUN) -m fmus build
+	$(RUN) -m railgrip.fmus build
 
 simulate: fmus  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
-	$(RUN) -m harness campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
+	$(RUN) -m railgrip campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
 
 unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
-	$(RUN) -m harness campaign harness/scenario/campaigns/unseen.toml
+	$(RUN) -m railgrip campaign harness/scenario/campaigns/unseen.toml
 
 adverse: fmus  ## controllers under creep curves, sensors and trains that do not suit them, build/adverse
-	$(RUN) -m harness campaign harness/scenario/campaigns/adverse.toml
+	$(RUN) -m railgrip campaign harness/scenario/campaigns/adverse.toml
 
 report: simulate  ## the same with the panels of every stop
-	$(RUN) -m harness report build/table1
-	$(RUN) -m harness report build/shapes
+	$(RUN) -m railgrip report build/table1
+	$(RUN) -m railgrip report build/shapes
 
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
-	$(RUN) -m harness conditioning harness/scenario/campaigns/table1.toml
+	$(RUN) -m railgrip conditioning harness/scenario/campaigns/table1.toml
 
 headlines: conditioning  ## all numbers of the table anew, into baselines and README: make headlines REASON='…'
-	-$(RUN) -m harness regress
-	$(RUN) -m harness accept --reason '$(REASON)'
-	$(RUN) -m harness readme
+	-$(RUN) -m railgrip regress
+	$(RUN) -m railgrip accept --reason '$(REASON)'
+	$(RUN) -m railgrip readme
 
 readme: $(READY)  ## write the accepted braking distances into README's table
-	$(RUN) -m harness readme
+	$(RUN) -m railgrip readme
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
-	$(RUN) -m harness regress
+	$(RUN) -m railgrip regress
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
-	$(RUN) -m harness accept --reason '$(REASON)'
+	$(RUN) -m railgrip accept --reason '$(REASON)'
 
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
-	$(RUN) -m harness calibrate
+	$(RUN) -m railgrip calibrate
 
 tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
-	$(RUN) -m harness tune-control
+	$(RUN) -m railgrip tune-control
 
 bench: fmus  ## speed, as medians and ratios in one run
-	$(RUN) -m harness bench
+	$(RUN) -m railgrip bench
 
 # A file stays in one process: its tests share what they have built and run.
 test: check fmus  ## lint, types, tests, and distances and figures against the accepted ones
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile
-	$(RUN) -m harness regress
+	$(RUN) -m railgrip regress
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
@@ -80,44 +80,47 @@ test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must
 
 regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %
 	@command -v omc >/dev/null || { echo "regress-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(RUN) -m fmus build --compiler openmodelica
-	$(RUN) -m harness regress --across-compilers --out build/regress-omc
+	$(RUN) -m railgrip.fmus build --compiler openmodelica
+	$(RUN) -m railgrip regress --across-compilers --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
-	$(RUN) -m harness monitor-study
+	$(RUN) -m railgrip monitor-study
 
 fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
 	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz
 
+TYPED := build/typed/railgrip
+
 check: $(DEV)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
+	@rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(CURDIR)/harness/* $(addprefix $(CURDIR)/,estimators controllers fmus) $(TYPED)
 	$(RUN) -m pyright
 
 ESTIMATIONS := harness/estimate/library
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(RUN) -m harness rig
-	$(RUN) -m harness observability $(ESTIMATIONS)/rig_own.toml
-	$(RUN) -m harness observability $(ESTIMATIONS)/wagon.toml
-	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml
-	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-relaxing --set model.parameters.mu_b_relaxes=1
-	$(RUN) -m harness estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-as-printed \
+	$(RUN) -m railgrip rig
+	$(RUN) -m railgrip observability $(ESTIMATIONS)/rig_own.toml
+	$(RUN) -m railgrip observability $(ESTIMATIONS)/wagon.toml
+	$(RUN) -m railgrip estimate $(ESTIMATIONS)/wagon.toml
+	$(RUN) -m railgrip estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-relaxing --set model.parameters.mu_b_relaxes=1
+	$(RUN) -m railgrip estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-as-printed \
 	  --set model.parameters.adhesion_share=0.5 --set model.parameters.resistance_transfer=1 \
 	  --set model.parameters.adhesion_transfer=0
-	$(RUN) -m harness observability $(ESTIMATIONS)/field.toml
-	$(RUN) -m harness estimate $(ESTIMATIONS)/field.toml
-	$(RUN) -m harness field
+	$(RUN) -m railgrip observability $(ESTIMATIONS)/field.toml
+	$(RUN) -m railgrip estimate $(ESTIMATIONS)/field.toml
+	$(RUN) -m railgrip field
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/field/library
-	$(RUN) -m harness tune paper --out harness/field/library/paper.toml
-	$(RUN) -m harness tune consistent --out harness/field/library/consistent.toml
+	$(RUN) -m railgrip tune paper --out harness/field/library/paper.toml
+	$(RUN) -m railgrip tune consistent --out harness/field/library/consistent.toml
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
-	$(RUN) -m harness lateral
+	$(RUN) -m railgrip lateral
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
-	$(RUN) -m harness learn
+	$(RUN) -m railgrip learn
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -19,9 +19,9 @@ from math import isfinite
 from types import MappingProxyType
 from typing import ClassVar
 
-from controllers.brake import BrakeGroup, pressure_for
-from controllers.law import Demand, Law, Seen, law
-from controllers.sampled import Draft, Expression, Formula, choose, either, every
+from railgrip.controllers.brake import BrakeGroup, pressure_for
+from railgrip.controllers.law import Demand, Law, Seen, law
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from controllers.sampled import Expression, choose
+from railgrip.controllers.sampled import Expression, choose
 
 BRAKE = MappingProxyType(
     {

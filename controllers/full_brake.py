@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from functools import cache
 
-from controllers.brake import BrakeGroup
-from controllers.law import Demand, Law, law
-from controllers.sampled import Draft, Formula
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.law import Demand, Law, law
+from railgrip.controllers.sampled import Draft, Formula
 
 
 class FullBrake(Law):

@@ -3,16 +3,16 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from controllers.brake import BRAKE, BrakeGroup
-from controllers.sampled import Draft, Expression, Formula, Sampled
-from controllers.sight import Sight
+from railgrip.controllers.brake import BRAKE, BrakeGroup
+from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
+from railgrip.controllers.sight import Sight
 
 NOT_SEEN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What a law sees of one group, as symbols; see `controllers.sight.Sight`.
+    """What a law sees of one group, as symbols; see `railgrip.controllers.sight.Sight`.
 
     Attributes:
         index: Of the group as FMI counts, 1 the leading one.

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 
-from controllers.brake import BrakeGroup
-from controllers.law import Demand, Law, Seen, law
-from controllers.sampled import Draft, Expression, Formula, choose
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.law import Demand, Law, Seen, law
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Literal
 
-from controllers.adhesion_based import SeekerTuning
-from controllers.slip_based import SlipLevels
+from railgrip.controllers.adhesion_based import SeekerTuning
+from railgrip.controllers.slip_based import SlipLevels
 
 SlipSource = Literal["read", "estimated"]
 """How a law knows the slip: from readings alone, or from an estimator."""
@@ -18,7 +18,7 @@ SlipSource = Literal["read", "estimated"]
 
 def searched(law: str, actuation: str, slip: SlipSource) -> Mapping[str, float]:
     """Return what was found for a law, on rails that no result is reported of."""
-    text = (files("controllers") / f"{law}.toml").read_text(encoding="utf-8")
+    text = (files("railgrip.controllers") / f"{law}.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)[actuation][slip]
 
 

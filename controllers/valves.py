@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 
-from controllers.sampled import Draft, Expression, Formula, Sampled, choose
+from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators.belief import Estimate, Matrix, Vector, sealed
-from estimators.design import Design
-from estimators.discretisation import ORDER, Order
-from estimators.errors import EstimatorError, FilterDiverged
-from estimators.gate import Gate
-from estimators.generated import generate
-from estimators.prediction import CasadiPrediction
-from fmus.native.toolchain import shared_library
+from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
+from railgrip.estimators.design import Design
+from railgrip.estimators.discretisation import ORDER, Order
+from railgrip.estimators.errors import EstimatorError, FilterDiverged
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.generated import generate
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.fmus.native.toolchain import shared_library
 
 DIVERGED = {
     1: "Filter: the predicted mean is not finite.",
@@ -68,7 +68,7 @@ class CompiledFilter:
 
     Raises:
         EstimatorError: The parts do not fit each other.
-        fmus.errors.CompilerMissing: There is no C compiler on this machine.
+        railgrip.fmus.errors.CompilerMissing: There is no C compiler on this machine.
     """
 
     def __init__(

@@ -7,11 +7,11 @@ from typing import Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from estimators.belief import Estimate, Matrix, Vector, sealed
-from estimators.discretisation import Order
-from estimators.errors import EstimatorError
-from estimators.gate import Gate
-from estimators.prediction import Prediction
+from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
+from railgrip.estimators.discretisation import Order
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import Prediction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,7 +24,7 @@ from typing import Literal
 
 import numpy as np
 
-from estimators.belief import Matrix, Vector
+from railgrip.estimators.belief import Matrix, Vector
 
 Order = Literal[1, 4]
 """Order of both the Runge–Kutta step of the mean and the Taylor polynomial of Φ; 1 is forward Euler."""

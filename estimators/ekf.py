@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
-from estimators.belief import Estimate, Matrix, Vector, sealed
-from estimators.design import Design
-from estimators.discretisation import ORDER, Order, advanced, transition
-from estimators.errors import FilterDiverged
-from estimators.gate import Gate
-from estimators.prediction import Prediction
+from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
+from railgrip.estimators.design import Design
+from railgrip.estimators.discretisation import ORDER, Order, advanced, transition
+from railgrip.estimators.errors import FilterDiverged
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import Prediction
 
 (POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)
 """LAPACK's solver for positive definite systems: factor, solution, and 0 if there was a factor."""

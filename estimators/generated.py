@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.design import Design
-from estimators.prediction import CasadiPrediction
+from railgrip.estimators.design import Design
+from railgrip.estimators.prediction import CasadiPrediction
 
 LANES = 4
 """Rows of the covariance are padded to a multiple of this: the doubles of one AVX register."""
@@ -58,7 +58,7 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
         layout[part] = slice(end, end + size)
         end += size
     kernel = sorted(
-        (file for file in (files("estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
+        (file for file in (files("railgrip.estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
         key=lambda file: file.name,
     )
     return Code(

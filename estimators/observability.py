@@ -14,11 +14,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from estimators.belief import Matrix, Vector
-from estimators.design import noise_matrix, positive_definite
-from estimators.discretisation import transition
-from estimators.errors import EstimatorError
-from estimators.prediction import CasadiPrediction, Prediction
+from railgrip.estimators.belief import Matrix, Vector
+from railgrip.estimators.design import noise_matrix, positive_definite
+from railgrip.estimators.discretisation import transition
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.prediction import CasadiPrediction, Prediction
 
 ROUNDING = 1e-11
 """Singular values below this share of the largest count as zero. Entries are exact derivatives in double

@@ -4,12 +4,12 @@ from typing import Protocol
 
 import numpy as np
 
-from estimators.belief import Estimate, Vector
-from estimators.ekf import Innovation
+from railgrip.estimators.belief import Estimate, Vector
+from railgrip.estimators.ekf import Innovation
 
 
 class Filter(Protocol):
-    """A filter on values, as `estimators.ekf.ExtendedKalmanFilter`."""
+    """A filter on values, as `railgrip.estimators.ekf.ExtendedKalmanFilter`."""
 
     def predict(self, prior: Estimate, held: Vector) -> Estimate:
         """Return the belief one period after `prior`, before anything is seen."""
@@ -25,7 +25,7 @@ class Filter(Protocol):
 
 
 class Running:
-    """Holds the belief of a filter and moves it on, as `estimators.compiled.CompiledFilter` does by itself.
+    """Holds the belief of a filter and moves it on, as `railgrip.estimators.compiled.CompiledFilter` does by itself.
 
     Attributes:
         mean: Shape (n,).

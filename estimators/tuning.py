@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimators.belief import Vector
-from estimators.errors import EstimatorError
-from estimators.gate import Gate
+from railgrip.estimators.belief import Vector
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.gate import Gate
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Command line: python -m fmus build | list | check."""
+"""Command line: python -m railgrip.fmus build | list | check."""
 
 import sys
 from typing import Annotated
@@ -7,9 +7,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from fmus.build import OUTPUT, Compiler, build, choose, translate
-from fmus.errors import FmuError
-from fmus.recipe import read_recipes
+from railgrip.fmus.build import OUTPUT, Compiler, build, choose, translate
+from railgrip.fmus.errors import FmuError
+from railgrip.fmus.recipe import read_recipes
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
 # Where nobody watches, a table is not cut to a screen that is not there.
@@ -63,7 +63,7 @@ def check_command(
     # Half a second of imports that no other command needs.
     from fmpy.validation import validate_fmu
 
-    from fmus.lock import LOCK, Entry, differences, read_lock, write_lock
+    from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 
     book = read_recipes()
     complaints: list[str] = []

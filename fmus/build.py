@@ -11,19 +11,19 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fmus import cache, openmodelica
-from fmus.errors import CompilerMissing, FmuError, WrongQuestion
-from fmus.native import toolchain
-from fmus.native.digest import compiler_digest, digest
-from fmus.native.library import library_digest
-from fmus.recipe import Cookbook, Recipe, read_recipes
+from railgrip.fmus import cache, openmodelica
+from railgrip.fmus.errors import CompilerMissing, FmuError, WrongQuestion
+from railgrip.fmus.native import toolchain
+from railgrip.fmus.native.digest import compiler_digest, digest
+from railgrip.fmus.native.library import library_digest
+from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 
 if TYPE_CHECKING:
-    from fmus.native.package import Source
+    from railgrip.fmus.native.package import Source
 
 ROOM = Path(__file__).parent
 OUTPUT = ROOM.parent / "build" / "fmus"
-"""Where `python -m fmus build` leaves copies; nothing of ours is loaded from there."""
+"""Where `python -m railgrip.fmus build` leaves copies; nothing of ours is loaded from there."""
 
 KIND = "fmus"
 """Their shelf in the user's cache."""
@@ -91,10 +91,10 @@ def build_one(
 def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", dict[str, Any]]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its face for lock.toml."""
     # CasADi, rumoca and scipy take half a second to import; when everything is up to date nobody needs them.
-    from fmus.lock import face
-    from fmus.native import package
-    from fmus.native.dae import read
-    from fmus.native.system import explicit
+    from railgrip.fmus.lock import face
+    from railgrip.fmus.native import package
+    from railgrip.fmus.native.dae import read
+    from railgrip.fmus.native.system import explicit
 
     system = explicit(read(recipe.class_name, library or recipe.library))
     source = package.sources(
@@ -192,7 +192,7 @@ def _made(order: _Order, inputs: str, translation: _Translation | None) -> Built
             content = openmodelica.export(order.recipe, order.library, Path(scratch) / file).read_bytes()
         kept = cache.keep(KIND, stamp.source, file, content)
     else:
-        from fmus.native import package
+        from railgrip.fmus.native import package
 
         source, face = translation
         stamp = Stamp(source=digest([source.digest, toolchain_digest()]), face=face)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from fmus.errors import WrongQuestion
+from railgrip.fmus.errors import WrongQuestion
 
 VARIABLE = "RAILGRIP_CACHE"
 """Environment variable with another folder, absolute."""

@@ -7,11 +7,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fmus.native.code import layout
-from fmus.native.lowering import output_scalars
-from fmus.native.system import System
-from fmus.native.variables import Scalar
-from fmus.recipe import Cookbook, Recipe
+from railgrip.fmus.native.code import layout
+from railgrip.fmus.native.lowering import output_scalars
+from railgrip.fmus.native.system import System
+from railgrip.fmus.native.variables import Scalar
+from railgrip.fmus.recipe import Cookbook, Recipe
 
 LOCK = Path(__file__).with_name("lock.toml")
 
@@ -61,7 +61,7 @@ def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
 def write_lock(book: Cookbook, entries: Mapping[str, Entry], file: Path = LOCK) -> None:
     """Write a lock file."""
     lines = [
-        "# Written by `python -m fmus check --update`; a change here is a change of the models' faces.",
+        "# Written by `python -m railgrip.fmus check --update`; a change here is a change of the models' faces.",
         "",
         "[tools]",
     ]

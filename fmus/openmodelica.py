@@ -8,8 +8,8 @@ import warnings
 from functools import lru_cache
 from pathlib import Path
 
-from fmus.errors import BuildFailed, CompilerMissing
-from fmus.recipe import Recipe
+from railgrip.fmus.errors import BuildFailed, CompilerMissing
+from railgrip.fmus.recipe import Recipe
 
 TOLERANCE = 1e-8
 """Of CVODE in a co-simulation FMU. omc takes it from the class, not from whoever runs the FMU, and an absolute error

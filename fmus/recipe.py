@@ -9,7 +9,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from fmus.errors import WrongQuestion
+from railgrip.fmus.errors import WrongQuestion
 
 RECIPES = Path(__file__).with_name("recipes.toml")
 MODELICA = Path(__file__).parents[1] / "modelica"

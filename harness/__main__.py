@@ -2,14 +2,14 @@
 
 import sys
 
-from harness.interrupted import Interrupted, listen, stop_listening
+from railgrip.interrupted import Interrupted, listen, stop_listening
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; Ctrl-C and SIGTERM end it with a sentence, once what was open is closed."""
     listen()
     try:
-        from harness.commands import main as command_line
+        from railgrip.commands import main as command_line
 
         command_line(arguments)
     except Interrupted as end:

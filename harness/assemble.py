@@ -13,52 +13,52 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import tuning
-from controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased, SeekerTuning
-from controllers.brake import BrakeGroup
-from controllers.full_brake import FullBrake
-from controllers.slip_based import SlipBased
-from controllers.valves import ValveLogic, ValveModel
-from estimators.compiled import CompiledFilter
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.prediction import CasadiPrediction
-from estimators.running import Running
-from estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
-from fmus.build import fmu
-from fmus.native import Model, lower
-from harness.contact import compiled_contact
-from harness.engine import Engine
-from harness.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
-from harness.foreign_controller import foreign_controller
-from harness.formation import Formation
-from harness.instruments import sensors_of
-from harness.limits import FMU_LIMITS, FmuLimits
-from harness.loop import compiled_cycle, cycle
-from harness.loop.actuation import Direct
-from harness.loop.ended import Clock, Ended, implausible
-from harness.loop.ports import Actuation, Controller, Plant
-from harness.loop.rail import TabulatedRail
-from harness.loop.watch import Believer
-from harness.record.adhesion_use import over_the_rail
-from harness.record.bound import with_bound
-from harness.record.contact import Contact
-from harness.record.metrics import measure
-from harness.record.outcome import Outcome
-from harness.record.recorder import Recorder
-from harness.record.stop import Stop
-from harness.scenario.adhesion import profile_of
-from harness.scenario.error import ScenarioError
-from harness.scenario.file import NamedFile
-from harness.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
-from harness.scenario.quantity import in_units
-from harness.scenario.schema import Scenario
-from harness.scenario.seed import generator
-from harness.scenario.track import STEEPEST, track_force_of
-from harness.scenario.vehicle import Nudge
-from harness.signals import ESTIMATES, PLANT, READINGS, SENT, Layout, layout_of
-from harness.train import GRAVITY, brake_groups_of, brake_of, masses_of, units_of_nominal_data
-from harness.trial import Finding, findings, tried
-from harness.units import Unit
+from railgrip.contact import compiled_contact
+from railgrip.controllers import tuning
+from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased, SeekerTuning
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.full_brake import FullBrake
+from railgrip.controllers.slip_based import SlipBased
+from railgrip.controllers.valves import ValveLogic, ValveModel
+from railgrip.engine import Engine
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.running import Running
+from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
+from railgrip.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
+from railgrip.fmus.build import fmu
+from railgrip.fmus.native import Model, lower
+from railgrip.foreign_controller import foreign_controller
+from railgrip.formation import Formation
+from railgrip.instruments import sensors_of
+from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.loop import compiled_cycle, cycle
+from railgrip.loop.actuation import Direct
+from railgrip.loop.ended import Clock, Ended, implausible
+from railgrip.loop.ports import Actuation, Controller, Plant
+from railgrip.loop.rail import TabulatedRail
+from railgrip.loop.watch import Believer
+from railgrip.record.adhesion_use import over_the_rail
+from railgrip.record.bound import with_bound
+from railgrip.record.contact import Contact
+from railgrip.record.metrics import measure
+from railgrip.record.outcome import Outcome
+from railgrip.record.recorder import Recorder
+from railgrip.record.stop import Stop
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
+from railgrip.scenario.quantity import in_units
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.scenario.track import STEEPEST, track_force_of
+from railgrip.scenario.vehicle import Nudge
+from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, Layout, layout_of
+from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, units_of_nominal_data
+from railgrip.trial import Finding, findings, tried
+from railgrip.units import Unit
 
 Vector = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ def run_stop(
         FmuError: An FMU does not fit; nothing was run.
     """
     if scenario.controller.kind == "ideal_bound":
-        from harness.ideal import ideal_stop  # it needs this module to run its reference stop
+        from railgrip.ideal import ideal_stop  # it needs this module to run its reference stop
 
         return ideal_stop(scenario, progress)
     rolled = _rolled(scenario, progress, tell, engine)

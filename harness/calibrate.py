@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.record.atomic import write_text
-from harness.scenario.load import load
-from harness.workers import workers
+from railgrip.record.atomic import write_text
+from railgrip.scenario.load import load
+from railgrip.workers import workers
 
 TARGETS = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}
 """Braking distance of slip-based control [m]: Schwarz, Posielek and Goetjes (2021), Table 1."""
@@ -69,7 +69,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
     Raises:
         ArithmeticError: The distance is not reached within 0.3 … 3.
     """
-    from harness.assemble import braking_distance  # brings CasADi, which the command line should not wait for
+    from railgrip.assemble import braking_distance  # brings CasADi, which the command line should not wait for
 
     target = TARGETS[scenario]
 

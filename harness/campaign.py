@@ -10,20 +10,20 @@ from typing import Literal
 
 import pebble
 
-from fmus.build import choose
-from fmus.recipe import read_recipes
-from harness import workers as processes
-from harness.failure import sentence_of
-from harness.record.atomic import PARTIAL, write_text
-from harness.record.error import RecordError
-from harness.record.outcome import Outcome
-from harness.record.stop import read_stop
-from harness.run import SOURCES, Runner, make_folder, run
-from harness.scenario.campaign import Campaign, PlannedStop
-from harness.scenario.conditioning import read_conditioning
-from harness.sources import sources_digest
-from harness.verdict.compilers import OURS, makers
-from harness.verdict.results import CAMPAIGN_FILE
+from railgrip import workers as processes
+from railgrip.failure import sentence_of
+from railgrip.fmus.build import choose
+from railgrip.fmus.recipe import read_recipes
+from railgrip.record.atomic import PARTIAL, write_text
+from railgrip.record.error import RecordError
+from railgrip.record.outcome import Outcome
+from railgrip.record.stop import read_stop
+from railgrip.run import SOURCES, Runner, make_folder, run
+from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.scenario.conditioning import read_conditioning
+from railgrip.sources import sources_digest
+from railgrip.verdict.compilers import OURS, makers
+from railgrip.verdict.results import CAMPAIGN_FILE
 
 State = Literal["found", "done", "ended_badly", "refused", "failed"]
 

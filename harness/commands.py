@@ -12,26 +12,26 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from harness.bench.command import add_to as add_bench
-from harness.console import complain, progress, remark, say, show_table
-from harness.engine import Engine
-from harness.estimate.command import add_to as add_estimate
-from harness.field.command import add_to as add_field
-from harness.lateral.command import add_to as add_lateral
-from harness.learn.command import add_to as add_learn
-from harness.map_command import add_to as add_map
-from harness.monitor.command import add_to as add_monitor
-from harness.scenario.error import ScenarioError
-from harness.verdict.panels import Panels
+from railgrip.bench.command import add_to as add_bench
+from railgrip.console import complain, progress, remark, say, show_table
+from railgrip.engine import Engine
+from railgrip.estimate.command import add_to as add_estimate
+from railgrip.field.command import add_to as add_field
+from railgrip.lateral.command import add_to as add_lateral
+from railgrip.learn.command import add_to as add_learn
+from railgrip.map_command import add_to as add_map
+from railgrip.monitor.command import add_to as add_monitor
+from railgrip.scenario.error import ScenarioError
+from railgrip.verdict.panels import Panels
 
 if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
-    from controllers.tuning import SlipSource
-    from harness.campaign import Asked
-    from harness.run import Runner
-    from harness.tune_control import Found
-    from harness.verdict.baseline import Baseline, Findings
-    from harness.verdict.table import Row
+    from railgrip.campaign import Asked
+    from railgrip.controllers.tuning import SlipSource
+    from railgrip.run import Runner
+    from railgrip.tune_control import Found
+    from railgrip.verdict.baseline import Baseline, Findings
+    from railgrip.verdict.table import Row
 
 WRONG_QUESTION = 2
 RUN_FAILED = 3
@@ -63,8 +63,8 @@ def run(
     engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
 ) -> None:
     """Run one scenario and print its figures."""
-    from harness.run import run as run_scenario
-    from harness.scenario.load import load
+    from railgrip.run import run as run_scenario
+    from railgrip.scenario.load import load
 
     scenario = load(file, overrides or [])
     directory = out or Path("build/runs") / scenario.name
@@ -98,15 +98,15 @@ def export(
     out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
 ) -> None:
     """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
-    from harness.run import make_folder
-    from harness.scenario.load import load
+    from railgrip.run import make_folder
+    from railgrip.scenario.load import load
 
     scenario = load(file, overrides or [])
     place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
     make_folder(place.parent, place.name)
     # CasADi and the compiler come after the questions that need neither.
-    from fmus.native.package import pack
-    from harness.export import controller_fmu
+    from railgrip.export import controller_fmu
+    from railgrip.fmus.native.package import pack
 
     made = pack(controller_fmu(scenario), place)
     say(str(made))
@@ -127,11 +127,11 @@ def campaign(
     ] = None,
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
-    from harness.campaign import Asked
-    from harness.scenario.campaign import load_campaign
-    from harness.verdict.report import write_report
-    from harness.verdict.results import read_results
-    from harness.verdict.table import rows_of
+    from railgrip.campaign import Asked
+    from railgrip.scenario.campaign import load_campaign
+    from railgrip.verdict.report import write_report
+    from railgrip.verdict.results import read_results
+    from railgrip.verdict.table import rows_of
 
     planned = [load_campaign(file, overrides or []) for file in files]
     own = out if out is not None and len(files) == 1 else None
@@ -162,11 +162,11 @@ def conditioning(
     fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
-    from harness.campaign import Asked
-    from harness.conditioning import campaign_of, conditioning_of, repeats_of
-    from harness.record.atomic import write_text
-    from harness.scenario.campaign import load_campaign
-    from harness.scenario.conditioning import text_of
+    from railgrip.campaign import Asked
+    from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+    from railgrip.record.atomic import write_text
+    from railgrip.scenario.campaign import load_campaign
+    from railgrip.scenario.conditioning import text_of
 
     whole = load_campaign(file)
     if whole.conditioning is None:
@@ -199,7 +199,7 @@ def report(
     panels: DrawnPanels = Panels.ALL,
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
-    from harness.verdict.report import write_report
+    from railgrip.verdict.report import write_report
 
     with progress("report") as shown:
         page = write_report(directory, panels=panels, tell=lambda what: shown.update(doing=f"drawing {what}"))
@@ -216,7 +216,7 @@ def regress(
     ] = False,
 ) -> None:
     """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
-    from harness.verdict.baseline import compare, comparison_rows, load_baseline
+    from railgrip.verdict.baseline import compare, comparison_rows, load_baseline
 
     problem = 0
     for path in _baseline_files(baselines):
@@ -248,7 +248,7 @@ def accept(
     out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
 ) -> None:
     """Move the baselines to the results of the last regress, for a reason."""
-    from harness.verdict.baseline import (
+    from railgrip.verdict.baseline import (
         accepted,
         compare,
         comparison_rows,
@@ -257,7 +257,7 @@ def accept(
         read_findings,
         write_baseline,
     )
-    from harness.verdict.results import read_results
+    from railgrip.verdict.results import read_results
 
     for path in _baseline_files(baselines):
         baseline, folder = load_baseline(path), out / path.stem
@@ -270,8 +270,8 @@ def accept(
 @app.command()
 def calibrate() -> None:
     """Fit the levels of the scenarios to the published distances of slip-based control, and write them."""
-    from harness.calibrate import TARGETS
-    from harness.calibrate import calibrate as fit_levels
+    from railgrip.calibrate import TARGETS
+    from railgrip.calibrate import calibrate as fit_levels
 
     with progress("levels, some ten stops each"):
         fit_levels(
@@ -289,10 +289,10 @@ def tune_control(
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law."""
-    from harness.record.atomic import write_text
-    from harness.run import make_folder
-    from harness.tune_control import RANGES, search, text_of
-    from harness.workers import workers as processes
+    from railgrip.record.atomic import write_text
+    from railgrip.run import make_folder
+    from railgrip.tune_control import RANGES, search, text_of
+    from railgrip.workers import workers as processes
 
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:
@@ -319,9 +319,9 @@ def readme(
     baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
 ) -> None:
     """Write the accepted braking distances into README's table."""
-    from harness.scenario.campaign import load_campaign
-    from harness.verdict.baseline import load_baseline
-    from harness.verdict.readme import write_readme
+    from railgrip.scenario.campaign import load_campaign
+    from railgrip.verdict.baseline import load_baseline
+    from railgrip.verdict.readme import write_readme
 
     accepted = load_baseline(baseline)
     if accepted.campaign is None:
@@ -344,7 +344,7 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         app(arguments)
     except Exception as problem:
-        from harness.failure import sentence_of
+        from railgrip.failure import sentence_of
 
         sentence = sentence_of(problem)
         if sentence is None:
@@ -355,7 +355,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _runner(engine: Engine = Engine.AUTO) -> "Runner":
     # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
-    from harness.assemble import run_stop
+    from railgrip.assemble import run_stop
 
     return partial(run_stop, engine=engine)
 
@@ -371,7 +371,7 @@ def _run_campaigns(
 
     `finished` is called with the number of a campaign that is complete, and with what tells the user of its doing.
     """
-    from harness.campaign import Report, run_campaigns
+    from railgrip.campaign import Report, run_campaigns
 
     names = ", ".join(one.campaign.name for one in asked)
     with progress(names, sum(len(one.campaign.stops) for one in asked), counted=True) as shown:
@@ -394,16 +394,16 @@ def _run_campaigns(
 
 def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
-    from harness.campaign import Asked
-    from harness.scenario.campaign import load_campaign
-    from harness.verdict.baseline import findings_of, write_findings
-    from harness.verdict.results import read_results
+    from railgrip.campaign import Asked
+    from railgrip.scenario.campaign import load_campaign
+    from railgrip.verdict.baseline import findings_of, write_findings
+    from railgrip.verdict.results import read_results
 
     if baseline.campaign is not None:
         asked = [Asked(load_campaign(path.parent / baseline.campaign), out)]
         code = _run_campaigns(asked, workers=workers, fresh=False)
         return code, findings_of(read_results(out))
-    from harness.headlines import headlines
+    from railgrip.headlines import headlines
 
     with progress(path.stem) as shown:
         findings = headlines(str(baseline.study), lambda what: shown.update(doing=what))
@@ -419,8 +419,8 @@ def _baseline_files(folder: Path) -> list[Path]:
 
 
 def _print_rows(rows: "Sequence[Row]") -> None:
-    from harness.verdict.distribution import distribution_texts, distributions_of
-    from harness.verdict.table import row_texts
+    from railgrip.verdict.distribution import distribution_texts, distributions_of
+    from railgrip.verdict.table import row_texts
 
     drawn, single = distribution_texts(distributions_of(rows)), row_texts(rows)
     if drawn:
@@ -434,7 +434,7 @@ _NOT_ON_SCREEN = frozenset({"estimator", "repeated", "duration", "longest lock",
 
 
 def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
-    from harness.verdict.text import TEXT_COLUMNS
+    from railgrip.verdict.text import TEXT_COLUMNS
 
     if not rows:
         say(f"{title}: nothing changed" if title else "no results")

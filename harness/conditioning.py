@@ -8,13 +8,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fmus.build import choose, fmu
-from harness.record.outcome import Outcome
-from harness.record.stop import StopRecord, read_stop
-from harness.scenario.campaign import Campaign, PlannedStop
-from harness.scenario.conditioning import Conditioning, Repeated
-from harness.scenario.file import NamedFile
-from harness.scenario.vehicle import Nudge
+from railgrip.fmus.build import choose, fmu
+from railgrip.record.outcome import Outcome
+from railgrip.record.stop import StopRecord, read_stop
+from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.scenario.conditioning import Conditioning, Repeated
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.vehicle import Nudge
 
 _OTHER = "native"
 

@@ -8,11 +8,11 @@ from importlib.resources import files
 import casadi as ca
 import numpy as np
 
-from fmus.native import Model
-from fmus.native.toolchain import shared_library
-from harness.record.contact import Array, Contact
+from railgrip.fmus.native import Model
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.record.contact import Array, Contact
 
-KERNEL = files("harness") / "kernel" / "contact.c"
+KERNEL = files("railgrip") / "kernel" / "contact.c"
 
 _ORDER = ("slip", "speed", "load", "mu0")
 

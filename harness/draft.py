@@ -8,9 +8,9 @@ from difflib import SequenceMatcher
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from harness.fmu import Description, FmuError, Signal
-from harness.fmu.description import Causality, Variable
-from harness.units import unit
+from railgrip.fmu import Description, FmuError, Signal
+from railgrip.fmu.description import Causality, Variable
+from railgrip.units import unit
 
 _ALSO = {
     "pressure_command": "demand brake_demand cylinder_demand pressure_demand",

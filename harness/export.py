@@ -4,13 +4,13 @@ from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
-from controllers.sampled import Quantity, Sampled
-from fmus.native import Variable
-from fmus.native.discrete import Discrete, sources
-from fmus.native.package import Source
-from harness.assemble import actuation_of, controlled_groups, controller_of
-from harness.loop.actuation import Direct
-from harness.scenario.schema import Scenario
+from railgrip.assemble import actuation_of, controlled_groups, controller_of
+from railgrip.controllers.sampled import Quantity, Sampled
+from railgrip.fmus.native import Variable
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.package import Source
+from railgrip.loop.actuation import Direct
+from railgrip.scenario.schema import Scenario
 
 _VALVES = "valves."
 _MEMORY = "memory."
@@ -18,11 +18,12 @@ _PERIODS = ("period", _VALVES + "period")
 
 
 def controller_fmu(scenario: Scenario) -> Source:
-    """Return C code and modelDescription.xml of a controller with its valve logic, for `fmus.native.package.pack`.
+    """Return C code and modelDescription.xml of a controller with its valve logic.
 
-    A step of the FMU is one period of the controller: outputs at its end are decided on the inputs at its beginning.
-    Inputs are those of `controllers.sight.Sight`; outputs are what the scenario's plant takes. Parameters may be set
-    before the first step, but for the period: that is the FMU's own, and its step refuses any other.
+    They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
+    end are decided on the inputs at its beginning. Inputs are those of `railgrip.controllers.sight.Sight`; outputs are
+    what the scenario's plant takes. Parameters may
+    be set before the first step, but for the period: that is the FMU's own, and its step refuses any other.
 
     Raises:
         ScenarioError: The controller is no law of ours, such as the ideal bound.

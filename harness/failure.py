@@ -3,14 +3,14 @@
 import errno
 from dataclasses import dataclass
 
-from estimators.errors import EstimatorError
-from fmus.errors import FmuError as BuildError
-from fmus.errors import WrongQuestion
-from harness.fmu.failure import FmuError, PlantFailed
-from harness.loop.compiled import LoopError
-from harness.record.atomic import Unwritten
-from harness.record.error import RecordError
-from harness.scenario.error import ScenarioError
+from railgrip.estimators.errors import EstimatorError
+from railgrip.fmu.failure import FmuError, PlantFailed
+from railgrip.fmus.errors import FmuError as BuildError
+from railgrip.fmus.errors import WrongQuestion
+from railgrip.loop.compiled import LoopError
+from railgrip.record.atomic import Unwritten
+from railgrip.record.error import RecordError
+from railgrip.scenario.error import ScenarioError
 
 _QUESTIONS = (ScenarioError, RecordError, FmuError, EstimatorError, LoopError, WrongQuestion)
 _RUNS = (PlantFailed, BuildError, Unwritten)

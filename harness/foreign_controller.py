@@ -5,11 +5,11 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from controllers.sight import Sight
-from harness.fmu import Binding, Description, FmuError, Plant, PlantFailed, Signal, bind, open_plant
-from harness.loop.ports import ControllerFailed
-from harness.scenario.parties import ControllerFmu
-from harness.scenario.schema import Scenario
+from railgrip.controllers.sight import Sight
+from railgrip.fmu import Binding, Description, FmuError, Plant, PlantFailed, Signal, bind, open_plant
+from railgrip.loop.ports import ControllerFailed
+from railgrip.scenario.parties import ControllerFmu
+from railgrip.scenario.schema import Scenario
 
 _READ = ("speed", "acceleration", "slip", "pressure")
 _BELIEVED = ("adhesion", "pad_friction")

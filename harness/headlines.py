@@ -7,8 +7,8 @@ largest of many errors. A changed law moves it further.
 
 from collections.abc import Callable
 
-from harness.estimate.error import EstimationError
-from harness.verdict.baseline import Finding, Findings
+from railgrip.estimate.error import EstimationError
+from railgrip.verdict.baseline import Finding, Findings
 
 Tell = Callable[[str], None]
 
@@ -33,10 +33,10 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
 
 def rig(tell: Tell) -> list[Finding]:
     """Return errors of adhesion and pad friction in both tests of the roller rig, with both filters."""
-    from harness.estimate.rig import FILTERS, SCENARIOS, row_of
-    from harness.estimate.spec import LIBRARY, estimate_of, load_specification
-    from harness.twins.rig_scenario import rig_scenario
-    from harness.twins.roller_rig import run_rig
+    from railgrip.estimate.rig import FILTERS, SCENARIOS, row_of
+    from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+    from railgrip.twins.rig_scenario import rig_scenario
+    from railgrip.twins.roller_rig import run_rig
 
     found: list[Finding] = []
     for name in SCENARIOS:
@@ -63,11 +63,11 @@ def rig(tell: Tell) -> list[Finding]:
 
 def field(tell: Tell) -> list[Finding]:
     """Return what was recovered of the track in case 6, and the errors of both tuned filters in it."""
-    from harness.field.filtering import filter_of, follow, prediction, task_of
-    from harness.field.noise import LIBRARY, PHYSICAL, load_noise
-    from harness.field.runs import TEST, brakings
-    from harness.field.score import score, track_score
-    from harness.twins.field_scenario import field_scenario
+    from railgrip.field.filtering import filter_of, follow, prediction, task_of
+    from railgrip.field.noise import LIBRARY, PHYSICAL, load_noise
+    from railgrip.field.runs import TEST, brakings
+    from railgrip.field.score import score, track_score
+    from railgrip.twins.field_scenario import field_scenario
 
     tell(f"field test, case {TEST}")
     run, braking = brakings(field_scenario(), (TEST,))[TEST]
@@ -103,10 +103,10 @@ def field(tell: Tell) -> list[Finding]:
 
 def monitor(tell: Tell) -> list[Finding]:
     """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
-    from harness.monitor.evidence import evidence_of
-    from harness.monitor.life import Life, live
-    from harness.monitor.study import judged
-    from harness.monitor.watch import Design
+    from railgrip.monitor.evidence import evidence_of
+    from railgrip.monitor.life import Life, live
+    from railgrip.monitor.study import judged
+    from railgrip.monitor.watch import Design
 
     # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
     life = Life(stops=52, seed=1, worn=28, worn_group=1, stuck=40, stuck_group=2)
@@ -126,14 +126,14 @@ def monitor(tell: Tell) -> list[Finding]:
 
 def lateral(tell: Tell) -> list[Finding]:
     """Return what the filters of a wandering wheelset make of one run through all conditions."""
-    from harness.lateral.headline import headlines as of_lateral
+    from railgrip.lateral.headline import headlines as of_lateral
 
     return of_lateral(tell)
 
 
 def learn(tell: Tell) -> list[Finding]:
     """Return errors of the networks on axle-box accelerations at one speed, and levels of what they see."""
-    from harness.learn.headline import headlines as of_learn
+    from railgrip.learn.headline import headlines as of_learn
 
     return of_learn(tell)
 

@@ -14,19 +14,19 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import assemble
-from harness.loop.ended import Ended
-from harness.record.bound import with_bound
-from harness.record.outcome import Outcome
-from harness.record.recorder import Recorder
-from harness.record.stop import Stop
-from harness.scenario.adhesion import profile_of
-from harness.scenario.error import ScenarioError
-from harness.scenario.merge import merged
-from harness.scenario.schema import Scenario
-from harness.scenario.track import track_force_of
-from harness.signals import PLANT, SENT
-from harness.train import GRAVITY, brake_of, masses_of
+from railgrip import assemble
+from railgrip.loop.ended import Ended
+from railgrip.record.bound import with_bound
+from railgrip.record.outcome import Outcome
+from railgrip.record.recorder import Recorder
+from railgrip.record.stop import Stop
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.merge import merged
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.track import track_force_of
+from railgrip.signals import PLANT, SENT
+from railgrip.train import GRAVITY, brake_of, masses_of
 
 Array = NDArray[np.float64]
 

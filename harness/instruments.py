@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from harness.loop.ports import Sensors
-from harness.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
-from harness.scenario.schema import Scenario
-from harness.scenario.seed import generator
-from harness.scenario.sensors import IdealSensors as IdealTable
-from harness.signals import Layout
+from railgrip.loop.ports import Sensors
+from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import IdealSensors as IdealTable
+from railgrip.signals import Layout
 
 
 def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Sensors:

@@ -7,8 +7,8 @@ import typer
 
 if TYPE_CHECKING:
     # Loaded when the command runs: `--help` must not wait for the FMU loader.
-    from harness.fmu import Signal
-    from harness.fmu.description import Causality
+    from railgrip.fmu import Signal
+    from railgrip.fmu.description import Causality
 
 
 def add_to(app: typer.Typer) -> None:
@@ -25,12 +25,12 @@ def add_to(app: typer.Typer) -> None:
         period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of it [s].")] = 1e-3,
     ) -> None:
         """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
-        from harness.assemble import catalogue_brakes, plant_signals
-        from harness.draft import drafted
-        from harness.fmu import PlantFailed, bind, describe, open_plant
-        from harness.formation import Formation
-        from harness.signals import layout_of
-        from harness.trial import findings, tried
+        from railgrip.assemble import catalogue_brakes, plant_signals
+        from railgrip.draft import drafted
+        from railgrip.fmu import PlantFailed, bind, describe, open_plant
+        from railgrip.formation import Formation
+        from railgrip.signals import layout_of
+        from railgrip.trial import findings, tried
 
         description = describe(file)
         formation = Formation(tuple(per_group or (2, 1, 1, 2)))

@@ -6,11 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from harness.record.error import RecordError
-from harness.record.stop import FILES, Stop, write_stop
-from harness.scenario.error import ScenarioError
-from harness.scenario.schema import Scenario
-from harness.sources import sources_digest
+from railgrip.record.error import RecordError
+from railgrip.record.stop import FILES, Stop, write_stop
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.schema import Scenario
+from railgrip.sources import sources_digest
 
 SOURCES = "sources"
 """Name of the digest of this program's text among the versions of a result."""
@@ -27,7 +27,7 @@ def silently(sentence: str) -> None:
 
 
 class Runner(Protocol):
-    """Runs a scenario; `harness.assemble.run_stop` is the one."""
+    """Runs a scenario; `railgrip.assemble.run_stop` is the one."""
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None, tell: Tell = silently) -> Stop:
         """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 
-from harness.formation import Extent, Formation
+from railgrip.formation import Extent, Formation
 
 
 @dataclass(frozen=True, slots=True)

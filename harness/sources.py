@@ -4,31 +4,37 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
-import controllers
-import estimators
-import fmus
-import harness
+import railgrip
+import railgrip.controllers
+import railgrip.estimators
+import railgrip.fmus
+from railgrip.fmus.recipe import MODELICA
 
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".jinja"}
 _UNCONCERNED = (
-    "harness/verdict/",
-    "harness/scenario/library/",
-    "harness/scenario/campaigns/",
-    "harness/scenario/edges/",
-    "fmus/lock.toml",
+    "railgrip/verdict/",
+    "railgrip/scenario/library/",
+    "railgrip/scenario/campaigns/",
+    "railgrip/scenario/edges/",
+    "railgrip.fmus/lock.toml",
 )
 """They read results, or are the question itself (the scenario's digest is their own), or follow from the rest."""
 
 
 @cache
 def sources_digest() -> str:
-    """Return a SHA-256 of every source that a stop depends on: the rooms' code and the Modelica library."""
-    roots = [Path(room.__file__ or "").parent for room in (controllers, estimators, fmus, harness)]
-    modelica = Path(fmus.__file__ or "").parent.parent / "modelica"
+    """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library."""
+    rooms = (railgrip, railgrip.controllers, railgrip.estimators, railgrip.fmus)
+    roots = {room.__name__: Path(room.__file__ or "").parent for room in rooms} | {"modelica": MODELICA}
     digest = hashlib.sha256()
-    for root in (*roots, modelica):
+    for name, root in roots.items():
         for path in sorted(found for found in root.rglob("*") if found.suffix in _KINDS):
-            name = f"{root.name}/{path.relative_to(root).as_posix()}"
-            if not name.startswith(_UNCONCERNED):
-                digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
+            # Installed, the other rooms lie inside the package's own folder.
+            if any(
+                path.is_relative_to(other) for other in roots.values() if other != root and other.is_relative_to(root)
+            ):
+                continue
+            place = f"{name}/{path.relative_to(root).as_posix()}"
+            if not place.startswith(_UNCONCERNED):
+                digest.update(place.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

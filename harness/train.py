@@ -10,10 +10,10 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.brake import BrakeGroup
-from harness.formation import Formation
-from harness.record.bound import Brake
-from harness.scenario.error import ScenarioError
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.formation import Formation
+from railgrip.record.bound import Brake
+from railgrip.scenario.error import ScenarioError
 
 GRAVITY = 9.81  # m/s2, as in RailBraking.Types
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.ports import Plant
-from harness.signals import Layout
+from railgrip.loop.ports import Plant
+from railgrip.signals import Layout
 
 Matrix = NDArray[np.float64]
 

@@ -17,10 +17,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers import tuning
-from harness.scenario.campaign import load_campaign
-from harness.scenario.merge import merged
-from harness.scenario.schema import Scenario
+from railgrip.controllers import tuning
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.merge import merged
+from railgrip.scenario.schema import Scenario
 
 RAILS = Path(__file__).parent / "scenario" / "campaigns" / "training.toml"
 EDGES = {"ideal": "ideal", "pneumatic": "service"}
@@ -230,7 +230,7 @@ def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
 
 
 def _distance(scenario: Scenario) -> float:
-    from harness.assemble import braking_distance
+    from railgrip.assemble import braking_distance
 
     distance = braking_distance(scenario)
     return _ENDLESS if distance is None else distance

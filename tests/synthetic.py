@@ -5,17 +5,17 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import chi2
 
-import harness.scenario
-from harness.formation import Formation
-from harness.record.bound import Brake, with_bound
-from harness.record.metrics import measure
-from harness.record.outcome import Outcome
-from harness.record.stop import Stop
-from harness.record.trace import trace_of
-from harness.scenario.adhesion import profile_of
-from harness.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
+import railgrip.scenario
+from railgrip.formation import Formation
+from railgrip.record.bound import Brake, with_bound
+from railgrip.record.metrics import measure
+from railgrip.record.outcome import Outcome
+from railgrip.record.stop import Stop
+from railgrip.record.trace import trace_of
+from railgrip.scenario.adhesion import profile_of
+from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
 
-LIBRARY = Path(harness.scenario.__file__).parent / "library"
+LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
 TWO_PART_TRAIN = Formation((2, 1, 1, 2))
 LAYOUT = layout_of(TWO_PART_TRAIN)

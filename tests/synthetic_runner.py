@@ -5,9 +5,9 @@ from pathlib import Path
 
 from synthetic import stop_of
 
-from harness.record.outcome import Outcome
-from harness.scenario.error import ScenarioError
-from harness.scenario.schema import Scenario
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.schema import Scenario
 
 DECELERATION = {
     "full_brake": 0.5,

@@ -10,34 +10,36 @@ ROOMS = ("fmus", "estimators", "controllers", "harness")
 
 # Room or module → what it may import of ours; the longest matching name decides.
 ALLOWED = {
-    "fmus": ("fmus",),
-    "estimators": ("estimators", "fmus.native", "fmus.errors"),
-    "controllers": ("controllers",),
-    "harness": ("harness", "controllers", "estimators", "fmus"),
+    "railgrip.fmus": ("railgrip.fmus",),
+    "railgrip.estimators": ("railgrip.estimators", "railgrip.fmus.native", "railgrip.fmus.errors"),
+    "railgrip.controllers": ("railgrip.controllers",),
+    "railgrip": ("railgrip",),
     # The loop knows protocols and the values that pass between parties, no party.
-    "harness.units": (),
-    "harness.limits": (),
-    "harness.formation": (),
-    "harness.signals": ("harness.formation",),
-    "harness.loop": ("harness.loop", "harness.record.outcome", "harness.record.recorder", "harness.signals",
-                     "harness.formation", "controllers.sight", "estimators.belief", "fmus.native.toolchain"),
-    "harness.scenario": ("harness.scenario", "harness.formation", "harness.units", "harness.limits"),
+    "railgrip.units": (),
+    "railgrip.limits": (),
+    "railgrip.formation": (),
+    "railgrip.signals": ("railgrip.formation",),
+    "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.record.recorder", "railgrip.signals",
+                      "railgrip.formation", "railgrip.controllers.sight", "railgrip.estimators.belief",
+                      "railgrip.fmus.native.toolchain"),
+    "railgrip.scenario": ("railgrip.scenario", "railgrip.formation", "railgrip.units", "railgrip.limits"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
-    "harness.record": ("harness.record", "harness.scenario", "harness.formation", "harness.signals",
-                       "estimators.consistency"),
-    "harness.verdict": ("harness.verdict", "harness.record", "harness.scenario", "harness.units"),
+    "railgrip.record": ("railgrip.record", "railgrip.scenario", "railgrip.formation", "railgrip.signals",
+                        "railgrip.estimators.consistency"),
+    "railgrip.verdict": ("railgrip.verdict", "railgrip.record", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
-    "harness.fmu": ("harness.fmu", "harness.units", "harness.limits", "harness.interrupted", "harness.scratch",
-                    "fmus.native.toolchain", "estimators.prediction", "harness.loop.compiled.Calls",
-                    "harness.loop.ports.Edge"),
+    "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
+                     "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction", "railgrip.loop.compiled.Calls",
+                     "railgrip.loop.ports.Edge"),
 }  # fmt: skip
 
 
 def modules():
     """Every module of ours."""
     for room in ROOMS:
+        package = "railgrip" if room == "harness" else f"railgrip.{room}"
         for path in sorted((ROOT / room).rglob("*.py")):
-            name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+            name = ".".join((package, *path.relative_to(ROOT / room).with_suffix("").parts)).removesuffix(".__init__")
             yield pytest.param(name, path, id=name)
 
 
@@ -59,22 +61,24 @@ def inside(name, package):
 def test_imports_point_one_way(name, path):
     allowed = ALLOWED[max((room for room in ALLOWED if inside(name, room)), key=len)]
     for other in imported(path):
-        ours = other.split(".")[0] in ROOMS
-        assert not ours or any(inside(other, room) for room in allowed), f"{name} imports {other}"
+        top = other.split(".")[0]
+        assert top not in ROOMS, f"{name} imports {other} by its folder; the package is railgrip"
+        assert top != "railgrip" or any(inside(other, room) for room in allowed), f"{name} imports {other}"
 
 
 @pytest.mark.parametrize(("name", "path"), list(modules()))
 def test_only_the_fmu_room_of_the_harness_imports_fmpy(name, path):
     # fmus/ may use fmpy's checker on what it has built; it runs nothing through it.
-    if not inside(name, "harness.fmu") and not inside(name, "fmus"):
+    if not inside(name, "railgrip.fmu") and not inside(name, "railgrip.fmus"):
         assert not any(inside(other, "fmpy") for other in imported(path))
 
 
 @pytest.mark.parametrize(("name", "path"), list(modules()))
 def test_only_assembly_names_concrete_laws_and_filters(name, path):
-    concrete = ("controllers.full_brake", "controllers.slip_based", "controllers.adhesion_based", "estimators.ekf",
-                "estimators.compiled")  # fmt: skip
-    if inside(name, "harness.loop") or inside(name, "harness.verdict") or inside(name, "harness.record"):
+    concrete = ("railgrip.controllers.full_brake", "railgrip.controllers.slip_based",
+                "railgrip.controllers.adhesion_based", "railgrip.estimators.ekf",
+                "railgrip.estimators.compiled")  # fmt: skip
+    if inside(name, "railgrip.loop") or inside(name, "railgrip.verdict") or inside(name, "railgrip.record"):
         assert not any(inside(other, part) for other in imported(path) for part in concrete)
 
 

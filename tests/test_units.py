@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.units import Unit, UnitError, conversion, to_si, unit
+from railgrip.units import Unit, UnitError, conversion, to_si, unit
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.errors import EstimatorError
-from estimators.learned.network import Network, train
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.learned.network import Network, train
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """Trained estimators sample by sample: one CasADi function (state, input) → (state, output) each.
 
 The same filters, scaling and networks as offline, in the same order of operations; what comes out differs from the
-offline result by rounding alone. The function goes into an FMU as it is (`fmus.native.discrete`).
+offline result by rounding alone. The function goes into an FMU as it is (`railgrip.fmus.native.discrete`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -12,12 +12,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.learned.antialias import AntiAlias
-from estimators.learned.channels import COMBINATIONS
-from estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
-from estimators.learned.network import Network
-from estimators.learned.preprocessing import Chain, Scale
-from estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
+from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
+from railgrip.estimators.learned.network import Network
+from railgrip.estimators.learned.preprocessing import Chain, Scale
+from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
 
 Array = NDArray[np.float64]
 SX = ca.SX

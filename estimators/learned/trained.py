@@ -9,14 +9,14 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.errors import EstimatorError
-from estimators.learned.antialias import AntiAlias
-from estimators.learned.channels import COMBINATIONS, forwards, motions
-from estimators.learned.ensemble import Ensemble
-from estimators.learned.network import Network
-from estimators.learned.online import Online, general, paper
-from estimators.learned.preprocessing import Chain, Scale
-from estimators.learned.spectral import Spectral
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.learned.channels import COMBINATIONS, forwards, motions
+from railgrip.estimators.learned.ensemble import Ensemble
+from railgrip.estimators.learned.network import Network
+from railgrip.estimators.learned.online import Online, general, paper
+from railgrip.estimators.learned.preprocessing import Chain, Scale
+from railgrip.estimators.learned.spectral import Spectral
 
 Array = NDArray[np.float64]
 

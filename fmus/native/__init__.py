@@ -4,6 +4,6 @@ dae (front end) → expressions, variables, conditions → index, structure → 
 (CasADi functions) or code, description, package (the FMU).
 """
 
-from fmus.native.model import Model, Variable, lower
+from railgrip.fmus.native.model import Model, Variable, lower
 
 __all__ = ["Model", "Variable", "lower"]

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import casadi as ca
 
-from fmus.native.arrays import SX
-from fmus.native.ctext import names, quoted, table
-from fmus.native.elimination import eliminate
-from fmus.native.straight import straight
-from fmus.native.structure import Loops
-from fmus.native.system import Assertion, System, column
-from fmus.native.tape import fits, interpreter, tape
-from fmus.native.variables import Scalar, vector
+from railgrip.fmus.native.arrays import SX
+from railgrip.fmus.native.ctext import names, quoted, table
+from railgrip.fmus.native.elimination import eliminate
+from railgrip.fmus.native.straight import straight
+from railgrip.fmus.native.structure import Loops
+from railgrip.fmus.native.system import Assertion, System, column
+from railgrip.fmus.native.tape import fits, interpreter, tape
+from railgrip.fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"
 SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")

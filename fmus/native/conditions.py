@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from fmus.native.arrays import SX
-from fmus.native.dae import Binding, Dae, Node
-from fmus.native.expressions import Evaluator, Site, site
+from railgrip.fmus.native.arrays import SX
+from railgrip.fmus.native.dae import Binding, Dae, Node
+from railgrip.fmus.native.expressions import Evaluator, Site, site
 
 # lhs − rhs with the sign that is positive where the relation holds
 SIGN = {"less": -1, "less_equal": -1, "greater": 1, "greater_equal": 1}

@@ -11,9 +11,9 @@ from typing import Any
 
 import rumoca
 
-from fmus.errors import Refused, WrongQuestion
-from fmus.native.complaint import places
-from fmus.native.library import LIBRARY, library_digest
+from railgrip.fmus.errors import Refused, WrongQuestion
+from railgrip.fmus.native.complaint import places
+from railgrip.fmus.native.library import LIBRARY, library_digest
 
 FRONT = Path(__file__).parent / "front"
 SCHEMA = ("rumoca.checked-dae-template", 6)

@@ -7,11 +7,11 @@ from xml.sax.saxutils import quoteattr
 
 import casadi as ca
 
-from fmus.native.arrays import SX
-from fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
-from fmus.native.system import System, column
-from fmus.native.units import BASE, parse
-from fmus.native.variables import Scalar, vector
+from railgrip.fmus.native.arrays import SX
+from railgrip.fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
+from railgrip.fmus.native.system import System, column
+from railgrip.fmus.native.units import BASE, parse
+from railgrip.fmus.native.variables import Scalar, vector
 
 TYPE = {"integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
 

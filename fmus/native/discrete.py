@@ -12,13 +12,13 @@ from importlib.metadata import version
 
 import casadi as ca
 
-from fmus.errors import WrongQuestion
-from fmus.native.code import RUNTIME
-from fmus.native.ctext import quoted, table
-from fmus.native.description import Writer, attributes_text, unit_definitions
-from fmus.native.model import Variable
-from fmus.native.package import Source
-from fmus.native.straight import straight
+from railgrip.fmus.errors import WrongQuestion
+from railgrip.fmus.native.code import RUNTIME
+from railgrip.fmus.native.ctext import quoted, table
+from railgrip.fmus.native.description import Writer, attributes_text, unit_definitions
+from railgrip.fmus.native.model import Variable
+from railgrip.fmus.native.package import Source
+from railgrip.fmus.native.straight import straight
 
 PARTS = ("discrete.c", "instance.c", "status.c")
 

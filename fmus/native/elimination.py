@@ -9,7 +9,7 @@ Source: Sandu et al., Atmospheric Environment 31 (1997) 3459 (the approach of KP
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fmus.native.ctext import in_parts, table
+from railgrip.fmus.native.ctext import in_parts, table
 
 MOST_ENTRIES = 10_000
 """Entries of LU above which solving takes too long to compile; then elimination is dense."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fmus.native.arrays import (
+from railgrip.fmus.native.arrays import (
     BINARY,
     ELEMENTWISE,
     SHAPED,
@@ -19,7 +19,7 @@ from fmus.native.arrays import (
     is_number,
     whole,
 )
-from fmus.native.dae import Binding, Dae, Node
+from railgrip.fmus.native.dae import Binding, Dae, Node
 
 # A discrete or continuous variable has one store of symbols, whichever way an expression refers to it.
 STORE = {

@@ -12,9 +12,9 @@ import casadi as ca
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-from fmus.errors import Refused
-from fmus.native.arrays import SX
-from fmus.native.structure import Equation
+from railgrip.fmus.errors import Refused
+from railgrip.fmus.native.arrays import SX
+from railgrip.fmus.native.structure import Equation
 
 RELUCTANCE = {"Never": 0.01, "Avoid": 0.1, "Default": 1.0, "Prefer": 10.0, "Always": 1000.0}
 """Cost of demoting a state, by its stateSelect."""

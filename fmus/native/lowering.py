@@ -5,16 +5,16 @@ from pathlib import Path
 
 import casadi as ca
 
-from fmus.errors import Refused
-from fmus.native.arrays import SX
-from fmus.native.dae import read
-from fmus.native.model import Model, Variable
-from fmus.native.system import System, column, explicit
-from fmus.native.variables import Scalar, vector
+from railgrip.fmus.errors import Refused
+from railgrip.fmus.native.arrays import SX
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.model import Model, Variable
+from railgrip.fmus.native.system import System, column, explicit
+from railgrip.fmus.native.variables import Scalar, vector
 
 
 def lowered(class_name: str, modelica_path: Path) -> Model:
-    """Return the explicit ODE of a Modelica class; see `fmus.native.lower`."""
+    """Return the explicit ODE of a Modelica class; see `railgrip.fmus.native.lower`."""
     return _without_events(explicit(read(class_name, modelica_path)))
 
 

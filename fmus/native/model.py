@@ -5,9 +5,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fmus import cache
-from fmus.native.digest import compiler_digest, digest
-from fmus.native.library import LIBRARY, library_digest
+from railgrip.fmus import cache
+from railgrip.fmus.native.digest import compiler_digest, digest
+from railgrip.fmus.native.library import LIBRARY, library_digest
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -80,7 +80,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
 
 def _lowered(class_name: str, modelica_path: Path) -> Model:
     # A process that finds what it needs does without rumoca and scipy's graphs, a quarter of a second of imports.
-    from fmus.native.lowering import lowered
+    from railgrip.fmus.native.lowering import lowered
 
     return lowered(class_name, modelica_path)
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from fmus.native import code, description
-from fmus.native.system import System
-from fmus.native.toolchain import FMU_FLAGS, SUFFIX, binary
+from railgrip.fmus.native import code, description
+from railgrip.fmus.native.system import System
+from railgrip.fmus.native.toolchain import FMU_FLAGS, SUFFIX, binary
 
 _fmpy = find_spec("fmpy")
 assert _fmpy is not None

@@ -11,8 +11,8 @@ from functools import cache
 
 import casadi as ca
 
-from fmus.native.ctext import in_parts, number
-from fmus.native.operations import IN_C, operation_names
+from railgrip.fmus.native.ctext import in_parts, number
+from railgrip.fmus.native.operations import IN_C, operation_names
 
 LONGEST = 150
 """Operations of one part."""

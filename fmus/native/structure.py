@@ -9,8 +9,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
-from fmus.errors import Refused
-from fmus.native.arrays import SX, is_number
+from railgrip.fmus.errors import Refused
+from railgrip.fmus.native.arrays import SX, is_number
 
 LARGEST_LOOP = 24
 """Unknowns of one nonlinear loop after elimination; solving Newton's matrix symbolically is cubic in code."""

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from fmus.errors import Refused
-from fmus.native.arrays import SX, Array, choose, is_number
-from fmus.native.conditions import Conditions, Relations, find_relations
-from fmus.native.dae import Dae, Node
-from fmus.native.expressions import Evaluator
-from fmus.native.index import RELUCTANCE, reduce_index
-from fmus.native.structure import Equation, Loops, solve
-from fmus.native.variables import Scalar, Variables, declare, settle, vector
+from railgrip.fmus.errors import Refused
+from railgrip.fmus.native.arrays import SX, Array, choose, is_number
+from railgrip.fmus.native.conditions import Conditions, Relations, find_relations
+from railgrip.fmus.native.dae import Dae, Node
+from railgrip.fmus.native.expressions import Evaluator
+from railgrip.fmus.native.index import RELUCTANCE, reduce_index
+from railgrip.fmus.native.structure import Equation, Loops, solve
+from railgrip.fmus.native.variables import Scalar, Variables, declare, settle, vector
 
 Message = tuple[str | SX, ...]
 """Text of an assertion, with the expressions whose values stand in it."""

@@ -2,8 +2,8 @@
 
 import casadi as ca
 
-from fmus.native.ctext import table
-from fmus.native.operations import IN_C, operation_names
+from railgrip.fmus.native.ctext import table
+from railgrip.fmus.native.operations import IN_C, operation_names
 
 LARGEST = 65535
 """Of a place in work, arguments, results and constants; `Operation` holds unsigned shorts."""

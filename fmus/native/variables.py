@@ -7,9 +7,9 @@ from graphlib import TopologicalSorter
 import casadi as ca
 import numpy as np
 
-from fmus.native.arrays import SX, Array, array, is_number
-from fmus.native.dae import Dae, Node
-from fmus.native.expressions import Evaluator
+from railgrip.fmus.native.arrays import SX, Array, array, is_number
+from railgrip.fmus.native.dae import Dae, Node
+from railgrip.fmus.native.expressions import Evaluator
 
 KIND = {"output": "algebraic", "discrete_real": "discrete", "discrete_value": "discrete"}
 KINDS = ("parameter", "constant", "input", "state", "algebraic", "discrete")

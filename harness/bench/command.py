@@ -2,17 +2,17 @@
 
 import typer
 
-from harness.console import progress, show_table
-from harness.engine import Engine
+from railgrip.console import progress, show_table
+from railgrip.engine import Engine
 
 
 def bench() -> None:
     """Measure speed: medians, and ratios of what ran in turn. Times are shown beside their targets, never judged."""
-    from fmus.build import fmu
-    from harness.bench.estimation import estimation_cost
-    from harness.bench.fmi import step_cost
-    from harness.bench.rig_filter import rig_filter_cost
-    from harness.bench.stop import build_cost, filter_cost, machine, stop_costs
+    from railgrip.bench.estimation import estimation_cost
+    from railgrip.bench.fmi import step_cost
+    from railgrip.bench.rig_filter import rig_filter_cost
+    from railgrip.bench.stop import build_cost, filter_cost, machine, stop_costs
+    from railgrip.fmus.build import fmu
 
     rows: list[dict[str, str]] = []
 

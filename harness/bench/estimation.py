@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 
-from harness.estimate.course import with_track_force
-from harness.estimate.spec import estimate_of
-from harness.field.braking import braking_of
-from harness.field.filtering import filter_of, follow, prediction, specification, task_of
-from harness.field.noise import PHYSICAL
-from harness.field.objective import evaluate
-from harness.field.runs import TEST
-from harness.twins.field_scenario import FieldScenario, field_scenario
-from harness.twins.field_train import run_case
+from railgrip.estimate.course import with_track_force
+from railgrip.estimate.spec import estimate_of
+from railgrip.field.braking import braking_of
+from railgrip.field.filtering import filter_of, follow, prediction, specification, task_of
+from railgrip.field.noise import PHYSICAL
+from railgrip.field.objective import evaluate
+from railgrip.field.runs import TEST
+from railgrip.twins.field_scenario import FieldScenario, field_scenario
+from railgrip.twins.field_train import run_case
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

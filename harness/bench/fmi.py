@@ -7,9 +7,9 @@ from statistics import median
 
 import numpy as np
 
-from harness.fmu.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours, seconds_of_simulate_fmu
-from harness.fmu.description import Description, describe
-from harness.fmu.mapping import Binding, Signal, bind
+from railgrip.fmu.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours, seconds_of_simulate_fmu
+from railgrip.fmu.description import Description, describe
+from railgrip.fmu.mapping import Binding, Signal, bind
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

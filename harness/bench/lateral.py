@@ -4,9 +4,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.lateral.filters import NAMES, Name
-from harness.lateral.run import Case, simulate
-from harness.twins.lateral import TESTS
+from railgrip.lateral.filters import NAMES, Name
+from railgrip.lateral.run import Case, simulate
+from railgrip.twins.lateral import TESTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,9 +5,9 @@ from time import perf_counter
 
 import numpy as np
 
-from estimators.compiled import CompiledFilter
-from harness.estimate.run import by_name
-from harness.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
+from railgrip.estimate.run import by_name
+from railgrip.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
+from railgrip.estimators.compiled import CompiledFilter
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

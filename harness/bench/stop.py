@@ -10,13 +10,13 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from estimators.compiled import CompiledFilter
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.prediction import CasadiPrediction
-from estimators.tuning import NOISE_SETS
-from harness.assemble import lowered, run_stop
-from harness.engine import Engine
-from harness.scenario.load import load
+from railgrip.assemble import lowered, run_stop
+from railgrip.engine import Engine
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.scenario.load import load
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
 
@@ -130,8 +130,8 @@ class BuildCost:
 
 def build_cost() -> BuildCost:
     """Build every recipe into an empty folder."""
-    from fmus.build import build
-    from fmus.recipe import read_recipes
+    from railgrip.fmus.build import build
+    from railgrip.fmus.recipe import read_recipes
 
     names = list(read_recipes().recipes)
     with tempfile.TemporaryDirectory() as folder:

@@ -1,13 +1,13 @@
 """Estimating from recordings: adhesion and pad friction from what was measured, on a twin or by a user.
 
-A *recording* is an xarray data set on one even time grid (`recording`). It comes from a twin (`harness.twins`)
+A *recording* is an xarray data set on one even time grid (`recording`). It comes from a twin (`railgrip.twins`)
 or from a file, and carries what a prediction asks for under the prediction's own names: its inputs and its
 outputs, arrays as scalars `cylinder_pressure[1]`. What the twin knows and no filter may see stands beside them as
 `true_<state>`, for `judge` alone.
 
-    from harness.estimate.recording import recording_of
-    from harness.estimate.run import Settings, estimate, prediction_of
-    from harness.estimate.judge import judge
+    from railgrip.estimate.recording import recording_of
+    from railgrip.estimate.run import Settings, estimate, prediction_of
+    from railgrip.estimate.judge import judge
 
     recorded = recording_of(
         {"pad_force": (force, "N"), "speed": (v, "m/s"), "wheelset_speed": (w, "rad/s")},
@@ -26,7 +26,7 @@ outputs, arrays as scalars `cylinder_pressure[1]`. What the twin knows and no fi
     judge(recorded, estimates, "mu_b").rmse
 
 Names without index in `Settings` stand for every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a
-TOML file; `python -m harness estimate FILE.toml` runs one, `python -m harness observability FILE.toml` asks what
+TOML file; `python -m railgrip estimate FILE.toml` runs one, `python -m railgrip observability FILE.toml` asks what
 such a recording can tell at all. A new kind of source is one more table in `spec` with a function that returns a
 recording, registered in `sources`.
 """

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.console import complain, progress, say, show_table
+from railgrip.console import complain, progress, say, show_table
 
 if TYPE_CHECKING:
     import xarray
@@ -40,10 +40,10 @@ def observability(
 
     Along the true states where they are known, else, from recorded data, along those that the filter estimates.
     """
-    from harness.estimate.observable import observe, with_estimates_as_truth
-    from harness.estimate.sources import recording_of_estimation
-    from harness.estimate.spec import load_specification, prediction_for
-    from harness.verdict.observability import information
+    from railgrip.estimate.observable import observe, with_estimates_as_truth
+    from railgrip.estimate.sources import recording_of_estimation
+    from railgrip.estimate.spec import load_specification, prediction_for
+    from railgrip.verdict.observability import information
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
@@ -82,11 +82,11 @@ def estimate(
     data: Data = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
-    from harness.estimate.plausible import strange_estimates, strange_signals
-    from harness.estimate.sources import recording_of_estimation
-    from harness.estimate.spec import estimate_of, load_specification, prediction_for
-    from harness.record.atomic import write_bytes
-    from harness.verdict.estimated import estimated
+    from railgrip.estimate.plausible import strange_estimates, strange_signals
+    from railgrip.estimate.sources import recording_of_estimation
+    from railgrip.estimate.spec import estimate_of, load_specification, prediction_for
+    from railgrip.record.atomic import write_bytes
+    from railgrip.verdict.estimated import estimated
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
@@ -111,7 +111,7 @@ def estimate(
 
 def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = OUT / "rig") -> None:
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
-    from harness.estimate.rig import study
+    from railgrip.estimate.rig import study
 
     with progress("roller rig") as shown:
         rows = study(out, lambda what: shown.update(doing=what))
@@ -148,8 +148,8 @@ def _say_flags(recording: "xarray.Dataset") -> None:
 
 def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     """Print how far off each state was whose truth is known."""
-    from harness.estimate.judge import judge
-    from harness.estimate.recording import TRUTH
+    from railgrip.estimate.judge import judge
+    from railgrip.estimate.recording import TRUTH
 
     say(
         f"{recording.attrs['name']}: median NIS is {told.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
@@ -178,7 +178,7 @@ def _write_windows(windows: object, path: Path) -> None:
     """Write smallest singular values and deviations as CSV, a row a window."""
     import xarray
 
-    from harness.record.atomic import replacing
+    from railgrip.record.atomic import replacing
 
     assert isinstance(windows, xarray.Dataset)
     states = [str(state) for state in windows["state"].values]

@@ -9,10 +9,10 @@ else braking begins where a cylinder fills. What comes back begins with the coas
 
 import xarray
 
-from harness.estimate.spec import CourseTable
-from harness.field.braking import LOW_PASS, TRUST, braking_of
-from harness.track.course import LowPass
-from harness.track.motion import Trust
+from railgrip.estimate.spec import CourseTable
+from railgrip.field.braking import LOW_PASS, TRUST, braking_of
+from railgrip.track.course import LowPass
+from railgrip.track.motion import Trust
 
 UNITS = {"latitude": "deg", "longitude": "deg", "height": "m", "driving": "1", "braking": "1"}
 ALWAYS = ("driving", "braking")

@@ -1,6 +1,6 @@
 """How a recording or an estimation is refused."""
 
-from harness.scenario.error import ScenarioError
+from railgrip.scenario.error import ScenarioError
 
 
 class EstimationError(ScenarioError):

@@ -7,12 +7,12 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from estimators.observability import Observability, along, observability
-from estimators.prediction import CasadiPrediction
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import TRUTH, columns, period_of
-from harness.estimate.run import by_name, units_of
-from harness.estimate.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import TRUTH, columns, period_of
+from railgrip.estimate.run import by_name, units_of
+from railgrip.estimate.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
+from railgrip.estimators.observability import Observability, along, observability
+from railgrip.estimators.prediction import CasadiPrediction
 
 Matrix = NDArray[np.float64]
 

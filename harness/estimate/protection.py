@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.estimate.judge import errors
+from railgrip.estimate.judge import errors
 
 Mask = NDArray[np.bool_]
 

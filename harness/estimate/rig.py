@@ -7,10 +7,10 @@ from pathlib import Path
 
 import xarray
 
-from harness.estimate.judge import judge
-from harness.estimate.protection import LIMIT, excursions
-from harness.estimate.run import estimate, units_of
-from harness.estimate.spec import (
+from railgrip.estimate.judge import judge
+from railgrip.estimate.protection import LIMIT, excursions
+from railgrip.estimate.run import estimate, units_of
+from railgrip.estimate.spec import (
     LIBRARY,
     Specification,
     estimate_of,
@@ -18,10 +18,10 @@ from harness.estimate.spec import (
     prediction_for,
     settings_for,
 )
-from harness.record.atomic import replacing, write_text
-from harness.twins.rig_scenario import RigScenario, rig_scenario
-from harness.twins.roller_rig import run_rig
-from harness.verdict.rig import over_slip, rig_run, tunings
+from railgrip.record.atomic import replacing, write_text
+from railgrip.twins.rig_scenario import RigScenario, rig_scenario
+from railgrip.twins.roller_rig import run_rig
+from railgrip.verdict.rig import over_slip, rig_run, tunings
 
 FILTERS = ("rig_paper", "rig_own")
 SCENARIOS = ("slide", "sand")

@@ -10,17 +10,17 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from estimators.belief import Estimate
-from estimators.compiled import CompiledFilter
-from estimators.consistency import FAR, lost_at, nis_ratio
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.errors import FilterDiverged
-from estimators.gate import Gate
-from estimators.prediction import CasadiPrediction
-from estimators.running import Running
-from fmus.native import Model, lower
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import columns, period_of
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import columns, period_of
+from railgrip.estimators.belief import Estimate
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.consistency import FAR, lost_at, nis_ratio
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.errors import FilterDiverged
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.running import Running
+from railgrip.fmus.native import Model, lower
 
 Matrix = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def prediction_of(model: str, parameters: Mapping[str, float] | None = None) -> 
 
     Raises:
         EstimationError: There is no such parameter.
-        fmus.errors.WrongQuestion: There is no such class.
+        railgrip.fmus.errors.WrongQuestion: There is no such class.
     """
     lowered = model_of(model)
     given = dict(parameters or {})
@@ -124,7 +124,7 @@ def estimate(
         `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time)
         with its degrees of freedom `readings` (time), and `covariance` (time, state, state_) when asked for. The
         first sample is the start. The attribute `ended` says why its beliefs mean nothing, and from when on, else it is
-        empty: the filter could not go on, when the rest is NaN, or is lost (`estimators.consistency.lost_at`).
+        empty: the filter could not go on, when the rest is NaN, or is lost (`railgrip.estimators.consistency.lost_at`).
         `nis_ratio` is the median of NIS over its expected one, NaN where nothing was read.
 
     Raises:

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import casadi as ca
 
-from estimators.prediction import CasadiPrediction
-from harness.estimate.error import EstimationError
-from harness.estimate.run import model_of
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.run import model_of
+from railgrip.estimators.prediction import CasadiPrediction
 
 
 def prediction_seeing(

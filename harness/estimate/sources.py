@@ -8,9 +8,9 @@ from pathlib import Path
 
 import xarray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.specified import taken_for
-from harness.estimate.spec import SourceTable, Specification, check_mass
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.specified import taken_for
+from railgrip.estimate.spec import SourceTable, Specification, check_mass
 
 Maker = Callable[[str, int | None], xarray.Dataset]
 """Scenario and seed, None for the scenario's own, to a recording."""
@@ -41,7 +41,7 @@ def recording_of_estimation(
     if specification.course is None:
         return recording
     # Imported when asked for: recovering a track takes SciPy's splines, a rig or wagon has none.
-    from harness.estimate.course import with_track_force
+    from railgrip.estimate.course import with_track_force
 
     return with_track_force(recording, specification.course)
 
@@ -58,17 +58,17 @@ def recording_for(source: SourceTable) -> xarray.Dataset:
 def _maker(kind: str) -> Maker:
     # Imported when asked for: twins bring the FMU compiler, and reading a file needs none of it.
     if kind == "roller_rig":
-        from harness.twins.rig_scenario import rig_scenario
-        from harness.twins.roller_rig import run_rig
+        from railgrip.twins.rig_scenario import rig_scenario
+        from railgrip.twins.roller_rig import run_rig
 
         return lambda scenario, seed: run_rig(rig_scenario(scenario), seed)
     if kind == "wagon":
-        from harness.twins.wagon import run_wagon, wagon_scenario
+        from railgrip.twins.wagon import run_wagon, wagon_scenario
 
         return lambda scenario, seed: run_wagon(wagon_scenario(scenario), seed)
     if kind == "field":
-        from harness.twins.field_scenario import field_case
-        from harness.twins.field_train import run_case
+        from railgrip.twins.field_scenario import field_case
+        from railgrip.twins.field_train import run_case
 
         return lambda scenario, seed: run_case(*field_case(scenario), seed)
     raise EstimationError(f"[source] kind is '{kind}'; there is {', '.join(KINDS)}.")

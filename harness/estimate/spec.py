@@ -26,7 +26,7 @@ mass = "84 t"
 curve_law = "bogie"
 
 [source]
-kind = "roller_rig"                         # a twin, see harness.estimate.sources
+kind = "roller_rig"                         # a twin, see railgrip.estimate.sources
 scenario = "slide"
 """
 
@@ -37,17 +37,17 @@ from typing import Annotated, Any, Literal, Self
 import xarray
 from pydantic import Field, model_validator
 
-from estimators.gate import Gate
-from estimators.prediction import CasadiPrediction
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.table import DataTable
-from harness.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
-from harness.estimate.selection import prediction_seeing
-from harness.scenario.load import demand_kind, read_toml, validated
-from harness.scenario.merge import merged, read_overrides
-from harness.scenario.quantity import Magnitude, Unit, in_units
-from harness.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
-from harness.scenario.track import CurveLaw
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
+from railgrip.estimate.selection import prediction_seeing
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.scenario.load import demand_kind, read_toml, validated
+from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.quantity import Magnitude, Unit, in_units
+from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
+from railgrip.scenario.track import CurveLaw
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -94,7 +94,7 @@ class ObservabilityTable(Table):
 
 
 class LowPassTable(Table):
-    """[course.low_pass]: see `harness.track.course.LowPass`."""
+    """[course.low_pass]: see `railgrip.track.course.LowPass`."""
 
     plan: Length
     height: Length
@@ -102,7 +102,7 @@ class LowPassTable(Table):
 
 
 class TrustTable(Table):
-    """[course.trust]: standard deviations of the sensors of motion, see `harness.track.motion.Trust`."""
+    """[course.trust]: standard deviations of the sensors of motion, see `railgrip.track.motion.Trust`."""
 
     speed: Annotated[float, Unit("m/s", above=0)]
     scale: Annotated[float, Unit("1", above=0)]

@@ -6,12 +6,12 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import columns, period_of
-from harness.scenario.track import CurveLaw, force_along
-from harness.track.course import LowPass
-from harness.track.geodesy import Place, local
-from harness.track.motion import Motion, Trust, motion_of
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import columns, period_of
+from railgrip.scenario.track import CurveLaw, force_along
+from railgrip.track.course import LowPass
+from railgrip.track.geodesy import Place, local
+from railgrip.track.motion import Motion, Trust, motion_of
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.console import progress, say
+from railgrip.console import progress, say
 
 Scenario = Annotated[
     Path | None, typer.Option("--scenario", metavar="FILE.toml", help="Field test; the library's unless given.")
@@ -23,8 +23,8 @@ def field(
     scenario: Scenario = None,
 ) -> None:
     """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
-    from harness.field.report import write_report
-    from harness.twins.field_scenario import field_scenario
+    from railgrip.field.report import write_report
+    from railgrip.twins.field_scenario import field_scenario
 
     with progress("field test") as shown:
         page = write_report(field_scenario(scenario), out, tell=lambda what: shown.update(doing=what))
@@ -43,14 +43,14 @@ def tune(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Threads.")] = 2,
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
-    from harness.estimate.error import EstimationError
-    from harness.field.filtering import filter_of, follow, lost, prediction, task_of
-    from harness.field.noise import save_noise
-    from harness.field.objective import DIVERGED
-    from harness.field.runs import TUNING, brakings
-    from harness.field.tune import Search
-    from harness.field.tune import tune as search_for
-    from harness.twins.field_scenario import field_scenario
+    from railgrip.estimate.error import EstimationError
+    from railgrip.field.filtering import filter_of, follow, lost, prediction, task_of
+    from railgrip.field.noise import save_noise
+    from railgrip.field.objective import DIVERGED
+    from railgrip.field.runs import TUNING, brakings
+    from railgrip.field.tune import Search
+    from railgrip.field.tune import tune as search_for
+    from railgrip.twins.field_scenario import field_scenario
 
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")

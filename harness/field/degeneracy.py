@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import CompiledFilter
-from harness.field.filtering import Task, follow
-from harness.field.noise import Noise
-from harness.field.objective import terms_of
-from harness.field.score import score
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.field.filtering import Task, follow
+from railgrip.field.noise import Noise
+from railgrip.field.objective import terms_of
+from railgrip.field.score import score
 
 Array = NDArray[np.float64]
 

@@ -6,15 +6,15 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from estimators.compiled import Followed
-from harness.estimate.recording import truth_of
-from harness.field.braking import Braking
-from harness.field.degeneracy import Sweep
-from harness.field.filtering import Task
-from harness.field.noise import GROUPS
-from harness.field.objective import R_WHEEL
-from harness.track.laid import Plan
-from harness.verdict import style
+from railgrip.estimate.recording import truth_of
+from railgrip.estimators.compiled import Followed
+from railgrip.field.braking import Braking
+from railgrip.field.degeneracy import Sweep
+from railgrip.field.filtering import Task
+from railgrip.field.noise import GROUPS
+from railgrip.field.objective import R_WHEEL
+from railgrip.track.laid import Plan
+from railgrip.verdict import style
 
 MB1, JTB1 = 0, 1
 NOMINAL = 0.35

@@ -6,15 +6,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.belief import Estimate
-from estimators.compiled import CompiledFilter, Followed
-from estimators.consistency import lost_at
-from estimators.prediction import CasadiPrediction
-from harness.estimate.recording import columns, period_of, truth_of
-from harness.estimate.run import by_name
-from harness.estimate.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
-from harness.field.braking import Braking
-from harness.field.noise import GROUPS, PHYSICAL, Noise
+from railgrip.estimate.recording import columns, period_of, truth_of
+from railgrip.estimate.run import by_name
+from railgrip.estimate.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
+from railgrip.estimators.belief import Estimate
+from railgrip.estimators.compiled import CompiledFilter, Followed
+from railgrip.estimators.consistency import lost_at
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.field.braking import Braking
+from railgrip.field.noise import GROUPS, PHYSICAL, Noise
 
 Array = NDArray[np.float64]
 

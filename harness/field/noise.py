@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.run import by_name
-from harness.estimate.spec import NoiseTable
-from harness.record.atomic import replacing
-from harness.scenario.load import read_toml, validated
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.run import by_name
+from railgrip.estimate.spec import NoiseTable
+from railgrip.record.atomic import replacing
+from railgrip.scenario.load import read_toml, validated
 
 Array = NDArray[np.float64]
 

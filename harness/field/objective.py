@@ -7,11 +7,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.compiled import CompiledFilter, Followed
-from estimators.errors import FilterDiverged
-from harness.estimate.error import EstimationError
-from harness.field.filtering import Task, follow
-from harness.field.noise import GROUPS, Noise
+from railgrip.estimate.error import EstimationError
+from railgrip.estimators.compiled import CompiledFilter, Followed
+from railgrip.estimators.errors import FilterDiverged
+from railgrip.field.filtering import Task, follow
+from railgrip.field.noise import GROUPS, Noise
 
 Array = NDArray[np.float64]
 

@@ -5,21 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import truth_of
-from harness.field.braking import Braking
-from harness.field.degeneracy import Sweep, common_factor, readings_trusted
-from harness.field.figures import degeneracy_figure, friction_figure, readings_figure, speed_figure, track_figure
-from harness.field.filtering import filter_of, follow, lost, prediction, task_of
-from harness.field.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
-from harness.field.objective import terms_of
-from harness.field.runs import TEST, TUNING, brakings
-from harness.field.score import Score, TrackScore, score, track_score
-from harness.field.seeds import SEEDS, Spread, over_seeds
-from harness.record.atomic import write_text
-from harness.scenario.track import CurveLaw, curve_coefficient
-from harness.twins.field_scenario import FieldScenario
-from harness.verdict import style
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import truth_of
+from railgrip.field.braking import Braking
+from railgrip.field.degeneracy import Sweep, common_factor, readings_trusted
+from railgrip.field.figures import degeneracy_figure, friction_figure, readings_figure, speed_figure, track_figure
+from railgrip.field.filtering import filter_of, follow, lost, prediction, task_of
+from railgrip.field.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
+from railgrip.field.objective import terms_of
+from railgrip.field.runs import TEST, TUNING, brakings
+from railgrip.field.score import Score, TrackScore, score, track_score
+from railgrip.field.seeds import SEEDS, Spread, over_seeds
+from railgrip.record.atomic import write_text
+from railgrip.scenario.track import CurveLaw, curve_coefficient
+from railgrip.twins.field_scenario import FieldScenario
+from railgrip.verdict import style
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 PHYSICAL_NAME = "sensors and physics"

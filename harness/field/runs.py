@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import xarray
 
-from harness.field.braking import Braking, braking_of
-from harness.twins.field_scenario import FieldScenario
-from harness.twins.field_train import run_case
+from railgrip.field.braking import Braking, braking_of
+from railgrip.twins.field_scenario import FieldScenario
+from railgrip.twins.field_train import run_case
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"

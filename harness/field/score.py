@@ -6,13 +6,13 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from estimators.compiled import Followed
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import truth_of
-from harness.field.braking import Braking
-from harness.field.filtering import Task
-from harness.field.noise import GROUPS
-from harness.field.objective import terms_of
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import truth_of
+from railgrip.estimators.compiled import Followed
+from railgrip.field.braking import Braking
+from railgrip.field.filtering import Task
+from railgrip.field.noise import GROUPS
+from railgrip.field.objective import terms_of
 
 Array = NDArray[np.float64]
 

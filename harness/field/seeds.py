@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from harness.field.braking import braking_of
-from harness.field.filtering import filter_of, follow, prediction, task_of
-from harness.field.noise import Noise
-from harness.field.runs import TEST
-from harness.field.score import Score, TrackScore, score, track_score
-from harness.twins.field_scenario import FieldScenario
-from harness.twins.field_train import driven, measured
+from railgrip.field.braking import braking_of
+from railgrip.field.filtering import filter_of, follow, prediction, task_of
+from railgrip.field.noise import Noise
+from railgrip.field.runs import TEST
+from railgrip.field.score import Score, TrackScore, score, track_score
+from railgrip.twins.field_scenario import FieldScenario
+from railgrip.twins.field_train import driven, measured
 
 SEEDS = tuple(range(1, 13))
 

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from estimators.prediction import CasadiPrediction
-from harness.estimate.error import EstimationError
-from harness.field.filtering import Task, filter_of
-from harness.field.noise import NAMES, PHYSICAL, Noise
-from harness.field.objective import Kind, evaluate
-from harness.record.atomic import replacing
+from railgrip.estimate.error import EstimationError
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.field.filtering import Task, filter_of
+from railgrip.field.noise import NAMES, PHYSICAL, Noise
+from railgrip.field.objective import Kind, evaluate
+from railgrip.record.atomic import replacing
 
 Array = NDArray[np.float64]
 

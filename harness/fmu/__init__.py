@@ -5,12 +5,12 @@
 (`FmuPrediction`). A wrong question is an `FmuError`; an FMU that fails while it runs is a `PlantFailed`.
 """
 
-from harness.fmu.cosimulation import CoSimulation, Plant, Snapshot
-from harness.fmu.description import Description, Variable, describe
-from harness.fmu.exchange import FmuPrediction, ModelExchange
-from harness.fmu.failure import Failure, FmuError, PlantFailed
-from harness.fmu.isolation import IsolatedCoSimulation, open_plant
-from harness.fmu.mapping import Binding, Side, Signal, bind
+from railgrip.fmu.cosimulation import CoSimulation, Plant, Snapshot
+from railgrip.fmu.description import Description, Variable, describe
+from railgrip.fmu.exchange import FmuPrediction, ModelExchange
+from railgrip.fmu.failure import Failure, FmuError, PlantFailed
+from railgrip.fmu.isolation import IsolatedCoSimulation, open_plant
+from railgrip.fmu.mapping import Binding, Side, Signal, bind
 
 __all__ = [
     "Binding",

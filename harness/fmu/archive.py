@@ -11,8 +11,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.parsers import expat
 
-from harness.fmu.failure import FmuError
-from harness.limits import MIB, FmuLimits
+from railgrip.fmu.failure import FmuError
+from railgrip.limits import MIB, FmuLimits
 
 DESCRIPTION = "modelDescription.xml"
 _HARMLESS = 16 * MIB

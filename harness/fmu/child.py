@@ -16,11 +16,11 @@ from typing import Final, Literal
 
 import numpy as np
 
-from harness.fmu.cosimulation import CoSimulation, Snapshot
-from harness.fmu.description import Description
-from harness.fmu.failure import FmuError, PlantFailed
-from harness.fmu.mapping import Binding
-from harness.fmu.parameters import Values
+from railgrip.fmu.cosimulation import CoSimulation, Snapshot
+from railgrip.fmu.description import Description
+from railgrip.fmu.failure import FmuError, PlantFailed
+from railgrip.fmu.mapping import Binding
+from railgrip.fmu.parameters import Values
 
 Request = Literal["open", "start", "step", "snapshot", "restore"]
 _CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3, "snapshot": 4, "restore": 5}

@@ -10,12 +10,12 @@ import numpy as np
 from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 
-from fmus.native.toolchain import shared_library
-from harness.fmu.cosimulation import CoSimulation
-from harness.fmu.description import Description
-from harness.fmu.failure import FmuError
-from harness.fmu.instance import Instance, unpacked
-from harness.fmu.mapping import Binding, Channel
+from railgrip.fmu.cosimulation import CoSimulation
+from railgrip.fmu.description import Description
+from railgrip.fmu.failure import FmuError
+from railgrip.fmu.instance import Instance, unpacked
+from railgrip.fmu.mapping import Binding, Channel
+from railgrip.fmus.native.toolchain import shared_library
 
 Vector = NDArray[np.float64]
 

@@ -16,14 +16,14 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.fmu.crossing import Crossing, Outcome, outcome
-from harness.fmu.description import Description
-from harness.fmu.failure import FmuError, PlantFailed
-from harness.fmu.instance import Instance, unpacked
-from harness.fmu.mapping import Binding, Side
-from harness.fmu.parameters import Values, assignments
-from harness.loop.compiled import Calls
-from harness.loop.ports import Edge
+from railgrip.fmu.crossing import Crossing, Outcome, outcome
+from railgrip.fmu.description import Description
+from railgrip.fmu.failure import FmuError, PlantFailed
+from railgrip.fmu.instance import Instance, unpacked
+from railgrip.fmu.mapping import Binding, Side
+from railgrip.fmu.parameters import Values, assignments
+from railgrip.loop.compiled import Calls
+from railgrip.loop.ports import Edge
 
 Vector = NDArray[np.float64]
 

@@ -12,15 +12,15 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.native.toolchain import shared_library
-from harness.fmu.instance import Instance
-from harness.fmu.mapping import Binding, Channel
-from harness.loop.ports import Edge
+from railgrip.fmu.instance import Instance
+from railgrip.fmu.mapping import Binding, Channel
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.loop.ports import Edge
 
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
 
-KERNEL: Final = files("harness.fmu") / "kernel" / "crossing.c"
+KERNEL: Final = files("railgrip.fmu") / "kernel" / "crossing.c"
 
 _SET, _STEP, _GET = 1, 2, 4
 _OUTCOMES: Final[tuple[Outcome, ...]] = ("fine", "setting", "stepping", "getting", "not finite")
@@ -56,7 +56,7 @@ class Crossing:
         """Make the buffers; compile the step, once on a machine.
 
         Raises:
-            fmus.errors.CompilerMissing: There is no C compiler.
+            railgrip.fmus.errors.CompilerMissing: There is no C compiler.
         """
         sending, receiving = binding.inputs, binding.outputs
         self.present = np.sort(np.concatenate([[], *(c.positions for c in receiving.channels)])).astype(np.intp)

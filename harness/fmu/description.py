@@ -10,10 +10,10 @@ from typing import Any, Literal, cast
 import fmpy
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
 
-from harness.fmu.archive import digest, members, outline
-from harness.fmu.failure import FmuError
-from harness.limits import FMU_LIMITS, FmuLimits
-from harness.units import BASE, Exponents, Unit, UnitError, unit
+from railgrip.fmu.archive import digest, members, outline
+from railgrip.fmu.failure import FmuError
+from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.units import BASE, Exponents, Unit, UnitError, unit
 
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
 Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]
@@ -137,7 +137,7 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """
     path = Path(file)
     if not path.is_file():
-        raise FmuError(f"{path}: there is no such file; build it (python -m fmus build) or correct the path.")
+        raise FmuError(f"{path}: there is no such file; build it (python -m railgrip.fmus build) or correct the path.")
     try:
         content = digest(path)
     except OSError as error:

@@ -17,10 +17,10 @@ import numpy as np
 from fmpy.fmi2 import fmi2EventInfo
 from numpy.typing import NDArray
 
-from harness.fmu.description import Description, Variable
-from harness.fmu.failure import FmuError, PlantFailed
-from harness.fmu.instance import OK_OR_WARNING, Instance, unpacked
-from harness.fmu.parameters import Values, assignments
+from railgrip.fmu.description import Description, Variable
+from railgrip.fmu.failure import FmuError, PlantFailed
+from railgrip.fmu.instance import OK_OR_WARNING, Instance, unpacked
+from railgrip.fmu.parameters import Values, assignments
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -27,11 +27,11 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-from harness.fmu.archive import digest
-from harness.fmu.description import Description, Interface
-from harness.fmu.failure import Failure, FmuError, PlantFailed, Reason
-from harness.fmu.parameters import Assignment
-from harness.scratch import scratch
+from railgrip.fmu.archive import digest
+from railgrip.fmu.description import Description, Interface
+from railgrip.fmu.failure import Failure, FmuError, PlantFailed, Reason
+from railgrip.fmu.parameters import Assignment
+from railgrip.scratch import scratch
 
 Way = Literal["co-simulation", "model exchange"]
 

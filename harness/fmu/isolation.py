@@ -24,16 +24,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from harness.fmu.child import ANSWER, FAILED, REFUSED, SNAPSHOT, Opening, Request, receive, send
-from harness.fmu.cosimulation import CoSimulation, Snapshot
-from harness.fmu.description import Description
-from harness.fmu.failure import Failure, FmuError, PlantFailed
-from harness.fmu.instance import unpacked
-from harness.fmu.keeper import REPORT
-from harness.fmu.mapping import Binding
-from harness.fmu.parameters import Values
-from harness.interrupted import deaf_children
-from harness.limits import FMU_LIMITS, FmuLimits
+from railgrip.fmu.child import ANSWER, FAILED, REFUSED, SNAPSHOT, Opening, Request, receive, send
+from railgrip.fmu.cosimulation import CoSimulation, Snapshot
+from railgrip.fmu.description import Description
+from railgrip.fmu.failure import Failure, FmuError, PlantFailed
+from railgrip.fmu.instance import unpacked
+from railgrip.fmu.keeper import REPORT
+from railgrip.fmu.mapping import Binding
+from railgrip.fmu.parameters import Values
+from railgrip.interrupted import deaf_children
+from railgrip.limits import FMU_LIMITS, FmuLimits
 
 Vector = NDArray[np.float64]
 

@@ -59,7 +59,7 @@ def _serve(line: int, how: dict[str, Any]) -> None:
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
     _limit(how["limits"])
     sys.path += [folder for folder in how["path"] if folder not in sys.path]
-    from harness.fmu.child import serve_on
+    from railgrip.fmu.child import serve_on
 
     serve_on(line)
     os._exit(0)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from harness.console import progress, say
+from railgrip.console import progress, say
 
 
 def add_to(app: typer.Typer) -> None:
@@ -19,8 +19,8 @@ def lateral(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
 ) -> None:
     """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
-    from harness.lateral.report import write_report
-    from harness.lateral.study import FULL, QUICK, conduct
+    from railgrip.lateral.report import write_report
+    from railgrip.lateral.study import FULL, QUICK, conduct
 
     plan = QUICK if quick else FULL
     folder = out / "quick" if quick else out

@@ -5,11 +5,11 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from harness.lateral.filters import NAMES
-from harness.lateral.judge import QUANTITIES, beliefs_about
-from harness.lateral.run import Trace
-from harness.lateral.tables import PLANT_TITLES, TITLES
-from harness.verdict import style
+from railgrip.lateral.filters import NAMES
+from railgrip.lateral.judge import QUANTITIES, beliefs_about
+from railgrip.lateral.run import Trace
+from railgrip.lateral.tables import PLANT_TITLES, TITLES
+from railgrip.verdict import style
 
 COLOURS: Final = {"literal": style.VERMILION, "known_track": style.BLUE, "unknown_track": style.GREEN}
 LABELS: Final = {

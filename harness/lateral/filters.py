@@ -13,12 +13,12 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from estimators.belief import Vector
-from estimators.compiled import CompiledFilter
-from estimators.prediction import CasadiPrediction
-from fmus.native import lower
-from harness.loop.compiled import Observer, Source
-from harness.twins.lateral import PAPER_SENSORS, PERIOD, Condition, Irregularity
+from railgrip.estimators.belief import Vector
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.fmus.native import lower
+from railgrip.loop.compiled import Observer, Source
+from railgrip.twins.lateral import PAPER_SENSORS, PERIOD, Condition, Irregularity
 
 Name = Literal["literal", "known_track", "unknown_track"]
 NAMES: Final[tuple[Name, ...]] = get_args(Name)

@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from typing import Any, Final
 
-from harness.lateral.judge import measure
-from harness.lateral.run import Case, simulate
-from harness.twins.lateral import CONDITIONS, TESTS
-from harness.verdict.baseline import Finding
-from harness.workers import workers
+from railgrip.lateral.judge import measure
+from railgrip.lateral.run import Case, simulate
+from railgrip.twins.lateral import CONDITIONS, TESTS
+from railgrip.verdict.baseline import Finding
+from railgrip.workers import workers
 
 SPEED: Final = 25.0
 SEED: Final = 1

@@ -10,14 +10,14 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.condition import ConditionDetector, confusion
-from estimators.consistency import delay, lost_at, nis_ratio
-from estimators.observability import along
-from fmus.native import lower
-from harness.lateral.filters import Name, prediction
-from harness.lateral.run import EVERY, Trace
-from harness.loop.compiled import Beliefs
-from harness.twins.lateral import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
+from railgrip.estimators.condition import ConditionDetector, confusion
+from railgrip.estimators.consistency import delay, lost_at, nis_ratio
+from railgrip.estimators.observability import along
+from railgrip.fmus.native import lower
+from railgrip.lateral.filters import Name, prediction
+from railgrip.lateral.run import EVERY, Trace
+from railgrip.loop.compiled import Beliefs
+from railgrip.twins.lateral import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
 
 Array = NDArray[np.float64]
 

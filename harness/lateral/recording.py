@@ -3,10 +3,10 @@
 import numpy as np
 import xarray
 
-from harness.estimate.recording import recording_of
-from harness.lateral.run import Case
-from harness.loop.compiled import run
-from harness.twins.lateral import PERIOD, PLANTS, READINGS, course, output_columns, wheelset
+from railgrip.estimate.recording import recording_of
+from railgrip.lateral.run import Case
+from railgrip.loop.compiled import run
+from railgrip.twins.lateral import PERIOD, PLANTS, READINGS, course, output_columns, wheelset
 
 
 def recorded(case: Case) -> xarray.Dataset:

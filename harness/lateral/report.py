@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from harness.lateral.figures import test_figure
-from harness.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SHARE_TOLERANCE, WINDOW
-from harness.lateral.run import Case, simulate
-from harness.lateral.study import Plan, Result
-from harness.lateral.tables import (
+from railgrip.lateral.figures import test_figure
+from railgrip.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SHARE_TOLERANCE, WINDOW
+from railgrip.lateral.run import Case, simulate
+from railgrip.lateral.study import Plan, Result
+from railgrip.lateral.tables import (
     detection_lines,
     error_rows,
     error_tables,
@@ -17,9 +17,9 @@ from harness.lateral.tables import (
     spread,
     write_csv,
 )
-from harness.record.atomic import write_text
-from harness.twins.lateral import PLANTS, SERVICE_SENSORS
-from harness.verdict.style import save
+from railgrip.record.atomic import write_text
+from railgrip.twins.lateral import PLANTS, SERVICE_SENSORS
+from railgrip.verdict.style import save
 
 
 def write_report(

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.lateral.filters import FURTHER, NAMES, Name, party
-from harness.loop.compiled import Beliefs, Record, run
-from harness.twins.lateral import (
+from railgrip.lateral.filters import FURTHER, NAMES, Name, party
+from railgrip.loop.compiled import Beliefs, Record, run
+from railgrip.twins.lateral import (
     CONDITIONS,
     PERIOD,
     PLANTS,
@@ -85,7 +85,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         names: Of the filters.
 
     Raises:
-        harness.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
+        railgrip.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
     vehicle = PLANTS[case.plant]
     drawn = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)

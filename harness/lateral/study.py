@@ -10,14 +10,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
-from fmus.build import fmu
-from fmus.native import lower
-from harness.lateral.filters import CLASSES
-from harness.lateral.judge import measure
-from harness.lateral.run import Case, simulate
-from harness.record.atomic import write_text
-from harness.twins.lateral import PLANTS, TESTS, Trial
-from harness.workers import workers as processes
+from railgrip.fmus.build import fmu
+from railgrip.fmus.native import lower
+from railgrip.lateral.filters import CLASSES
+from railgrip.lateral.judge import measure
+from railgrip.lateral.run import Case, simulate
+from railgrip.record.atomic import write_text
+from railgrip.twins.lateral import PLANTS, TESTS, Trial
+from railgrip.workers import workers as processes
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
@@ -130,12 +130,12 @@ def _ground() -> str:
         digest.update(model.derivative.serialize().encode() + model.output.serialize().encode())
         digest.update(repr([(p.name, p.start) for p in model.parameters]).encode())
     for package, names in (
-        ("estimators", None),
-        ("estimators.kernel", None),
-        ("harness.loop.kernel", None),
-        ("harness.lateral", ("filters.py", "run.py", "judge.py")),
-        ("harness.loop", ("compiled.py",)),
-        ("harness.twins", ("lateral.py",)),
+        ("railgrip.estimators", None),
+        ("railgrip.estimators.kernel", None),
+        ("railgrip.loop.kernel", None),
+        ("railgrip.lateral", ("filters.py", "run.py", "judge.py")),
+        ("railgrip.loop", ("compiled.py",)),
+        ("railgrip.twins", ("lateral.py",)),
     ):
         for name, text in _sources(package, names):
             digest.update(f"{package}/{name}\0{text}\0".encode())
@@ -143,8 +143,8 @@ def _ground() -> str:
 
 
 def _sources(package: str, names: Sequence[str] | None) -> list[tuple[str, str]]:
-    root, *below = package.split(".")
-    folder = files(root).joinpath(*below)
+    room, *below = package.removeprefix("railgrip.").split(".")
+    folder = files(f"railgrip.{room}").joinpath(*below)
     found = sorted(file.name for file in folder.iterdir() if file.name.endswith((".py", ".c", ".h")))
     return [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in names or found]
 

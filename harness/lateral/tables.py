@@ -12,11 +12,11 @@ from typing import Any, Final
 import numpy as np
 from scipy.stats import binom
 
-from harness.lateral.filters import NAMES
-from harness.lateral.judge import QUANTITIES
-from harness.lateral.study import Result
-from harness.record.atomic import replacing
-from harness.twins.lateral import CONDITIONS
+from railgrip.lateral.filters import NAMES
+from railgrip.lateral.judge import QUANTITIES
+from railgrip.lateral.study import Result
+from railgrip.record.atomic import replacing
+from railgrip.twins.lateral import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
 LEVEL_TOLERANCE: Final = 0.05

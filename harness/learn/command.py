@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from harness.console import progress, say
-from harness.scenario.error import ScenarioError
+from railgrip.console import progress, say
+from railgrip.scenario.error import ScenarioError
 
 if TYPE_CHECKING:
-    from estimators.learned.trained import GeneralEstimator, PaperEstimator
+    from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 
 OUT: Final = Path("build/learn")
 
@@ -38,7 +38,7 @@ def learn(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Processes.")] = 2,
 ) -> None:
     """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
-    from estimators.learned.channels import COMBINATIONS
+    from railgrip.estimators.learned.channels import COMBINATIONS
 
     if inputs is not None and inputs not in COMBINATIONS:
         raise ScenarioError(f"--inputs is '{inputs}'; there is {'; '.join(COMBINATIONS)}.")
@@ -55,9 +55,9 @@ def ride(
     ] = None,
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
-    from harness.learn.ride import read_ride, ride_beside, ride_figure
-    from harness.record.atomic import write_bytes
-    from harness.verdict.style import save
+    from railgrip.learn.ride import read_ride, ride_beside, ride_figure
+    from railgrip.record.atomic import write_bytes
+    from railgrip.verdict.style import save
 
     asked = read_ride(file)
     folder = out or Path("build/rides") / asked.name
@@ -78,10 +78,10 @@ def ride(
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     """Run the study of the paper and write its report, figures, estimators and their FMUs."""
-    from harness.learn.figures import draw
-    from harness.learn.study import FULL, QUICK, estimators_of, pieces, study
-    from harness.learn.tables import report
-    from harness.record.atomic import write_text
+    from railgrip.learn.figures import draw
+    from railgrip.learn.study import FULL, QUICK, estimators_of, pieces, study
+    from railgrip.learn.tables import report
+    from railgrip.record.atomic import write_text
 
     size = QUICK if quick else FULL
     with progress("learn", pieces(size), counted=True) as shown:
@@ -97,10 +97,10 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
 
 def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
     """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
-    from harness.learn.own import judge_own, own_pieces
-    from harness.learn.own_file import read_own
-    from harness.learn.users import read_folder, read_labels
-    from harness.record.atomic import write_text
+    from railgrip.learn.own import judge_own, own_pieces
+    from railgrip.learn.own_file import read_own
+    from railgrip.learn.users import read_folder, read_labels
+    from railgrip.record.atomic import write_text
 
     asked = read_own(file)
     network = asked.network if inputs is None else asked.network.model_copy(update={"inputs": inputs})
@@ -121,10 +121,10 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
 
 def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
     """Write every estimator as a file of numbers and as an FMU."""
-    from estimators.learned.trained import save
-    from fmus.native.package import pack
-    from harness.learn.export import as_fmu
-    from harness.record.atomic import replacing
+    from railgrip.estimators.learned.trained import save
+    from railgrip.fmus.native.package import pack
+    from railgrip.learn.export import as_fmu
+    from railgrip.record.atomic import replacing
 
     for name, one in trained.items():
         with replacing(out / f"{name}.json") as partial:

@@ -7,13 +7,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.learned.channels import COMBINATIONS
-from estimators.learned.ensemble import Ensemble
-from estimators.learned.network import Bias, Network, train
-from estimators.learned.preprocessing import Scale
-from harness.learn.gather import spectral_features
-from harness.learn.reduction import CHANNELS, Run
-from harness.scenario.seed import generator
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.ensemble import Ensemble
+from railgrip.estimators.learned.network import Bias, Network, train
+from railgrip.estimators.learned.preprocessing import Scale
+from railgrip.learn.gather import spectral_features
+from railgrip.learn.reduction import CHANNELS, Run
+from railgrip.scenario.seed import generator
 
 Array = NDArray[np.float64]
 

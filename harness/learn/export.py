@@ -1,13 +1,13 @@
 """A trained estimator as an FMU."""
 
-from estimators.learned.online import Edge, Online
-from fmus.native import Variable
-from fmus.native.discrete import Discrete, sources
-from fmus.native.package import Source
+from railgrip.estimators.learned.online import Edge, Online
+from railgrip.fmus.native import Variable
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.package import Source
 
 
 def as_fmu(built: Online) -> Source:
-    """Return C code and modelDescription.xml of an online estimator, for `fmus.native.package.pack`."""
+    """Return C code and modelDescription.xml of an online estimator, for `railgrip.fmus.native.package.pack`."""
     states, inputs, outputs = (tuple(map(_variable, edges)) for edges in (_apart(built), built.inputs, built.outputs))
     return sources(
         Discrete(

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from estimators.learned.preprocessing import BLOCKS
-from harness.learn.evaluate import exchanged, parts_of
-from harness.learn.gather import spectral_features
-from harness.learn.reduction import CHANNELS
-from harness.learn.study import PUBLISHED, Study, over_speeds
-from harness.twins.accelerometer import RATE
-from harness.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
+from railgrip.estimators.learned.preprocessing import BLOCKS
+from railgrip.learn.evaluate import exchanged, parts_of
+from railgrip.learn.gather import spectral_features
+from railgrip.learn.reduction import CHANNELS
+from railgrip.learn.study import PUBLISHED, Study, over_speeds
+from railgrip.twins.accelerometer import RATE
+from railgrip.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
 
 
 def draw(made: Study, folder: Path) -> list[Path]:

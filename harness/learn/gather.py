@@ -12,21 +12,21 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-import estimators.learned.antialias
-import estimators.learned.channels
-import estimators.learned.preprocessing
-import harness.learn.measured
-import harness.learn.reduction
-import harness.twins.accelerometer
-import harness.twins.instrumented_car
-import harness.twins.irregularity
-from estimators.learned.spectral import Spectral
-from fmus.build import fmu
-from harness.learn.measured import VEHICLE, readings
-from harness.learn.reduction import SLOW, SPECTRAL, Run, reduce
-from harness.record.atomic import replacing
-from harness.twins.accelerometer import AXLE_BOX
-from harness.twins.instrumented_car import FMU, Pass, slope
+import railgrip.estimators.learned.antialias
+import railgrip.estimators.learned.channels
+import railgrip.estimators.learned.preprocessing
+import railgrip.learn.measured
+import railgrip.learn.reduction
+import railgrip.twins.accelerometer
+import railgrip.twins.instrumented_car
+import railgrip.twins.irregularity
+from railgrip.estimators.learned.spectral import Spectral
+from railgrip.fmus.build import fmu
+from railgrip.learn.measured import VEHICLE, readings
+from railgrip.learn.reduction import SLOW, SPECTRAL, Run, reduce
+from railgrip.record.atomic import replacing
+from railgrip.twins.accelerometer import AXLE_BOX
+from railgrip.twins.instrumented_car import FMU, Pass, slope
 
 Array = NDArray[np.float64]
 
@@ -36,9 +36,10 @@ EVERY: Final = 20.0
 SETTLED: Final = 60.0
 """m before the first of them."""
 _CODE: Final = (
-    estimators.learned.channels, estimators.learned.preprocessing, estimators.learned.antialias,
-    harness.learn.measured, harness.learn.reduction,
-    harness.twins.accelerometer, harness.twins.instrumented_car, harness.twins.irregularity,
+    railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,
+    railgrip.estimators.learned.antialias,
+    railgrip.learn.measured, railgrip.learn.reduction,
+    railgrip.twins.accelerometer, railgrip.twins.instrumented_car, railgrip.twins.irregularity,
 )  # fmt: skip
 
 

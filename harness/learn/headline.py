@@ -6,16 +6,16 @@ from typing import Final
 
 import numpy as np
 
-from estimators.learned.channels import COMBINATIONS
-from harness.learn.evaluate import Recipe, within_exchanged, within_runs, without_each
-from harness.learn.gather import spectral_features
-from harness.learn.measured import readings
-from harness.learn.reduction import CHANNELS, SPECTRAL, Run, reduce
-from harness.learn.runs import campaign
-from harness.learn.study import FULL, dry_or_not, passes
-from harness.twins.instrumented_car import MPH, Pass
-from harness.verdict.baseline import Finding
-from harness.workers import workers
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.learn.evaluate import Recipe, within_exchanged, within_runs, without_each
+from railgrip.learn.gather import spectral_features
+from railgrip.learn.measured import readings
+from railgrip.learn.reduction import CHANNELS, SPECTRAL, Run, reduce
+from railgrip.learn.runs import campaign
+from railgrip.learn.study import FULL, dry_or_not, passes
+from railgrip.twins.instrumented_car import MPH, Pass
+from railgrip.verdict.baseline import Finding
+from railgrip.workers import workers
 
 SPEED: Final = 60
 """mph, the shortest runs."""

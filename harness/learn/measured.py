@@ -4,11 +4,11 @@ from typing import Final
 
 import numpy as np
 
-from harness.learn.reduction import Readings
-from harness.scenario.seed import generator
-from harness.twins.accelerometer import AXLE_BOX, RATE, Disturbance, disturbance, measure
-from harness.twins.instrumented_car import RATE as TWIN_RATE
-from harness.twins.instrumented_car import Pass, ride
+from railgrip.learn.reduction import Readings
+from railgrip.scenario.seed import generator
+from railgrip.twins.accelerometer import AXLE_BOX, RATE, Disturbance, disturbance, measure
+from railgrip.twins.instrumented_car import RATE as TWIN_RATE
+from railgrip.twins.instrumented_car import Pass, ride
 
 VEHICLE: Final = 7
 """Seed of the sensors' own properties: one car carries the same accelerometers on every run."""

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Sequence
 
-from estimators.learned.ensemble import Ensemble
-from estimators.learned.trained import GeneralEstimator, PaperEstimator
-from harness.learn.evaluate import Recipe, Score, best_of, judge, within_runs, without_each
-from harness.learn.reduction import SLOW, SPECTRAL, Run
-from harness.learn.study import general, over_speeds, paper_estimator
-from harness.learn.tables import own_report
-from harness.learn.users import DataError
-from harness.workers import workers as processes
+from railgrip.estimators.learned.ensemble import Ensemble
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.learn.evaluate import Recipe, Score, best_of, judge, within_runs, without_each
+from railgrip.learn.reduction import SLOW, SPECTRAL, Run
+from railgrip.learn.study import general, over_speeds, paper_estimator
+from railgrip.learn.tables import own_report
+from railgrip.learn.users import DataError
+from railgrip.workers import workers as processes
 
 MEMBERS = 20
 FEWEST = 4

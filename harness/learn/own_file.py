@@ -28,11 +28,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictInt, field_validator
 
-from estimators.learned.channels import COMBINATIONS
-from harness.estimate.recorded.table import DataTable
-from harness.learn.evaluate import Recipe
-from harness.scenario.load import read_toml, validated
-from harness.scenario.table import Name, Table, broken
+from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.learn.evaluate import Recipe
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.table import Name, Table, broken
 
 
 class RunsTable(Table):

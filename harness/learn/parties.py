@@ -8,12 +8,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.learned.ensemble import QUANTILE
-from estimators.learned.online import BOXES, Edge, Online
-from harness.fmu import CoSimulation, FmuError, Signal, bind, describe
-from harness.learn.measured import disturbance_of
-from harness.twins.accelerometer import AXLE_BOX, Sampled
-from harness.twins.instrumented_car import Pass, held_speed
+from railgrip.estimators.learned.ensemble import QUANTILE
+from railgrip.estimators.learned.online import BOXES, Edge, Online
+from railgrip.fmu import CoSimulation, FmuError, Signal, bind, describe
+from railgrip.learn.measured import disturbance_of
+from railgrip.twins.accelerometer import AXLE_BOX, Sampled
+from railgrip.twins.instrumented_car import Pass, held_speed
 
 Vector = NDArray[np.float64]
 

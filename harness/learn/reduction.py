@@ -11,12 +11,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.learned.antialias import AntiAlias
-from estimators.learned.channels import Motion, forwards, motions
-from estimators.learned.preprocessing import BLOCKS, Chain
-from estimators.learned.spectral import Spectral
-from harness.twins.accelerometer import RATE
-from harness.twins.instrumented_car import MPH
+from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.learned.channels import Motion, forwards, motions
+from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
+from railgrip.estimators.learned.spectral import Spectral
+from railgrip.twins.accelerometer import RATE
+from railgrip.twins.instrumented_car import MPH
 
 Array = NDArray[np.float64]
 

@@ -29,18 +29,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pydantic import Field, StrictInt, field_validator
 
-from estimators.learned.ensemble import QUANTILE
-from estimators.learned.online import BOXES
-from estimators.learned.trained import Said, Trained, load
-from harness.learn.parties import AxleBoxes, in_casadi, in_fmu
-from harness.loop.beside import Watched, watch
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import read_toml, validated
-from harness.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
-from harness.twins.accelerometer import RATE
-from harness.twins.instrumented_car import SURFACES, Pass, car_of
-from harness.twins.irregularity import TRACKS
-from harness.verdict.style import GREEN, dress, figure
+from railgrip.estimators.learned.ensemble import QUANTILE
+from railgrip.estimators.learned.online import BOXES
+from railgrip.estimators.learned.trained import Said, Trained, load
+from railgrip.learn.parties import AxleBoxes, in_casadi, in_fmu
+from railgrip.loop.beside import Watched, watch
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
+from railgrip.twins.accelerometer import RATE
+from railgrip.twins.instrumented_car import SURFACES, Pass, car_of
+from railgrip.twins.irregularity import TRACKS
+from railgrip.verdict.style import GREEN, dress, figure
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from harness.scenario.seed import generator
-from harness.twins.instrumented_car import MPH, Pass
+from railgrip.scenario.seed import generator
+from railgrip.twins.instrumented_car import MPH, Pass
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from estimators.learned.channels import COMBINATIONS
-from estimators.learned.ensemble import Ensemble, fit
-from estimators.learned.preprocessing import BLOCKS, Chain
-from estimators.learned.trained import GeneralEstimator, PaperEstimator
-from harness.learn.evaluate import (
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.ensemble import Ensemble, fit
+from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.learn.evaluate import (
     Fitted,
     Recipe,
     Score,
@@ -26,12 +26,12 @@ from harness.learn.evaluate import (
     within_runs,
     without_each,
 )
-from harness.learn.gather import gather, spectral_features
-from harness.learn.reduction import SLOW, SPECTRAL, Run
-from harness.learn.runs import SPEEDS, abroad, campaign, design
-from harness.scenario.seed import generator
-from harness.twins.instrumented_car import Pass
-from harness.workers import workers as processes
+from railgrip.learn.gather import gather, spectral_features
+from railgrip.learn.reduction import SLOW, SPECTRAL, Run
+from railgrip.learn.runs import SPEEDS, abroad, campaign, design
+from railgrip.scenario.seed import generator
+from railgrip.twins.instrumented_car import Pass
+from railgrip.workers import workers as processes
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
     16: (0.0053, 0.0041),

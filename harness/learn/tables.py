@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from harness.learn.evaluate import Recipe, Score
-from harness.learn.study import PUBLISHED, Rows, Study, over_speeds
+from railgrip.learn.evaluate import Recipe, Score
+from railgrip.learn.study import PUBLISHED, Rows, Study, over_speeds
 
 READINGS_OF_EQUATION_4: Final = (
     "bias inside", "bias outside", "bias inside, weights kept small", "bias outside, weights kept small",

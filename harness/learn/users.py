@@ -1,6 +1,6 @@
 """Somebody's own runs: a folder of recordings, a table of labels, and a column map as every estimation has one.
 
-Recordings are read as `harness.estimate.recorded` reads them (csv, parquet, mat, mf4; units, gaps, outliers, sensors
+Recordings are read as `railgrip.estimate.recorded` reads them (csv, parquet, mat, mf4; units, gaps, outliers, sensors
 that froze). Their signals: `left[1]` … `left[4]` and `right[1]` … `right[4]`, longitudinal accelerations of the axle
 boxes, `lateral[1]` … `lateral[4]`, all in axes of the car, and `speed`.
 
@@ -17,13 +17,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.learned.online import BOXES
-from harness.estimate.recorded.flag import Flag, summary
-from harness.estimate.recorded.read import Taken, recorded
-from harness.estimate.recorded.table import Column, DataTable, TimeColumn
-from harness.learn.gather import SETTLED
-from harness.learn.reduction import SLOW, SPECTRAL, Readings, Run, reduce
-from harness.scenario.error import ScenarioError
+from railgrip.estimate.recorded.flag import Flag, summary
+from railgrip.estimate.recorded.read import Taken, recorded
+from railgrip.estimate.recorded.table import Column, DataTable, TimeColumn
+from railgrip.estimators.learned.online import BOXES
+from railgrip.learn.gather import SETTLED
+from railgrip.learn.reduction import SLOW, SPECTRAL, Readings, Run, reduce
+from railgrip.scenario.error import ScenarioError
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.ports import Estimator, Plant, Sensors
+from railgrip.loop.ports import Estimator, Plant, Sensors
 
 Array = NDArray[np.float64]
 

@@ -15,11 +15,11 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.native.toolchain import shared_library
+from railgrip.fmus.native.toolchain import shared_library
 
 Array = NDArray[np.float64]
 
-KERNEL = files("harness.loop") / "kernel" / "run.c"
+KERNEL = files("railgrip.loop") / "kernel" / "run.c"
 
 
 class LoopError(ValueError):
@@ -68,7 +68,7 @@ class SteppedInC(Protocol):
 
 
 class Compiled(Protocol):
-    """A filter in C, as `estimators.compiled.CompiledFilter`."""
+    """A filter in C, as `railgrip.estimators.compiled.CompiledFilter`."""
 
     mean: Array
     covariance: Array
@@ -124,7 +124,7 @@ class Beliefs:
         mean: Shape (k, n).
         covariance: Shape (k, n, n).
         squared_innovation: NIS, shape (k,).
-        diverged: Outcome of the filter's C step, 0 when fine, as in `estimators.compiled.DIVERGED`.
+        diverged: Outcome of the filter's C step, 0 when fine, as in `railgrip.estimators.compiled.DIVERGED`.
         diverged_at: Sample at which it diverged, or −1.
     """
 

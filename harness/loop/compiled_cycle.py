@@ -9,16 +9,16 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.actuation import Direct
-from harness.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
-from harness.loop.library import compiled, kernel
-from harness.loop.plausible import Plausibility
-from harness.loop.ports import Actuation, Controller, Edge, Plant, Sensors
-from harness.loop.rail import TabulatedRail
-from harness.loop.sensors import IdealSensors, ServiceSensors
-from harness.loop.watch import NEGATIVE, Believer, complete
-from harness.record.recorder import Recorder
-from harness.signals import BELIEVED, INNOVATION, PLANT, READINGS, SENT, SPREAD, Layout, length, places
+from railgrip.loop.actuation import Direct
+from railgrip.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
+from railgrip.loop.library import compiled, kernel
+from railgrip.loop.plausible import Plausibility
+from railgrip.loop.ports import Actuation, Controller, Edge, Plant, Sensors
+from railgrip.loop.rail import TabulatedRail
+from railgrip.loop.sensors import IdealSensors, ServiceSensors
+from railgrip.loop.watch import NEGATIVE, Believer, complete
+from railgrip.record.recorder import Recorder
+from railgrip.signals import BELIEVED, INNOVATION, PLANT, READINGS, SENT, SPREAD, Layout, length, places
 
 Vector = NDArray[np.float64]
 
@@ -45,7 +45,10 @@ class PlantInC(Protocol):
 
 @runtime_checkable
 class FormulaInC(Protocol):
-    """A law or valve logic as `controllers.sampled.Sampled`; C works on its `state` and reads its `parameters`."""
+    """A law or valve logic as `railgrip.controllers.sampled.Sampled`.
+
+    C works on its `state` and reads its `parameters`.
+    """
 
     state: Vector
     parameters: Vector
@@ -58,7 +61,7 @@ class FormulaInC(Protocol):
 
 @runtime_checkable
 class FilterInC(Protocol):
-    """An estimator as `estimators.compiled.CompiledFilter`."""
+    """An estimator as `railgrip.estimators.compiled.CompiledFilter`."""
 
     mean: Vector
     covariance: NDArray[np.float64]

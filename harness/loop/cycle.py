@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.loop.ended import (
+from railgrip.loop.ended import (
     Clock,
     Ended,
     diverged,
@@ -15,11 +15,11 @@ from harness.loop.ended import (
     without_command,
     without_controller,
 )
-from harness.loop.plausible import Plausibility
-from harness.loop.ports import Actuation, Controller, ControllerFailed, Plant, Rail, Sensors
-from harness.loop.watch import Beliefs, Believer, Readings
-from harness.record.recorder import Recorder
-from harness.signals import PLANT, READINGS, SENT, Layout
+from railgrip.loop.plausible import Plausibility
+from railgrip.loop.ports import Actuation, Controller, ControllerFailed, Plant, Rail, Sensors
+from railgrip.loop.watch import Beliefs, Believer, Readings
+from railgrip.record.recorder import Recorder
+from railgrip.signals import PLANT, READINGS, SENT, Layout
 
 
 def run(

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from harness.record.outcome import Outcome
+from railgrip.record.outcome import Outcome
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

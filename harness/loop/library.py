@@ -7,10 +7,10 @@ from typing import Final
 
 import casadi as ca
 
-from fmus.native.toolchain import shared_library
-from harness.signals import Layout
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.signals import Layout
 
-KERNEL: Final = files("harness.loop") / "kernel"
+KERNEL: Final = files("railgrip.loop") / "kernel"
 _PARTS: Final = ("sensors.h", "sensors.c", "plausible.h", "plausible.c", "cycle.c")
 
 
@@ -19,7 +19,7 @@ def kernel(layout: Layout) -> ctypes.CDLL:
     """Return the sensors, the checks of a plant and the cycle in C, for vectors of this layout.
 
     Raises:
-        fmus.errors.CompilerMissing: There is no C compiler.
+        railgrip.fmus.errors.CompilerMissing: There is no C compiler.
     """
     sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in _PARTS}
     formation = layout.formation
@@ -42,7 +42,7 @@ def compiled(step: ca.Function) -> int:
     It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.
 
     Raises:
-        fmus.errors.CompilerMissing: There is no C compiler.
+        railgrip.fmus.errors.CompilerMissing: There is no C compiler.
     """
     generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
     generator.add(step)

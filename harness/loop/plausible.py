@@ -8,8 +8,8 @@ import ctypes
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.library import kernel
-from harness.signals import Layout
+from railgrip.loop.library import kernel
+from railgrip.signals import Layout
 
 _CHECKS = (
     ("", "", ""),

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.sight import Sight
+from railgrip.controllers.sight import Sight
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Edge:
 
 @runtime_checkable
 class Plant(Protocol):
-    """The simulated truth; vectors as `harness.signals.Layout` orders them."""
+    """The simulated truth; vectors as `railgrip.signals.Layout` orders them."""
 
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time."""
@@ -51,7 +51,7 @@ class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample, ordered as in `harness.signals.Layout`; NaN where there is no new one."""
+        """Return the reading of a sample, ordered as in `railgrip.signals.Layout`; NaN where there is no new one."""
         ...
 
 
@@ -59,7 +59,7 @@ class Sensors(Protocol):
 class Estimator(Protocol):
     """A belief about the train that moves on in place: the arrays stay the same, their values change.
 
-    A filter on values becomes one by `estimators.running.Running`.
+    A filter on values becomes one by `railgrip.estimators.running.Running`.
 
     Attributes:
         mean: Shape (n,).

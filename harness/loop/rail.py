@@ -10,7 +10,7 @@ Vector = NDArray[np.float64]
 
 
 class Profile(Protocol):
-    """Friction on an even grid over time or distance, as `harness.scenario.adhesion.Profile`."""
+    """Friction on an even grid over time or distance, as `railgrip.scenario.adhesion.Profile`."""
 
     @property
     def over_time(self) -> bool:
@@ -33,7 +33,7 @@ class Profile(Protocol):
 
 
 class Sections(Protocol):
-    """A force that is constant between places, as `harness.scenario.track.TrackForce`."""
+    """A force that is constant between places, as `railgrip.scenario.track.TrackForce`."""
 
     @property
     def begins(self) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Sensors: the truth as the train sees it, in readings as `harness.signals.Layout` orders them."""
+"""Sensors: the truth as the train sees it, in readings as `railgrip.signals.Layout` orders them."""
 
 import ctypes
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.loop.library import kernel
-from harness.signals import Layout
+from railgrip.loop.library import kernel
+from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
 

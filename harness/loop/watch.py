@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.sight import Sight
-from harness import signals
-from harness.loop.ports import Filter
-from harness.record.recorder import Recorder
-from harness.signals import Layout
+from railgrip import signals
+from railgrip.controllers.sight import Sight
+from railgrip.loop.ports import Filter
+from railgrip.record.recorder import Recorder
+from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

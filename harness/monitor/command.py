@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from harness.console import progress, say, show_table
-from harness.monitor.transducers import PRESSURE_OFFSET
+from railgrip.console import progress, say, show_table
+from railgrip.monitor.transducers import PRESSURE_OFFSET
 
 
 def add_to(app: typer.Typer) -> None:
@@ -23,10 +23,10 @@ def monitor(
     out: Annotated[Path | None, typer.Option(help="Figure; DIR/monitor.png unless given.")] = None,
 ) -> None:
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
-    from harness.estimate.spec import load_specification
-    from harness.monitor.folder import stops_in
-    from harness.monitor.page import draw, rows_of, verdict_on
-    from harness.monitor.watch import Design, watch
+    from railgrip.estimate.spec import load_specification
+    from railgrip.monitor.folder import stops_in
+    from railgrip.monitor.page import draw, rows_of, verdict_on
+    from railgrip.monitor.watch import Design, watch
 
     with progress("reading") as shown:
         found = stops_in(
@@ -37,7 +37,7 @@ def monitor(
     for sentence in found.sentences:
         say(sentence)
     if not found.evidence:
-        from harness.estimate.error import EstimationError
+        from railgrip.estimate.error import EstimationError
 
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()
@@ -57,9 +57,9 @@ def monitor_study(
     ] = PRESSURE_OFFSET,
 ) -> None:
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
-    from harness.monitor.page import draw
-    from harness.monitor.study import evidence_of_life, lives, study
-    from harness.monitor.watch import Design, watch
+    from railgrip.monitor.page import draw
+    from railgrip.monitor.study import evidence_of_life, lives, study
+    from railgrip.monitor.watch import Design, watch
 
     design, asked = Design(), lives(seeds, stops, pressure_offset)
     with progress("lives", seeds, counted=True) as shown:

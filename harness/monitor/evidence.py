@@ -10,15 +10,15 @@ import xarray
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from estimators.compiled import CompiledFilter
-from estimators.errors import FilterDiverged
-from estimators.prediction import CasadiPrediction
-from estimators.tuning import pressure_spread
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import columns, period_of
-from harness.estimate.run import model_of, prediction_of, units_of
-from harness.monitor.nominal import NOMINAL, nominal_friction
-from harness.monitor.transducers import PRESSURE_OFFSET
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import columns, period_of
+from railgrip.estimate.run import model_of, prediction_of, units_of
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.errors import FilterDiverged
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import pressure_spread
+from railgrip.monitor.nominal import NOMINAL, nominal_friction
+from railgrip.monitor.transducers import PRESSURE_OFFSET
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -33,7 +33,7 @@ _PROCESS = {"v": 3e-3, "w": 1e-2, "mu_b": 5e-4, "alpha": 0.3}
 """Deviations in unit/√s. The nominal law carries how friction moves within a stop, so what is left of it rests;
 adhesion must follow a group that is released within 0.2 s."""
 _READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
-"""As `estimators.tuning.READINGS_SERVICE`, but for the accelerometer, whose bias is taken out before."""
+"""As `railgrip.estimators.tuning.READINGS_SERVICE`, but for the accelerometer, whose bias is taken out before."""
 _START = {"v": 0.1, "w": 0.3, "alpha": 0.02}
 
 _LOCKED = 0.8

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.files import FORMATS
-from harness.estimate.recorded.specified import taken_for
-from harness.estimate.recording import recording_of
-from harness.estimate.spec import Specification, parameters_for
-from harness.formation import Formation
-from harness.monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
-from harness.record.trace import FILE_NAME, read_trace, trace_of, write_trace
-from harness.signals import Signal
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.files import FORMATS
+from railgrip.estimate.recorded.specified import taken_for
+from railgrip.estimate.recording import recording_of
+from railgrip.estimate.spec import Specification, parameters_for
+from railgrip.formation import Formation
+from railgrip.monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
+from railgrip.record.trace import FILE_NAME, read_trace, trace_of, write_trace
+from railgrip.signals import Signal
 
 TEMPERATURE = "reading_disc_temperature"
 """Variable (time, group) of a trace that tells the temperature of the discs [K]; its first sample is used."""

@@ -10,10 +10,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.estimate.recording import recording_of
-from harness.monitor.transducers import PRESSURE_OFFSET
-from harness.scenario.seed import generator
-from harness.twins.plant import defaults, plant
+from railgrip.estimate.recording import recording_of
+from railgrip.monitor.transducers import PRESSURE_OFFSET
+from railgrip.scenario.seed import generator
+from railgrip.twins.plant import defaults, plant
 
 Vector = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.native import lower
+from railgrip.fmus.native import lower
 
 Vector = NDArray[np.float64]
 

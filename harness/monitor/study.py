@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.build import fmu
-from harness.monitor import evidence, life, nominal
-from harness.monitor.evidence import Evidence, evidence_of
-from harness.monitor.life import PLANT, Life, live
-from harness.monitor.transducers import PRESSURE_OFFSET
-from harness.monitor.watch import Design, watch
-from harness.record.atomic import write_text
-from harness.workers import workers as processes
+from railgrip.fmus.build import fmu
+from railgrip.monitor import evidence, life, nominal
+from railgrip.monitor.evidence import Evidence, evidence_of
+from railgrip.monitor.life import PLANT, Life, live
+from railgrip.monitor.transducers import PRESSURE_OFFSET
+from railgrip.monitor.watch import Design, watch
+from railgrip.record.atomic import write_text
+from railgrip.workers import workers as processes
 
 CACHE = Path("build/monitor")
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
-from harness.monitor.evidence import GROUPS, Evidence
+from railgrip.monitor.evidence import GROUPS, Evidence
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -10,8 +10,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.record.contact import Contact, peak
-from harness.record.trace import formation_in
+from railgrip.record.contact import Contact, peak
+from railgrip.record.trace import formation_in
 
 Array = NDArray[np.float64]
 

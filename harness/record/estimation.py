@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from estimators.consistency import lost_at, nis_ratio
+from railgrip.estimators.consistency import lost_at, nis_ratio
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def _outside(error: Array, spread: Array) -> Array:
 def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
     """Return the median of NIS over what is expected, and when the belief was lost [s]; None where neither exists.
 
-    See `estimators.consistency`. Between two steps of the estimator rows repeat the last one.
+    See `railgrip.estimators.consistency`. Between two steps of the estimator rows repeat the last one.
     """
     if "estimate_nis" not in trace:
         return None, None

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Self, cast, get_type_hints
 
 import xarray
 
-from estimators.consistency import FAR
-from harness.record import adhesion_use, effort, estimation, motion, slide
+from railgrip.estimators.consistency import FAR
+from railgrip.record import adhesion_use, effort, estimation, motion, slide
 
 Each = tuple[float, ...]
 

@@ -6,9 +6,9 @@ from types import MappingProxyType
 import numpy as np
 import xarray
 
-from harness.formation import Formation
-from harness.record.trace import trace_of
-from harness.signals import Signal, length, places
+from railgrip.formation import Formation
+from railgrip.record.trace import trace_of
+from railgrip.signals import Signal, length, places
 
 
 class Recorder:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.record.trace import formation_in
+from railgrip.record.trace import formation_in
 
 Array = NDArray[np.float64]
 

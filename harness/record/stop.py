@@ -9,13 +9,13 @@ from typing import Any
 
 import xarray
 
-from harness.record.atomic import Unwritten, write_text
-from harness.record.error import RecordError
-from harness.record.metrics import Metrics
-from harness.record.outcome import Outcome
-from harness.record.trace import FILE_NAME as TRACE_FILE
-from harness.record.trace import read_trace, thinned, write_trace
-from harness.scenario.schema import Scenario
+from railgrip.record.atomic import Unwritten, write_text
+from railgrip.record.error import RecordError
+from railgrip.record.metrics import Metrics
+from railgrip.record.outcome import Outcome
+from railgrip.record.trace import FILE_NAME as TRACE_FILE
+from railgrip.record.trace import read_trace, thinned, write_trace
+from railgrip.scenario.schema import Scenario
 
 STOP_FILE = "stop.json"
 FILES = (STOP_FILE, TRACE_FILE)

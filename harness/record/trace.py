@@ -15,10 +15,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.formation import Formation, formation_of
-from harness.record.atomic import write_bytes
-from harness.record.error import RecordError
-from harness.signals import Signal
+from railgrip.formation import Formation, formation_of
+from railgrip.record.atomic import write_bytes
+from railgrip.record.error import RecordError
+from railgrip.signals import Signal
 
 FILE_NAME = "trace.nc"
 

@@ -6,12 +6,12 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.formation import Formation
-from harness.scenario.curve import Curve
-from harness.scenario.error import ScenarioError
-from harness.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
-from harness.scenario.schema import Scenario
-from harness.scenario.seed import generator
+from railgrip.formation import Formation
+from railgrip.scenario.curve import Curve
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
 
 Array = NDArray[np.float64]
 

@@ -10,14 +10,14 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
-from harness.scenario.error import ScenarioError
-from harness.scenario.file import is_file
-from harness.scenario.load import demand_kind, read_toml, scenario_of, validated
-from harness.scenario.merge import merged, read_overrides
-from harness.scenario.quantity import Unit
-from harness.scenario.schema import Scenario
-from harness.scenario.table import Name, Table, broken
-from harness.units import cut, place
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.file import is_file
+from railgrip.scenario.load import demand_kind, installed, read_toml, scenario_of, validated
+from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import Name, Table, broken
+from railgrip.units import cut, place
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
@@ -128,6 +128,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     Raises:
         ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
     """
+    path = installed(path, "campaigns")
     table = read_toml(path)
     demand_kind(table, "campaign", path)
     written = validated(CampaignFile, table, directory=path.parent, origin=path.name)

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field, NonNegativeFloat
 
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import validated
-from harness.scenario.table import Table
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import validated
+from railgrip.scenario.table import Table
 
 SPREAD = 1e-3
 """Relative range from which on a distance is a range: the tolerance that a baseline has for other arithmetic."""

@@ -8,7 +8,7 @@ from typing import Any, cast
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from harness.units import cut, place, short
+from railgrip.units import cut, place, short
 
 DIRECTORY = "directory"
 """Key of the validation context that holds the folder of the scenario file."""

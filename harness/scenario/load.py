@@ -11,11 +11,11 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from harness.scenario.error import ScenarioError
-from harness.scenario.file import DIRECTORY
-from harness.scenario.merge import merged, parsed, read_overrides
-from harness.scenario.schema import Scenario
-from harness.units import cut, place, short
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.file import DIRECTORY, is_file
+from railgrip.scenario.merge import merged, parsed, read_overrides
+from railgrip.scenario.schema import Scenario
+from railgrip.units import cut, place, short
 
 Kind = Literal["scenario", "campaign", "estimation"]
 _MARKS: Mapping[Kind, tuple[str, ...]] = {
@@ -30,12 +30,19 @@ _LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
 _Model = TypeVar("_Model", bound=BaseModel)
 
 
+def installed(name: Path, folder: Literal["library", "campaigns"]) -> Path:
+    """Return the file that comes with this package under a bare name, such as `trapezoid`; else the path as it is."""
+    ours = Path(__file__).parent / folder / f"{name}.toml"
+    return ours if len(name.parts) == 1 and not name.suffix and not is_file(name) and is_file(ours) else name
+
+
 def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
-    """Return the scenario of a TOML file, with `table.key=value` overrides on top.
+    """Return the scenario of a TOML file, or of the package by its name, with `table.key=value` overrides on top.
 
     Raises:
         ScenarioError: The file is missing, not TOML, or not a scenario; each problem in one sentence.
     """
+    path = installed(path, "library")
     written = read_toml(path)
     demand_kind(written, "scenario", path)
     table = merged(written, read_overrides(overrides))
@@ -56,7 +63,10 @@ def read_toml(path: Path) -> dict[str, Any]:
             raise ScenarioError(f"{shown}: is larger than {_LARGEST / 1e6:g} MB, which no scenario or campaign is")
         return parsed(content.decode("utf-8-sig").replace("\r\n", "\n"))
     except FileNotFoundError as problem:
-        raise ScenarioError(f"{shown}: there is no such file; name a scenario or campaign file (*.toml)") from problem
+        raise ScenarioError(
+            f"{shown}: there is no such file; name a scenario or campaign file (*.toml), or one of ours, such as "
+            "trapezoid"
+        ) from problem
     except OSError as problem:
         raise ScenarioError(f"{shown}: cannot be read: {problem.strerror}") from problem
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import PlainValidator
 
-from harness.scenario.table import broken
+from railgrip.scenario.table import broken
 
 
 def _map_entry(written: Any) -> Any:

@@ -4,8 +4,8 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
 
-from harness.scenario.error import ScenarioError
-from harness.units import cut, short
+from railgrip.scenario.error import ScenarioError
+from railgrip.units import cut, short
 
 _DEEPEST = 12
 """Levels of tables and lists; the deepest file of ours has five."""

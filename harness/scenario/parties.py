@@ -5,11 +5,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, field_validator, model_validator
 
-from harness.limits import FMU_LIMITS, FmuLimits
-from harness.scenario.file import NamedFile
-from harness.scenario.mapped import MapEntry
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Duration, Friction, Parameters, Period, Table, broken, scalars
+from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.mapped import MapEntry
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Duration, Friction, Parameters, Period, Table, broken, scalars
 
 
 class Actuation(Table):
@@ -94,7 +94,7 @@ Count = Annotated[StrictInt, Field(gt=0)]
 
 
 class ForeignFmus(Table):
-    """What an FMU from outside may take of this machine: `harness.limits` says what each means."""
+    """What an FMU from outside may take of this machine: `railgrip.limits` says what each means."""
 
     files: Count = FMU_LIMITS.files
     unpacked_mib: Count = FMU_LIMITS.unpacked_mib

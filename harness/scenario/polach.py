@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from harness.scenario.quantity import Unit
+from railgrip.scenario.quantity import Unit
 
 _SETS = Path(__file__).parent / "library" / "polach.toml"
 

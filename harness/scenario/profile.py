@@ -4,11 +4,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from harness.scenario.curve import Curve, read_curve
-from harness.scenario.file import NamedFile
-from harness.scenario.polach import Polach
-from harness.scenario.quantity import Magnitude, Unit
-from harness.scenario.table import Friction, Table, broken
+from railgrip.scenario.curve import Curve, read_curve
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.polach import Polach
+from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.table import Friction, Table, broken
 
 
 class Conditioning(Table):

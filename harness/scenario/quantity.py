@@ -9,9 +9,9 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from harness import units
-from harness.scenario.error import ScenarioError
-from harness.units import quantity, short, to_si, unit
+from railgrip import units
+from railgrip.scenario.error import ScenarioError
+from railgrip.units import quantity, short, to_si, unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,14 +12,14 @@ from typing import Any, Self
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from harness.scenario.file import NamedFile
-from harness.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, Limits, Periods
-from harness.scenario.profile import Adhesion, Constant, FromTable
-from harness.scenario.sensors import Sensors
-from harness.scenario.table import Name, Seed, Table, broken
-from harness.scenario.track import Track
-from harness.scenario.valves import off_the_samples
-from harness.scenario.vehicle import Start, Vehicle
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, Limits, Periods
+from railgrip.scenario.profile import Adhesion, Constant, FromTable
+from railgrip.scenario.sensors import Sensors
+from railgrip.scenario.table import Name, Seed, Table, broken
+from railgrip.scenario.track import Track
+from railgrip.scenario.valves import off_the_samples
+from railgrip.scenario.vehicle import Start, Vehicle
 
 _MOST_ROWS = 1_000_000
 """Samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB where it lasts so long."""

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictInt
 
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Deviation, Lag, Period, Table
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Deviation, Lag, Period, Table
 
 _OFF = "a sensor so far off is none"
 SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]

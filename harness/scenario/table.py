@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, StrictInt
 from pydantic_core import PydanticCustomError
 
-from harness.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, Unit
 
 FASTEST = 160.0  # m/s
 _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"

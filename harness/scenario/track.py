@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Length, Table, broken
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Length, Table, broken
 
 GRAVITY = 9.81  # m/s2
 

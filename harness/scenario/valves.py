@@ -6,7 +6,7 @@ from typing import Annotated, Final
 
 from pydantic import AfterValidator
 
-from harness.scenario.table import Duration, broken
+from railgrip.scenario.table import Duration, broken
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the plants of this project, and the time between two [s]: offset and period

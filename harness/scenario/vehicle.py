@@ -4,10 +4,10 @@ from typing import Annotated, Any
 
 from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator
 
-from harness.scenario.file import NamedFile
-from harness.scenario.mapped import MapEntry
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Length, Parameters, Speed, Table, broken, scalars
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.mapped import MapEntry
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Length, Parameters, Speed, Table, broken, scalars
 
 
 class FormationTable(Table):

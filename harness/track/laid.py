@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.track.geodesy import Place, geodetic
+from railgrip.track.geodesy import Place, geodetic
 
 Array = NDArray[np.float64]
 

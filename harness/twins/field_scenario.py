@@ -6,15 +6,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from harness.estimate.error import EstimationError
-from harness.scenario.load import read_toml, validated
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Duration, Friction, Length, Mass, Name, Parameters, Seed, Speed, Table
-from harness.scenario.track import CurveLaw
-from harness.scenario.valves import ValveStep
-from harness.track.geodesy import Place
-from harness.track.laid import Element, LaidTrack, course_of, grades_of
-from harness.twins.load import LIBRARY
+from railgrip.estimate.error import EstimationError
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Duration, Friction, Length, Mass, Name, Parameters, Seed, Speed, Table
+from railgrip.scenario.track import CurveLaw
+from railgrip.scenario.valves import ValveStep
+from railgrip.track.geodesy import Place
+from railgrip.track.laid import Element, LaidTrack, course_of, grades_of
+from railgrip.twins.load import LIBRARY
 
 Slope = Annotated[float, Unit("1", above=-0.2, below=0.2)]
 Metres = Annotated[float, Unit("m")]

@@ -13,13 +13,13 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import recording_of
-from harness.scenario.seed import generator
-from harness.scenario.track import force_along
-from harness.track.laid import Plan
-from harness.twins.field_scenario import Case, FieldScenario, Patch, SensorTable
-from harness.twins.plant import parameters, plant
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import recording_of
+from railgrip.scenario.seed import generator
+from railgrip.scenario.track import force_along
+from railgrip.track.laid import Plan
+from railgrip.twins.field_scenario import Case, FieldScenario, Patch, SensorTable
+from railgrip.twins.plant import parameters, plant
 
 Vector = NDArray[np.float64]
 

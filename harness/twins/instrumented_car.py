@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from harness.fmu import CoSimulation
-from harness.scenario.seed import generator
-from harness.twins.irregularity import KINDS, TRACKS, Irregularity, realise
-from harness.twins.plant import plant
+from railgrip.fmu import CoSimulation
+from railgrip.scenario.seed import generator
+from railgrip.twins.irregularity import KINDS, TRACKS, Irregularity, realise
+from railgrip.twins.plant import plant
 
 Array = NDArray[np.float64]
 
@@ -136,7 +136,7 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
 
     Raises:
         PlantFailed: The FMU failed.
-        fmus.errors.FmuError: It cannot be built.
+        railgrip.fmus.errors.FmuError: It cannot be built.
     """
     with car_of(run, rate=rate) as (car, inputs, skipped):
         seen = np.empty((len(inputs), SHOWN))

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
-from fmus.build import fmu
-from harness.fmu import CoSimulation, Description, Signal, bind, describe
-from harness.scenario.polach import named_sets
-from harness.scenario.seed import generator
+from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmus.build import fmu
+from railgrip.scenario.polach import named_sets
+from railgrip.scenario.seed import generator
 
 Array = NDArray[np.float64]
 

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-from harness.estimate.error import EstimationError
-from harness.scenario.file import is_file
-from harness.scenario.load import read_toml, validated
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Table, broken
-from harness.units import cut
+from railgrip.estimate.error import EstimationError
+from railgrip.scenario.file import is_file
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Table, broken
+from railgrip.units import cut
 
 LIBRARY = Path(__file__).parent / "library"
 

@@ -4,9 +4,9 @@ from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from functools import cache
 
-from fmus.build import fmu
-from harness.fmu import CoSimulation, Description, Signal, bind, describe
-from harness.scenario.quantity import Magnitude, in_units
+from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmus.build import fmu
+from railgrip.scenario.quantity import Magnitude, in_units
 
 Edge = Mapping[str, str | tuple[str, int]]
 """Name → unit, or unit and number of elements."""
@@ -26,8 +26,8 @@ def plant(
         parameters: By FMU variable; the others keep their defaults.
 
     Raises:
-        harness.fmu.FmuError: A signal or parameter is not there.
-        fmus.errors.FmuError: The FMU cannot be built.
+        railgrip.fmu.FmuError: A signal or parameter is not there.
+        railgrip.fmus.errors.FmuError: The FMU cannot be built.
     """
     description = described(name)
     binding = bind(

@@ -5,16 +5,16 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Delay, Duration, Friction, Name, Parameters, Seed, Speed, Table
-from harness.scenario.valves import ValveStep
-from harness.twins.load import Pressure, Time, in_order, load_twin
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Delay, Duration, Friction, Name, Parameters, Seed, Speed, Table
+from railgrip.scenario.valves import ValveStep
+from railgrip.twins.load import Pressure, Time, in_order, load_twin
 
 Slip = Annotated[float, Unit("1", above=0, below=1)]
 
 
 class Protection(Table):
-    """[protection]: the rig's own wheel-slide protection, `controllers.slip_based`."""
+    """[protection]: the rig's own wheel-slide protection, `railgrip.controllers.slip_based`."""
 
     low: Slip
     high: Slip

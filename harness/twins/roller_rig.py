@@ -6,15 +6,15 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from controllers.brake import BrakeGroup
-from controllers.sight import Sight
-from controllers.slip_based import SlipBased, SlipLevels
-from controllers.tuning import VALVE_BAND, VALVE_PULSE_MIN
-from controllers.valves import ValveLogic, ValveModel
-from harness.estimate.recording import recording_of
-from harness.scenario.seed import generator
-from harness.twins.plant import defaults, parameters, plant
-from harness.twins.rig_scenario import RigScenario
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.sight import Sight
+from railgrip.controllers.slip_based import SlipBased, SlipLevels
+from railgrip.controllers.tuning import VALVE_BAND, VALVE_PULSE_MIN
+from railgrip.controllers.valves import ValveLogic, ValveModel
+from railgrip.estimate.recording import recording_of
+from railgrip.scenario.seed import generator
+from railgrip.twins.plant import defaults, parameters, plant
+from railgrip.twins.rig_scenario import RigScenario
 
 Vector = NDArray[np.float64]
 

@@ -9,12 +9,12 @@ import xarray
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from harness.estimate.recording import recording_of
-from harness.scenario.quantity import Unit
-from harness.scenario.seed import generator
-from harness.scenario.table import Duration, Friction, Name, Parameters, Seed, Speed, Table
-from harness.twins.load import Pressure, Time, in_order, load_twin
-from harness.twins.plant import parameters, plant
+from railgrip.estimate.recording import recording_of
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.seed import generator
+from railgrip.scenario.table import Duration, Friction, Name, Parameters, Seed, Speed, Table
+from railgrip.twins.load import Pressure, Time, in_order, load_twin
+from railgrip.twins.plant import parameters, plant
 
 Vector = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ A baseline file says for each stop the distance, how far it may move, and why it
     tolerance = 0.39     # m
     reason = "First calibration."
 
-A stop whose distance rounding decides (see `harness.scenario.conditioning`) has a range: `distance` is the median of
+A stop whose distance rounding decides (see `railgrip.scenario.conditioning`) has a range: `distance` is the median of
 its repeats, `lowest` and `highest` are theirs, and `tolerance` is what it may lie beyond them. Where another compiler's
 plant, the same but for rounding, stops elsewhere, its distance stands there as it does among the repeats:
 
@@ -18,7 +18,7 @@ plant, the same but for rounding, stops elsewhere, its distance stands there as 
 Beside the distances stand the longest lock of any group [s] and the strokes of all valves, as of the last `make
 accept`: shown, not compared.
 
-The same for the figures of a study of `harness.headlines`:
+The same for the figures of a study of `railgrip.headlines`:
 
     study = "estimate"
 
@@ -38,16 +38,16 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, NonNegativeInt, model_validator
 
-from harness.record.atomic import write_text
-from harness.record.error import RecordError
-from harness.scenario.conditioning import Repeated
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import read_toml, validated
-from harness.scenario.quantity import Unit
-from harness.scenario.table import Table, broken
-from harness.verdict.results import Result, Results
-from harness.verdict.row import Row
-from harness.verdict.table import rows_of
+from railgrip.record.atomic import write_text
+from railgrip.record.error import RecordError
+from railgrip.scenario.conditioning import Repeated
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Table, broken
+from railgrip.verdict.results import Result, Results
+from railgrip.verdict.row import Row
+from railgrip.verdict.table import rows_of
 
 FINDINGS_FILE = "figures.json"
 
@@ -124,7 +124,7 @@ class Baseline(Table):
     """A baseline file."""
 
     campaign: str | None = Field(default=None, description="campaign file, from this one's folder")
-    study: str | None = Field(default=None, description="name of a study of harness.headlines")
+    study: str | None = Field(default=None, description="name of a study of railgrip.headlines")
     stops: dict[str, Accepted] = Field(default={}, description="name of a stop → what is accepted")
     figures: dict[str, AcceptedFigure] = Field(default={}, description="name of a figure → what is accepted")
 

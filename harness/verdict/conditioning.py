@@ -1,6 +1,6 @@
 """A distance beside what is left of it when the plant's parameters move in the seventh digit."""
 
-from harness.scenario.conditioning import Repeated
+from railgrip.scenario.conditioning import Repeated
 
 STALE = "stale: other repeats"
 

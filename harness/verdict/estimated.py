@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 
-from harness.verdict.style import (
+from railgrip.verdict.style import (
     BLACK,
     BLUE,
     GREEN,
@@ -38,7 +38,7 @@ def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[
 
     Args:
         recording: What the filter was given.
-        told: What it believes, see `harness.estimate.run.estimate`.
+        told: What it believes, see `railgrip.estimate.run.estimate`.
         inputs: Of its model.
         path: Of the figure.
     """

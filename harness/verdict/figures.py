@@ -8,12 +8,12 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from harness.verdict import style
-from harness.verdict.distribution import distributions_of, over_cases
-from harness.verdict.distribution_figure import distribution_figure
-from harness.verdict.reference import label
-from harness.verdict.results import Result
-from harness.verdict.row import Row
+from railgrip.verdict import style
+from railgrip.verdict.distribution import distributions_of, over_cases
+from railgrip.verdict.distribution_figure import distribution_figure
+from railgrip.verdict.reference import label
+from railgrip.verdict.results import Result
+from railgrip.verdict.row import Row
 
 _CONTROLLER_COLOURS = {
     "full_brake": style.GREY,

@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from harness.record.atomic import write_text
-from harness.record.error import RecordError
-from harness.scenario.campaign import Campaign, PlannedStop
-from harness.verdict.baseline import Accepted, Baseline
-from harness.verdict.reference import best, is_published, is_tuned, label, law_of
-from harness.verdict.text import markdown_table, number, percent
+from railgrip.record.atomic import write_text
+from railgrip.record.error import RecordError
+from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.verdict.baseline import Accepted, Baseline
+from railgrip.verdict.reference import best, is_published, is_tuned, label, law_of
+from railgrip.verdict.text import markdown_table, number, percent
 
 BEGIN = "<!-- distances: written by `make readme` -->"
 END = "<!-- end of distances -->"

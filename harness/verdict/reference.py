@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
-from harness.units import to_si
+from railgrip.units import to_si
 
 CONTROLLERS = {
     "full_brake": "full brake",

@@ -8,22 +8,22 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from harness.record.atomic import write_text
-from harness.record.error import RecordError
-from harness.record.metrics import meanings
-from harness.record.outcome import Outcome
-from harness.record.stop import STOP_FILE, read_stop
-from harness.scenario.campaign import DRAW
-from harness.verdict import style
-from harness.verdict.compilers import from_elsewhere
-from harness.verdict.distribution import distribution_texts, distributions_of
-from harness.verdict.distribution_figure import distribution_figure
-from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
-from harness.verdict.panels import Panels
-from harness.verdict.reference import is_published
-from harness.verdict.results import CAMPAIGN_FILE, Result, Results, read_results
-from harness.verdict.table import row_texts, rows_of, write_table
-from harness.verdict.text import html_table, names
+from railgrip.record.atomic import write_text
+from railgrip.record.error import RecordError
+from railgrip.record.metrics import meanings
+from railgrip.record.outcome import Outcome
+from railgrip.record.stop import STOP_FILE, read_stop
+from railgrip.scenario.campaign import DRAW
+from railgrip.verdict import style
+from railgrip.verdict.compilers import from_elsewhere
+from railgrip.verdict.distribution import distribution_texts, distributions_of
+from railgrip.verdict.distribution_figure import distribution_figure
+from railgrip.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.verdict.panels import Panels
+from railgrip.verdict.reference import is_published
+from railgrip.verdict.results import CAMPAIGN_FILE, Result, Results, read_results
+from railgrip.verdict.table import row_texts, rows_of, write_table
+from railgrip.verdict.text import html_table, names
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 75rem; padding: 0 1rem; color: #1b1b1b }

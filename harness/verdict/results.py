@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.record.error import RecordError
-from harness.record.stop import STOP_FILE, StopRecord, read_stop
-from harness.scenario.conditioning import Repeated
+from railgrip.record.error import RecordError
+from railgrip.record.stop import STOP_FILE, StopRecord, read_stop
+from railgrip.scenario.conditioning import Repeated
 
 CAMPAIGN_FILE = "campaign.json"
 

@@ -1,6 +1,6 @@
 """The table of braking distances: one row a stop, as JSON for machines and texts for people.
 
-Stops that differ only in their draw are shown as distributions, by `harness.verdict.distribution`.
+Stops that differ only in their draw are shown as distributions, by `railgrip.verdict.distribution`.
 """
 
 import json
@@ -10,16 +10,16 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from harness.record.atomic import write_text
-from harness.record.outcome import Outcome
-from harness.scenario.campaign import DRAW
-from harness.verdict.compilers import from_elsewhere, makers
-from harness.verdict.conditioning import spread_text
-from harness.verdict.distribution import distribution_texts, distributions_of
-from harness.verdict.reference import best, controller_of, is_published, is_tuned, label, law_of
-from harness.verdict.results import Result, Results
-from harness.verdict.row import Row
-from harness.verdict.text import Texts, filled, markdown_table, names, number, percent
+from railgrip.record.atomic import write_text
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.campaign import DRAW
+from railgrip.verdict.compilers import from_elsewhere, makers
+from railgrip.verdict.conditioning import spread_text
+from railgrip.verdict.distribution import distribution_texts, distributions_of
+from railgrip.verdict.reference import best, controller_of, is_published, is_tuned, label, law_of
+from railgrip.verdict.results import Result, Results
+from railgrip.verdict.row import Row
+from railgrip.verdict.text import Texts, filled, markdown_table, names, number, percent
 
 VALVES = "pneumatic"
 """The actuation that has valves; the ideal one has turns of the pressure command."""

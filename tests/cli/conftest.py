@@ -10,17 +10,17 @@ from pathlib import Path
 import pytest
 import synthetic_runner
 
-import harness.scenario
-from harness.commands import main
+import railgrip.scenario
+from railgrip.commands import main
 
-LIBRARY = Path(harness.scenario.__file__).parent / "library"
+LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 ROOT = Path(__file__).parents[2]
 
-# As `python -m harness`, but that a stop comes from tests/synthetic_runner.py.
+# As `python -m railgrip`, but that a stop comes from tests/synthetic_runner.py.
 PROGRAM = """
 import sys, synthetic_runner
-sys.modules["harness.assemble"] = synthetic_runner
-from harness.__main__ import main
+sys.modules["railgrip.assemble"] = synthetic_runner
+from railgrip.__main__ import main
 if __name__ == "__main__":
     main()
 """
@@ -52,7 +52,7 @@ def project(tmp_path):
 def railgrip(project, monkeypatch, capfd):
     """Run a command in the project, in this process; campaigns start theirs all the same."""
     monkeypatch.chdir(project)
-    monkeypatch.setitem(sys.modules, "harness.assemble", synthetic_runner)
+    monkeypatch.setitem(sys.modules, "railgrip.assemble", synthetic_runner)
     monkeypatch.setenv("COLUMNS", "200")
 
     def run(*arguments):

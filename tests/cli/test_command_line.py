@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 import synthetic_runner
 
-from harness.__main__ import main
-from harness.campaign import is_there
-from harness.run import run
-from harness.scenario.campaign import load_campaign
-from harness.sources import sources_digest
+from railgrip.__main__ import main
+from railgrip.campaign import is_there
+from railgrip.run import run
+from railgrip.scenario.campaign import load_campaign
+from railgrip.sources import sources_digest
 
 
 def stops_in(folder):

@@ -10,15 +10,15 @@ from pathlib import Path
 
 import pytest
 
-import harness
-from harness import console
+import railgrip
+from railgrip import console
 
 HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
 
 
 def test_help_loads_nothing_that_a_stop_needs():
     """These take seconds, and nobody who asks for help waits for a plant."""
-    ask = "import sys; from harness.__main__ import main\ntry: main(['--help'])\nfinally: print(*sys.modules)"
+    ask = "import sys; from railgrip.__main__ import main\ntry: main(['--help'])\nfinally: print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
     assert "campaign" in done.stdout
     assert done.returncode == 0, done.stderr
@@ -42,7 +42,7 @@ def test_cells_of_a_table_are_shown_as_they_are(capfd):
 
 def test_one_module_alone_talks_to_people():
     """So that all of it looks alike, and no text is taken for markup."""
-    root = Path(harness.__file__).parent
+    root = Path(railgrip.__file__).parent
     users = [path.relative_to(root).as_posix() for path in root.rglob("*.py") if "rich" in imports_of(path)]
     assert users == ["console.py"]
 
@@ -82,7 +82,7 @@ def test_what_is_done_before_the_first_line_leaves_none(capfd):
 
 
 WATCHED = """
-from harness import console
+from railgrip import console
 with console.progress("stop :x:", 4, counted=True) as shown:
     shown.advance("[red]drawing")
 with console.progress("endless") as shown:

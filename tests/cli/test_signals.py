@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.build import fmu
+from railgrip.fmus.build import fmu
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 ROOT = Path(__file__).parents[2]
@@ -56,7 +56,7 @@ def place(tmp_path):
 def ended(place, arguments, moment, number, *, to_all):
     """Start the command line, send a signal at a moment; return what it said and its exit code."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "harness", *arguments],
+        [sys.executable, "-m", "railgrip", *arguments],
         cwd=place,
         env=os.environ | {"TMPDIR": str(place / "temporary"), "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,

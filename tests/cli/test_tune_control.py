@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controllers.adhesion_based import SeekerTuning
-from controllers.slip_based import SlipBased, SlipLevels
-from harness.assemble import controlled_groups, controller_of
-from harness.scenario.campaign import load_campaign
-from harness.scenario.load import read_toml, scenario_of
-from harness.scenario.merge import merged
-from harness.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
-from harness.workers import workers
+from railgrip.assemble import controlled_groups, controller_of
+from railgrip.controllers.adhesion_based import SeekerTuning
+from railgrip.controllers.slip_based import SlipBased, SlipLevels
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.load import read_toml, scenario_of
+from railgrip.scenario.merge import merged
+from railgrip.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
+from railgrip.workers import workers
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]
@@ -34,7 +34,7 @@ def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
 
 
 def committed(law: str):
-    return tomllib.loads(files("controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(files("railgrip.controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(("law", "actuation", "slip"), CASES)
@@ -72,7 +72,7 @@ def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_sl
 @pytest.mark.parametrize("law", list(RANGES))
 def test_the_committed_parameters_are_those_of_a_search(law):
     """With the distances they were found by, as `text_of` writes them."""
-    text = files("controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8")
+    text = files("railgrip.controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8")
     assert text.startswith(text_of(law, {}).rstrip())
     assert text.count("% against slip-based control, on:") == len(RANGES[law])
 

@@ -14,7 +14,7 @@ import os
 import tempfile
 import time
 
-from harness.workers import workers
+from railgrip.workers import workers
 
 
 def number(_):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from estimators.prediction import Prediction
+from railgrip.estimators.prediction import Prediction
 
 
 def prediction_contract(prediction, x, u):
-    """Assert the promises of `estimators.prediction.Prediction` at a point in the middle of its range."""
+    """Assert the promises of `railgrip.estimators.prediction.Prediction` at a point in the middle of its range."""
     assert isinstance(prediction, Prediction)
     x, u = np.asarray(x, dtype=float), np.asarray(u, dtype=float)
     assert (x.shape, u.shape) == ((len(prediction.states),), (len(prediction.inputs),))

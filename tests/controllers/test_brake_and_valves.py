@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.brake import BrakeGroup, pressure_for
-from controllers.valves import DUMP, FILL, HOLD, ValveLogic, ValveModel
+from railgrip.controllers.brake import BrakeGroup, pressure_for
+from railgrip.controllers.valves import DUMP, FILL, HOLD, ValveLogic, ValveModel
 
 JACOBS = dict(
     load=14500 * 9.81,

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
-from controllers.brake import BrakeGroup
-from controllers.full_brake import FullBrake
-from controllers.sight import Sight
-from controllers.slip_based import SlipBased, SlipLevels
-from controllers.tuning import PAPER_LEVELS, SEEKER
+from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.full_brake import FullBrake
+from railgrip.controllers.sight import Sight
+from railgrip.controllers.slip_based import SlipBased, SlipLevels
+from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER
 
 GROUP = BrakeGroup(
     load=14500 * 9.81,

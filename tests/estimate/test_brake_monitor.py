@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from harness.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
-from harness.monitor.folder import stops_in, write_recording
-from harness.monitor.life import Life, live
-from harness.monitor.study import Verdict, judged
-from harness.monitor.watch import Design, threshold_for, watch
+from railgrip.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
+from railgrip.monitor.folder import stops_in, write_recording
+from railgrip.monitor.life import Life, live
+from railgrip.monitor.study import Verdict, judged
+from railgrip.monitor.watch import Design, threshold_for, watch
 
 DESIGN = Design()
 

@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from harness.commands import app
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.specified import taken_for
-from harness.estimate.recording import recording_of
-from harness.estimate.run import estimate
-from harness.estimate.sources import recording_of_estimation
-from harness.estimate.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
+from railgrip.commands import app
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.specified import taken_for
+from railgrip.estimate.recording import recording_of
+from railgrip.estimate.run import estimate
+from railgrip.estimate.sources import recording_of_estimation
+from railgrip.estimate.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
 
 MAP = """
 [data]

@@ -7,15 +7,15 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-import harness.scenario
-from harness.commands import app
-from harness.estimate.recorded.specified import taken_for
-from harness.estimate.spec import load_specification
-from harness.monitor.evidence import evidence_of
-from harness.monitor.folder import stops_in
-from harness.monitor.life import Life, live
+import railgrip.scenario
+from railgrip.commands import app
+from railgrip.estimate.recorded.specified import taken_for
+from railgrip.estimate.spec import load_specification
+from railgrip.monitor.evidence import evidence_of
+from railgrip.monitor.folder import stops_in
+from railgrip.monitor.life import Life, live
 
-LIBRARY = Path(harness.scenario.__file__).parent / "library"
+LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
 MAP = """
 name = "stops"

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import xarray
 
-from harness.estimate.protection import excursions, outside_events
-from harness.estimate.recording import recording_of
+from railgrip.estimate.protection import excursions, outside_events
+from railgrip.estimate.recording import recording_of
 
 PERIOD = 0.01
 

@@ -8,13 +8,13 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.cleaning import spikes, standing
-from harness.estimate.recorded.flag import Flag, summary
-from harness.estimate.recorded.grid import input_on_grid, on_grid
-from harness.estimate.recorded.read import Taken, recorded
-from harness.estimate.recorded.table import DataTable
-from harness.scenario.load import validated
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.cleaning import spikes, standing
+from railgrip.estimate.recorded.flag import Flag, summary
+from railgrip.estimate.recorded.grid import input_on_grid, on_grid
+from railgrip.estimate.recorded.read import Taken, recorded
+from railgrip.estimate.recorded.table import DataTable
+from railgrip.scenario.load import validated
 
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
 INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]

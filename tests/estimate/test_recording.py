@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recording import columns, period_of, recording_of, truth_of
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recording import columns, period_of, recording_of, truth_of
 
 
 def recorded(**changes):

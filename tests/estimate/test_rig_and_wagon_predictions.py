@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from contracts.prediction import prediction_contract
 
-from fmus.build import fmu
-from harness.estimate.run import model_of, prediction_of
-from harness.fmu import FmuPrediction, describe
+from railgrip.estimate.run import model_of, prediction_of
+from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmus.build import fmu
 
 POINTS = {
     "RollerRigPrediction": ([65.0, 32.0, 0.37, 0.06], [2.1e4]),

@@ -1,4 +1,4 @@
-from harness.bench.rig_filter import rig_filter_cost
+from railgrip.bench.rig_filter import rig_filter_cost
 
 
 def test_the_bench_steps_the_filter_of_the_rig():

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.errors import EstimatorError
-from estimators.gate import Gate
-from harness.estimate.error import EstimationError
-from harness.estimate.judge import judge
-from harness.estimate.recording import recording_of
-from harness.estimate.run import Settings, by_name, estimate, per_step, prediction_of, units_of
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.judge import judge
+from railgrip.estimate.recording import recording_of
+from railgrip.estimate.run import Settings, by_name, estimate, per_step, prediction_of, units_of
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.gate import Gate
 
 PERIOD = 0.01
 EQUATION_20 = {"w": 10.0, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}

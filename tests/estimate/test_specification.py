@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from harness.estimate.error import EstimationError
-from harness.estimate.run import by_name
-from harness.estimate.sources import recording_for
-from harness.estimate.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
-from harness.scenario.error import ScenarioError
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.run import by_name
+from railgrip.estimate.sources import recording_for
+from railgrip.estimate.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
+from railgrip.scenario.error import ScenarioError
 
 TEXT = (LIBRARY / "rig_own.toml").read_text()
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from estimators.observability import ReadingsAndRates, observability
-from harness.estimate.observable import observe
-from harness.estimate.recording import recording_of
-from harness.estimate.run import prediction_of
-from harness.estimate.spec import LIBRARY, load_specification
+from railgrip.estimate.observable import observe
+from railgrip.estimate.recording import recording_of
+from railgrip.estimate.run import prediction_of
+from railgrip.estimate.spec import LIBRARY, load_specification
+from railgrip.estimators.observability import ReadingsAndRates, observability
 
 G = 9.81
 M, J, R_WHEEL, R_FRICTION, UNITS, H, A = 40e3, 130.0, 0.46, 0.25, 2.0, 1.5, 9.0

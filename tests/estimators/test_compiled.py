@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
-from estimators.compiled import CompiledFilter
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.errors import EstimatorError, FilterDiverged
-from estimators.gate import Gate
-from estimators.generated import generate
-from estimators.prediction import CasadiPrediction
-from fmus.native.toolchain import shared_library
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.errors import EstimatorError, FilterDiverged
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.generated import generate
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.fmus.native.toolchain import shared_library
 
 PERIOD = 1e-3
 DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])

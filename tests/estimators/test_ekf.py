@@ -3,12 +3,12 @@ import pytest
 from scipy.linalg import expm
 from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
-from estimators.consistency import chi_square_bounds, nees
-from estimators.discretisation import advanced, transition
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.errors import EstimatorError, FilterDiverged
-from estimators.gate import Gate
-from estimators.prediction import CasadiPrediction
+from railgrip.estimators.consistency import chi_square_bounds, nees
+from railgrip.estimators.discretisation import advanced, transition
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.errors import EstimatorError, FilterDiverged
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import CasadiPrediction
 
 PERIOD = 1e-3
 DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])

@@ -3,9 +3,9 @@ import pytest
 from scipy.linalg import expm
 from small_models import OSCILLATOR, WHEELSET, oscillator, small_model, wheelset
 
-from estimators.errors import EstimatorError
-from estimators.observability import ReadingsAndRates, along, gramian, observability
-from estimators.prediction import CasadiPrediction
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.observability import ReadingsAndRates, along, gramian, observability
+from railgrip.estimators.prediction import CasadiPrediction
 
 WAGON = {"m": 40e3, "J": 130.0, "r_wheel": 0.46, "r_friction": 0.25, "h": 1.0, "a": 12.0, "k_d": -5.0}
 WAGON_SCALE = np.array([50.0, 50.0, 20.0, 0.3, 0.3, 0.1])

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_models import OSCILLATOR, WHEELSET, Name, SmallModel, oscillator, small_model, wheelset
 
-from estimators.errors import EstimatorError
-from estimators.prediction import CasadiPrediction
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.prediction import CasadiPrediction
 
 
 class Pendulum:

@@ -38,14 +38,14 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from estimators.belief import Estimate, Matrix, Vector
-from estimators.compiled import CompiledFilter
-from estimators.consistency import chi_square_bounds, nees
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.prediction import CasadiPrediction
-from estimators.running import Running
-from estimators.tuning import NOISE_SETS, pad_gate
-from fmus.native import lower
+from railgrip.estimators.belief import Estimate, Matrix, Vector
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.consistency import chi_square_bounds, nees
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.running import Running
+from railgrip.estimators.tuning import NOISE_SETS, pad_gate
+from railgrip.fmus.native import lower
 
 PERIOD = 1e-3
 SPEED, ADHESION, RADIUS = 22.0, 0.10, 0.38

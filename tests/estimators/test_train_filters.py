@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from contracts.prediction import prediction_contract
 
-from estimators.compiled import CompiledFilter
-from estimators.consistency import delay
-from estimators.discretisation import advanced
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.errors import EstimatorError
-from estimators.observability import observability
-from estimators.prediction import CasadiPrediction
-from estimators.tuning import NOISE_SETS, REDUCED_IDEAL, TRAIN_IDEAL, pad_gate
-from fmus.native import lower
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.consistency import delay
+from railgrip.estimators.discretisation import advanced
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.observability import observability
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import NOISE_SETS, REDUCED_IDEAL, TRAIN_IDEAL, pad_gate
+from railgrip.fmus.native import lower
 
 PERIOD = 1e-3
 FULL_BRAKE = np.array([3.4e5, 2.0e5, 2.0e5, 3.4e5, 0.0])

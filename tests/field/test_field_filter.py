@@ -6,23 +6,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from estimators.ekf import ExtendedKalmanFilter
-from harness.estimate.course import with_track_force
-from harness.estimate.error import EstimationError
-from harness.estimate.observable import observe, with_estimates_as_truth
-from harness.estimate.recorded.specified import taken_for
-from harness.estimate.selection import prediction_seeing
-from harness.estimate.spec import estimate_of, settings_for
-from harness.field.braking import Braking, braking_of
-from harness.field.degeneracy import common_factor
-from harness.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
-from harness.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
-from harness.field.objective import terms_of, value
-from harness.field.score import score, track_score
-from harness.field.tune import Search, tune
-from harness.scenario.error import ScenarioError
-from harness.twins.field_scenario import field_scenario
-from harness.twins.field_train import driven, measured
+from railgrip.estimate.course import with_track_force
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.observable import observe, with_estimates_as_truth
+from railgrip.estimate.recorded.specified import taken_for
+from railgrip.estimate.selection import prediction_seeing
+from railgrip.estimate.spec import estimate_of, settings_for
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.field.braking import Braking, braking_of
+from railgrip.field.degeneracy import common_factor
+from railgrip.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
+from railgrip.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
+from railgrip.field.objective import terms_of, value
+from railgrip.field.score import score, track_score
+from railgrip.field.tune import Search, tune
+from railgrip.scenario.error import ScenarioError
+from railgrip.twins.field_scenario import field_scenario
+from railgrip.twins.field_train import driven, measured
 
 
 @pytest.fixture(scope="module")

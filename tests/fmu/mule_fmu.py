@@ -8,7 +8,7 @@ from types import MappingProxyType
 import fmpy
 from tiny_fmu import HEADERS
 
-from fmus.native.toolchain import shared_library
+from railgrip.fmus.native.toolchain import shared_library
 
 HERE = Path(__file__).parent
 SOURCES = {name: (HERE / name).read_text() for name in ("mule.c", "quiet.h")}

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from mule_fmu import mule, quick_stop
 
-from harness import assemble
-from harness.commands import main
-from harness.fmu import IsolatedCoSimulation, open_plant
-from harness.record.stop import read_stop
+from railgrip import assemble
+from railgrip.commands import main
+from railgrip.fmu import IsolatedCoSimulation, open_plant
+from railgrip.record.stop import read_stop
 
 SCENARIO = """
 name = "town"

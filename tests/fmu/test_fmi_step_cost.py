@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny
 
-from harness.bench import fmi
+from railgrip.bench import fmi
 
 
 def test_four_ways_over_the_boundary_end_on_the_same_outputs(foundry: Path):

@@ -10,7 +10,7 @@ import pytest
 from mule_fmu import mule
 from tiny_fmu import GUID, tiny, xml
 
-from harness.fmu import (
+from railgrip.fmu import (
     Binding,
     CoSimulation,
     Description,
@@ -21,8 +21,8 @@ from harness.fmu import (
     bind,
     describe,
 )
-from harness.fmu.instance import Instance, unpacked
-from harness.loop.compiled import run
+from railgrip.fmu.instance import Instance, unpacked
+from railgrip.loop.compiled import run
 
 PERIOD = 1e-3
 

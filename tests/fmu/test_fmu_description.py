@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from tiny_fmu import tiny, xml
 
-from harness.fmu import FmuError, describe
+from railgrip.fmu import FmuError, describe
 
 
 def archive(file: Path, members: dict[str, str]) -> Path:

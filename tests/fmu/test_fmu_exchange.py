@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tiny_fmu import CURVED_OUTPUTS, curved, tiny, xml
 
-from harness.fmu import FmuError, FmuPrediction, ModelExchange, PlantFailed, describe
+from railgrip.fmu import FmuError, FmuPrediction, ModelExchange, PlantFailed, describe
 
 K = 1.7
 POINTS = [

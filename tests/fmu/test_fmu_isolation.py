@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny
 
-from harness.fmu import (
+from railgrip.fmu import (
     Binding,
     CoSimulation,
     Description,
@@ -19,7 +19,7 @@ from harness.fmu import (
     describe,
     open_plant,
 )
-from harness.limits import FmuLimits
+from railgrip.limits import FmuLimits
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny, xml
 
-from harness.fmu import Binding, CoSimulation, Description, FmuError, PlantFailed, Signal, bind, describe
+from railgrip.fmu import Binding, CoSimulation, Description, FmuError, PlantFailed, Signal, bind, describe
 
 WHERE = "city.toml: [vehicle.map]"
 

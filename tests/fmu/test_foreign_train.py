@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
-from fmus.native import package
-from fmus.native.dae import read
-from fmus.native.system import explicit
-from harness.assemble import run_stop
-from harness.fmu import Binding, CoSimulation, Description, FmuError, Signal, bind, describe
-from harness.record.outcome import Outcome
-from harness.scenario.load import load
-from harness.signals import PLANT
+from railgrip.assemble import run_stop
+from railgrip.fmu import Binding, CoSimulation, Description, FmuError, Signal, bind, describe
+from railgrip.fmus.native import package
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.load import load
+from railgrip.signals import PLANT
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = ROOT / "harness" / "scenario" / "library" / "foreign_train.toml"

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from mule_fmu import mule
 
-from harness.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe
-from harness.fmu.child import ANSWER, FAILED
-from harness.fmu.isolation import KEEPER
-from harness.limits import FMU_LIMITS, FmuLimits
-from harness.signals import PLANT
+from railgrip.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe
+from railgrip.fmu.child import ANSWER, FAILED
+from railgrip.fmu.isolation import KEEPER
+from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.signals import PLANT
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes of FMUs are held on Linux")
 
@@ -128,7 +128,7 @@ def test_the_fmus_process_imports_nothing_from_the_current_folder(
 ):
     """As a downloaded folder may hold; it was executed, and the FMU blamed for it."""
     mark = tmp_path / "ran"
-    for name in ("random", "numpy", "fmpy", "harness", "struct"):
+    for name in ("random", "numpy", "fmpy", "railgrip", "struct"):
         (tmp_path / f"{name}.py").write_text(f"open({str(mark)!r}, 'w').close()\nraise ImportError('a trap')\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from mule_fmu import mule, quick_stop
 
-from harness.commands import main
-from harness.fmu import Signal, bind, describe
+from railgrip.commands import main
+from railgrip.fmu import Signal, bind, describe
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,10 +11,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmus.native import Model, lower, package
-from fmus.native.dae import read
-from fmus.native.system import explicit
-from harness.fmu import Description, FmuPrediction, describe
+from railgrip.fmu import Description, FmuPrediction, describe
+from railgrip.fmus.native import Model, lower, package
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
 
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 

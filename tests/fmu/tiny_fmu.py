@@ -5,7 +5,7 @@ from pathlib import Path
 
 import fmpy
 
-from fmus.native.toolchain import shared_library
+from railgrip.fmus.native.toolchain import shared_library
 
 GUID = "{7d1c6f0e-tiny}"
 HEADERS = Path(fmpy.__file__).parent / "c-code"

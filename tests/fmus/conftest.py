@@ -10,9 +10,9 @@ from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as AllocateType
 from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as FreeType
 from small_fmus import FEATURES, Fmu, Running
 
-from fmus.native.dae import read
-from fmus.native.package import pack, sources
-from fmus.native.system import explicit
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.package import pack, sources
+from railgrip.fmus.native.system import explicit
 
 
 @pytest.fixture(scope="session")

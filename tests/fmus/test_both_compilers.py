@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from agreement import AT_REST, HELD, Pair, disagreement, held, integrated, nudged, stepped, turns
 
-from fmus.build import build_one
-from fmus.recipe import Cookbook, read_recipes
-from harness.fmu import FmuPrediction, describe
+from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmus.build import build_one
+from railgrip.fmus.recipe import Cookbook, read_recipes
 
 BOOK = read_recipes()
 PLANTS = [n for n, r in BOOK.recipes.items() if "cs" in r.interfaces]

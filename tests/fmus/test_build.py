@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from small_fmus import FEATURES
 
-from fmus import build as building
-from fmus.build import build_one, choose
-from fmus.errors import CompilerMissing, Refused, WrongQuestion
-from fmus.lock import differences, read_lock, write_lock
-from fmus.recipe import read_recipes
+from railgrip.fmus import build as building
+from railgrip.fmus.build import build_one, choose
+from railgrip.fmus.errors import CompilerMissing, Refused, WrongQuestion
+from railgrip.fmus.lock import differences, read_lock, write_lock
+from railgrip.fmus.recipe import read_recipes
 
 ROOT = Path(building.__file__).parents[1]
 RECIPE = """
@@ -133,7 +133,7 @@ def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path
 
 def test_list_shows_every_recipe_whole_where_there_is_no_screen():
     shown = subprocess.run(
-        [sys.executable, "-m", "fmus", "list"], cwd=ROOT, capture_output=True, text=True, check=False
+        [sys.executable, "-m", "railgrip.fmus", "list"], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert shown.returncode == 0
     for name, recipe in tomllib.loads((ROOT / "fmus" / "recipes.toml").read_text()).items():
@@ -143,7 +143,7 @@ def test_list_shows_every_recipe_whole_where_there_is_no_screen():
 
 def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
     done = subprocess.run(
-        [sys.executable, "-m", "fmus", "build", "Nothing"],
+        [sys.executable, "-m", "railgrip.fmus", "build", "Nothing"],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -157,10 +157,10 @@ def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
 @pytest.mark.parametrize(
     "command",
     [
-        ("fmus", "build", "ContactPoint", "--compiler", "native"),
-        ("harness", "run", "harness/scenario/library/trapezoid.toml"),
+        ("railgrip.fmus", "build", "ContactPoint", "--compiler", "native"),
+        ("railgrip", "run", str(ROOT / "harness/scenario/library/trapezoid.toml")),
     ],
-    ids=["fmus build", "harness run"],
+    ids=["fmus build", "run"],
 )
 def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
     """An interpreter without site-packages' ziglang: it is hidden, and the PATH is empty."""
@@ -185,22 +185,23 @@ def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
 
 @pytest.fixture
 def house(tmp_path):
-    """A copy of the project's sources, to break."""
-    for room in ("fmus", "modelica", "estimators", "controllers", "harness"):
-        shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
+    """A copy of the package as it is installed, to break."""
+    shutil.copytree(ROOT / "harness", tmp_path / "railgrip", ignore=shutil.ignore_patterns("__pycache__"))
+    for room in ("fmus", "modelica", "estimators", "controllers"):
+        shutil.copytree(ROOT / room, tmp_path / "railgrip" / room, ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path
 
 
 @pytest.mark.parametrize(
     "command",
     [
-        ("fmus", "build", "TwoPartTrain"),
-        ("harness", "run", "harness/scenario/library/trapezoid.toml"),
+        ("railgrip.fmus", "build", "TwoPartTrain"),
+        ("railgrip", "run", str(ROOT / "harness/scenario/library/trapezoid.toml")),
     ],
-    ids=["fmus build", "harness run"],
+    ids=["fmus build", "run"],
 )
 def test_a_class_that_does_not_compile_ends_both_command_lines_with_file_line_and_2(house, command):
-    file = house / "modelica" / "RailBraking" / "Vehicles" / "PartialTwoPartTrain.mo"
+    file = house / "railgrip" / "modelica" / "RailBraking" / "Vehicles" / "PartialTwoPartTrain.mo"
     text = file.read_text()
     file.write_text(text.replace("der(air) = air_flow;", "der(air) = air_flwo;"))
     line = text.splitlines().index("  der(air) = air_flow;") + 1

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from fmus import cache
-from fmus.errors import WrongQuestion
-from fmus.native.toolchain import shared_library
+from railgrip.fmus import cache
+from railgrip.fmus.errors import WrongQuestion
+from railgrip.fmus.native.toolchain import shared_library
 
 ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1; }'}
 posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
@@ -103,8 +103,8 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
             (tmp_path / place).mkdir(parents=True, exist_ok=True)
             (tmp_path / place / f"{name}.so").write_bytes(content)
     code = (
-        "from harness.loop.library import kernel; from harness.fmu.crossing import _library;"
-        "from harness.formation import Formation; from harness.signals import layout_of;"
+        "from railgrip.loop.library import kernel; from railgrip.fmu.crossing import _library;"
+        "from railgrip.formation import Formation; from railgrip.signals import layout_of;"
         "kernel(layout_of(Formation((1,)))); _library()"
     )
     root = str(Path(cache.__file__).parents[1])

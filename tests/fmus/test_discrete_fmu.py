@@ -7,10 +7,10 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
-from fmus.errors import WrongQuestion
-from fmus.native import Variable
-from fmus.native.discrete import Discrete, sources
-from fmus.native.package import pack
+from railgrip.fmus.errors import WrongQuestion
+from railgrip.fmus.native import Variable
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.package import pack
 
 PERIOD = 1 / 5120
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from conftest import FEATURES
 
-from fmus.errors import BuildFailed, CompilerMissing
-from fmus.native import lower, model, toolchain
-from fmus.native.code import RUNTIME
-from fmus.native.elimination import MOST_ENTRIES, eliminate
-from fmus.native.straight import LONGEST, straight
-from fmus.native.tape import interpreter, tape
-from fmus.native.units import BASE, parse
+from railgrip.fmus.errors import BuildFailed, CompilerMissing
+from railgrip.fmus.native import lower, model, toolchain
+from railgrip.fmus.native.code import RUNTIME
+from railgrip.fmus.native.elimination import MOST_ENTRIES, eliminate
+from railgrip.fmus.native.straight import LONGEST, straight
+from railgrip.fmus.native.tape import interpreter, tape
+from railgrip.fmus.native.units import BASE, parse
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from fmus import openmodelica
-from fmus.build import build_one
-from fmus.errors import BuildFailed, CompilerMissing
-from fmus.recipe import Cookbook, Recipe
+from railgrip.fmus import openmodelica
+from railgrip.fmus.build import build_one
+from railgrip.fmus.errors import BuildFailed, CompilerMissing
+from railgrip.fmus.recipe import Cookbook, Recipe
 
 RECIPE = Recipe.model_validate(
     {"class": "Lib.FMUs.Plant", "interfaces": ["cs"], "solver": "rodas3", "tolerance": 1e-5, "step": 1e-3}

@@ -2,10 +2,10 @@
 
 import pytest
 
-from fmus.errors import Refused, WrongQuestion
-from fmus.native import lower
-from fmus.native.dae import read
-from fmus.native.system import explicit
+from railgrip.fmus.errors import Refused, WrongQuestion
+from railgrip.fmus.native import lower
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
 
 STATE = "model M\n Real x(start=1,fixed=true);\n"
 PLAIN = STATE + "equation\n der(x) = -x;\n"

@@ -10,10 +10,10 @@ import rumoca
 from fmpy.validation import validate_fmu
 from small_fmus import Fmu
 
-from fmus.build import build
-from fmus.lock import differences, read_lock
-from fmus.native.dae import LIBRARY
-from fmus.recipe import read_recipes
+from railgrip.fmus.build import build
+from railgrip.fmus.lock import differences, read_lock
+from railgrip.fmus.native.dae import LIBRARY
+from railgrip.fmus.recipe import read_recipes
 
 BOOK = read_recipes()
 STOP, STEP = 3.0, 0.015  # no point is a sample of the valves, 0.5 ms + k 2 ms
@@ -110,7 +110,7 @@ def test_building_it_elsewhere_gives_the_same_bytes(made, name, tmp_path, own_ca
 
 @pytest.mark.parametrize("name", BOOK.recipes)
 def test_its_face_is_the_one_in_the_lock_file(made, name):
-    """A difference means that the models changed: look at it, then `python -m fmus check --update`."""
+    """A difference means that the models changed: look at it, then `python -m railgrip.fmus check --update`."""
     assert differences(name, read_lock(), made[name].face) == []
 
 

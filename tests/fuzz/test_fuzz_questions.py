@@ -16,17 +16,17 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 from synthetic import TWO_PART_TRAIN
 
-import harness.scenario
-from harness.estimate.recorded.read import recorded
-from harness.estimate.recorded.table import DataTable
-from harness.instruments import sensors_of
-from harness.scenario.adhesion import profile_of
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load, scenario_of, validated
-from harness.scenario.merge import merged
-from harness.scenario.track import track_force_of
+import railgrip.scenario
+from railgrip.estimate.recorded.read import recorded
+from railgrip.estimate.recorded.table import DataTable
+from railgrip.instruments import sensors_of
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load, scenario_of, validated
+from railgrip.scenario.merge import merged
+from railgrip.scenario.track import track_force_of
 
-ROOM = Path(harness.scenario.__file__).parent
+ROOM = Path(railgrip.scenario.__file__).parent
 SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem not in ("polach", "foreign_train")]
 SERVICE = tomllib.loads((ROOM / "edges" / "service.toml").read_text(encoding="utf-8"))
 

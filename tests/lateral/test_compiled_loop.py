@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from harness.lateral.filters import FURTHER, party
-from harness.loop.compiled import LoopError, Observer, Source, run
-from harness.twins.lateral import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
+from railgrip.lateral.filters import FURTHER, party
+from railgrip.loop.compiled import LoopError, Observer, Source, run
+from railgrip.twins.lateral import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
 
 STEPS = 300
 SPEED = 25.0

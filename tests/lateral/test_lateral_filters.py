@@ -4,15 +4,15 @@ import mal
 import numpy as np
 import pytest
 
-from estimators.compiled import CompiledFilter
-from estimators.ekf import ExtendedKalmanFilter
-from estimators.errors import EstimatorError
-from estimators.prediction import CasadiPrediction
-from fmus.native import lower
-from harness.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
-from harness.lateral.judge import beliefs_about, measure
-from harness.lateral.run import Case, simulate
-from harness.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.fmus.native import lower
+from railgrip.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
+from railgrip.lateral.judge import beliefs_about, measure
+from railgrip.lateral.run import Case, simulate
+from railgrip.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
 
 
 def test_the_literal_filter_is_equations_25_to_36():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmus.native import lower
-from harness.twins.lateral import DRY, INPUTS, WORST, output_columns, wheelset
+from railgrip.fmus.native import lower
+from railgrip.twins.lateral import DRY, INPUTS, WORST, output_columns, wheelset
 
 
 @pytest.mark.parametrize("rolling", [0.0, 1.0])

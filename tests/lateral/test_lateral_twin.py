@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from fmus.native.dae import LIBRARY
-from harness.estimate.recording import columns, period_of, truth_of
-from harness.lateral.filters import prediction
-from harness.lateral.recording import recorded
-from harness.lateral.run import Case
-from harness.twins.lateral import (
+from railgrip.estimate.recording import columns, period_of, truth_of
+from railgrip.fmus.native.dae import LIBRARY
+from railgrip.lateral.filters import prediction
+from railgrip.lateral.recording import recorded
+from railgrip.lateral.run import Case
+from railgrip.twins.lateral import (
     ACCELEROMETER,
     CONDITIONS,
     GYROSCOPE,

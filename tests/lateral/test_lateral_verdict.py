@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from estimators.condition import UNDECIDED, ConditionDetector, confusion
-from estimators.errors import EstimatorError
-from harness.lateral.report import write_report
-from harness.lateral.run import Case
-from harness.lateral.study import Plan, Result, conduct
-from harness.lateral.tables import level_lines, spread
-from harness.twins.lateral import DRY, PLANTS, WET, WORST, Trial
+from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
+from railgrip.estimators.errors import EstimatorError
+from railgrip.lateral.report import write_report
+from railgrip.lateral.run import Case
+from railgrip.lateral.study import Plan, Result, conduct
+from railgrip.lateral.tables import level_lines, spread
+from railgrip.twins.lateral import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
 

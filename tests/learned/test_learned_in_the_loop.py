@@ -7,23 +7,23 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from estimators.errors import EstimatorError
-from estimators.learned.antialias import AntiAlias
-from estimators.learned.ensemble import Ensemble
-from estimators.learned.network import Network
-from estimators.learned.preprocessing import Chain, Scale
-from estimators.learned.spectral import Spectral
-from estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
-from fmus.native.package import pack
-from harness.fmu import FmuError, describe
-from harness.learn.export import as_fmu
-from harness.learn.parties import READINGS, AxleBoxes, in_casadi, in_fmu
-from harness.learn.ride import LIBRARY, difference, read_ride, ride_beside, said_of
-from harness.loop import ports
-from harness.loop.beside import watch
-from harness.scenario.error import ScenarioError
-from harness.twins.accelerometer import AXLE_BOX, RATE, Sampled, disturbance, measure
-from harness.twins.instrumented_car import Pass, car_of
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.learned.ensemble import Ensemble
+from railgrip.estimators.learned.network import Network
+from railgrip.estimators.learned.preprocessing import Chain, Scale
+from railgrip.estimators.learned.spectral import Spectral
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
+from railgrip.fmu import FmuError, describe
+from railgrip.fmus.native.package import pack
+from railgrip.learn.export import as_fmu
+from railgrip.learn.parties import READINGS, AxleBoxes, in_casadi, in_fmu
+from railgrip.learn.ride import LIBRARY, difference, read_ride, ride_beside, said_of
+from railgrip.loop import ports
+from railgrip.loop.beside import watch
+from railgrip.scenario.error import ScenarioError
+from railgrip.twins.accelerometer import AXLE_BOX, RATE, Sampled, disturbance, measure
+from railgrip.twins.instrumented_car import Pass, car_of
 
 ROUNDING = 1e-11
 """Friction, absolute. Offsets of 270 m/s² in doubles are rounded at 6e-14; some ten thousand recursive steps and a
@@ -115,7 +115,7 @@ def test_the_interval_of_the_loop_is_that_of_the_record(estimators, watched):
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
 def test_the_exported_fmu_is_the_same_party(kind, estimators, exported, watched):
-    """Through harness.fmu, 5120 samples a second; same operations in the same order, so nothing but rounding of the C
+    """Through railgrip.fmu, 5120 samples a second; same operations in the same order, so nothing but rounding of the C
     compiler's own (fused or reordered operations) may differ."""
     assert validate_fmu(str(exported[kind])) == []
     ridden = watched[kind]

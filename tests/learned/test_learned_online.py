@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from estimators.learned import online
-from estimators.learned.antialias import AntiAlias
-from estimators.learned.channels import motions
-from estimators.learned.ensemble import Ensemble
-from estimators.learned.network import Network
-from estimators.learned.preprocessing import Chain, Scale
-from estimators.learned.spectral import Spectral
+from railgrip.estimators.learned import online
+from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.learned.channels import motions
+from railgrip.estimators.learned.ensemble import Ensemble
+from railgrip.estimators.learned.network import Network
+from railgrip.estimators.learned.preprocessing import Chain, Scale
+from railgrip.estimators.learned.spectral import Spectral
 
 ROUNDING = 1e-9
 """Relative: thousands of recursive filter steps in another order of additions, behind a network of slope about 1."""

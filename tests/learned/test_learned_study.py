@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimators.learned.channels import COMBINATIONS
-from harness.learn.evaluate import Recipe
-from harness.learn.figures import draw
-from harness.learn.reduction import Run
-from harness.learn.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
-from harness.learn.tables import report
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.learn.evaluate import Recipe
+from railgrip.learn.figures import draw
+from railgrip.learn.reduction import Run
+from railgrip.learn.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
+from railgrip.learn.tables import report
 
 SIZE = replace(QUICK, starts=2, members=6)
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime, least_squares
 
-from estimators.errors import EstimatorError
-from estimators.learned import network as nn
-from estimators.learned.channels import COMBINATIONS, motions
-from estimators.learned.ensemble import fit
-from estimators.learned.preprocessing import BLOCKS, Chain, Scale
-from estimators.learned.spectral import Spectral
-from harness.learn.evaluate import Recipe, exchanged, within_exchanged, within_runs, without_each
-from harness.learn.reduction import CHANNELS, Run
+from railgrip.estimators.errors import EstimatorError
+from railgrip.estimators.learned import network as nn
+from railgrip.estimators.learned.channels import COMBINATIONS, motions
+from railgrip.estimators.learned.ensemble import fit
+from railgrip.estimators.learned.preprocessing import BLOCKS, Chain, Scale
+from railgrip.estimators.learned.spectral import Spectral
+from railgrip.learn.evaluate import Recipe, exchanged, within_exchanged, within_runs, without_each
+from railgrip.learn.reduction import CHANNELS, Run
 
 
 def test_the_high_pass_keeps_what_came_first():

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.learn.runs import LABELS, campaign
-from harness.twins.accelerometer import AXLE_BOX, RATE, measure
-from harness.twins.instrumented_car import MPH, Pass, ride
-from harness.twins.irregularity import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum
+from railgrip.learn.runs import LABELS, campaign
+from railgrip.twins.accelerometer import AXLE_BOX, RATE, measure
+from railgrip.twins.instrumented_car import MPH, Pass, ride
+from railgrip.twins.irregularity import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum
 
 CHECKED = Band(lowest=0.024, highest=0.333, lines=4000)
 

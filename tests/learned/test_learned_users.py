@@ -5,15 +5,15 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from estimators.learned.online import BOXES
-from estimators.learned.trained import GeneralEstimator, PaperEstimator
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.table import DataTable
-from harness.learn.evaluate import Recipe
-from harness.learn.own import judge_own, own_pieces
-from harness.learn.own_file import read_own
-from harness.learn.users import PERIOD, UNITS, DataError, plain_table, read_folder, read_labels
-from harness.scenario.error import ScenarioError
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimators.learned.online import BOXES
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.learn.evaluate import Recipe
+from railgrip.learn.own import judge_own, own_pieces
+from railgrip.learn.own_file import read_own
+from railgrip.learn.users import PERIOD, UNITS, DataError, plain_table, read_folder, read_labels
+from railgrip.scenario.error import ScenarioError
 
 RATE = 5120
 SECONDS = 6.4

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
-from harness import signals
-from harness.loop.cycle import run
-from harness.loop.ended import Clock
-from harness.loop.sensors import IdealSensors
-from harness.loop.watch import Believer
-from harness.record.outcome import Outcome
-from harness.record.recorder import Recorder
+from railgrip import signals
+from railgrip.loop.cycle import run
+from railgrip.loop.ended import Clock
+from railgrip.loop.sensors import IdealSensors
+from railgrip.loop.watch import Believer
+from railgrip.record.outcome import Outcome
+from railgrip.record.recorder import Recorder
 
 PERIOD = 0.01
 

@@ -14,26 +14,26 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
-from controllers.brake import BrakeGroup
-from controllers.law import Law, law
-from controllers.sampled import choose
-from controllers.slip_based import SlipBased
-from controllers.tuning import PAPER_LEVELS
-from controllers.valves import ValveLogic, ValveModel
-from harness import signals
-from harness.fmu import PlantFailed
-from harness.fmu.failure import Failure
-from harness.loop import compiled_cycle, cycle
-from harness.loop.actuation import Direct
-from harness.loop.ended import Clock
-from harness.loop.plausible import Plausibility
-from harness.loop.ports import Edge
-from harness.loop.rail import TabulatedRail
-from harness.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
-from harness.loop.watch import Believer
-from harness.record.outcome import Outcome
-from harness.record.recorder import Recorder
-from harness.scenario.adhesion import Profile
+from railgrip import signals
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.law import Law, law
+from railgrip.controllers.sampled import choose
+from railgrip.controllers.slip_based import SlipBased
+from railgrip.controllers.tuning import PAPER_LEVELS
+from railgrip.controllers.valves import ValveLogic, ValveModel
+from railgrip.fmu import PlantFailed
+from railgrip.fmu.failure import Failure
+from railgrip.loop import compiled_cycle, cycle
+from railgrip.loop.actuation import Direct
+from railgrip.loop.ended import Clock
+from railgrip.loop.plausible import Plausibility
+from railgrip.loop.ports import Edge
+from railgrip.loop.rail import TabulatedRail
+from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
+from railgrip.loop.watch import Believer
+from railgrip.record.outcome import Outcome
+from railgrip.record.recorder import Recorder
+from railgrip.scenario.adhesion import Profile
 
 BLOCK = ServiceSensors.BLOCK
 RADIUS = (0.38,) * 4

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT
 
-from harness.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors
+from railgrip.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors
 
 PERIOD = 1e-3
 

@@ -5,9 +5,9 @@ import ctypes
 import pytest
 from synthetic import LAYOUT
 
-from fmus.native.toolchain import shared_library
-from harness.fmu import crossing
-from harness.loop import compiled, compiled_cycle, library, plausible, sensors
+from railgrip.fmu import crossing
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.loop import compiled, compiled_cycle, library, plausible, sensors
 
 LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "run.c")}
 SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.header()}

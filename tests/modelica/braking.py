@@ -8,7 +8,7 @@ import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
-from fmus.build import fmu
+from railgrip.fmus.build import fmu
 
 Signal = Callable[[float], float | Sequence[float] | np.ndarray]
 Record = dict[str, np.ndarray]

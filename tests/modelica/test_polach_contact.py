@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmus.native import Model, lower
+from railgrip.fmus.native import Model, lower
 
 PER_CENT = 1e-2
 SLIP = np.geomspace(1e-4, 1.0, 20001)

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from fmus.build import fmu
-from harness.fmu import Binding, CoSimulation, Description, Signal, bind, describe
+from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
+from railgrip.fmus.build import fmu
 
 PERIOD = 0.05
 

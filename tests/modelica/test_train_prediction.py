@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from braking import DRY, FULL, WET, Train, brake
 
-from fmus.native import Model, lower
+from railgrip.fmus.native import Model, lower
 
 FULL_STATES = (
     ["v"]

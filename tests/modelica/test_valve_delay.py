@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
-from fmus.native import package
-from fmus.native.dae import read
-from fmus.native.system import explicit
+from railgrip.fmus.native import package
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
 
 PERIOD = 0.002
 

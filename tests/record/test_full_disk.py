@@ -16,14 +16,14 @@ import xarray
 from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
-from harness.campaign import is_there
-from harness.failure import sentence_of
-from harness.record.atomic import Unwritten, replacing, write_text
-from harness.record.stop import read_stop, write_stop
-from harness.record.trace import write_trace
-from harness.scenario.campaign import PlannedStop
-from harness.scenario.load import load
-from harness.verdict.style import save
+from railgrip.campaign import is_there
+from railgrip.failure import sentence_of
+from railgrip.record.atomic import Unwritten, replacing, write_text
+from railgrip.record.stop import read_stop, write_stop
+from railgrip.record.trace import write_trace
+from railgrip.scenario.campaign import PlannedStop
+from railgrip.scenario.load import load
+from railgrip.verdict.style import save
 
 ROOT = Path(__file__).parents[2]
 WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"
@@ -93,8 +93,8 @@ PROGRAM = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
 import synthetic_runner
-sys.modules["harness.assemble"] = synthetic_runner
-from harness.__main__ import main
+sys.modules["railgrip.assemble"] = synthetic_runner
+from railgrip.__main__ import main
 main()
 """
 

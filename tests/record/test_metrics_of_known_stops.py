@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import chi2
 from synthetic import BRAKE, LOAD, parabola, uniform_stop
 
-from harness.record import adhesion_use, effort, estimation, motion, slide
-from harness.record.bound import with_bound
-from harness.record.metrics import Metrics, meanings, measure
+from railgrip.record import adhesion_use, effort, estimation, motion, slide
+from railgrip.record.bound import with_bound
+from railgrip.record.metrics import Metrics, meanings, measure
 
 
 def test_uniform_braking_has_the_textbook_figures():

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
-from harness.record.atomic import replacing, write_text
-from harness.record.error import RecordError
-from harness.record.recorder import Recorder
-from harness.record.stop import read_stop, write_stop
-from harness.record.trace import read_trace, thinned, write_trace
-from harness.scenario.load import load
-from harness.signals import PLANT, SENT
+from railgrip.record.atomic import replacing, write_text
+from railgrip.record.error import RecordError
+from railgrip.record.recorder import Recorder
+from railgrip.record.stop import read_stop, write_stop
+from railgrip.record.trace import read_trace, thinned, write_trace
+from railgrip.scenario.load import load
+from railgrip.signals import PLANT, SENT
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,7 @@ def test_an_interrupted_rewrite_leaves_no_stop_json_beside_another_trace(stop, t
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("harness.record.stop.write_trace", interrupt)
+    monkeypatch.setattr("railgrip.record.stop.write_trace", interrupt)
     with pytest.raises(KeyboardInterrupt):
         write_stop(stop, tmp_path)
     assert not (tmp_path / "stop.json").exists()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.scenario.track import CurveLaw, curve_coefficient, force_along
+from railgrip.scenario.track import CurveLaw, curve_coefficient, force_along
 
 
 @pytest.mark.parametrize(

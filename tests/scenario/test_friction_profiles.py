@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import TWO_PART_TRAIN
 
-import harness.scenario
-from harness.formation import Formation
-from harness.scenario.adhesion import profile_of
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load
+import railgrip.scenario
+from railgrip.formation import Formation
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load
 
-LIBRARY = Path(harness.scenario.__file__).parent / "library"
+LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 PLAIN = ["adhesion.conditioning.fraction=0"]
 
 

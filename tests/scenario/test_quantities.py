@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.scenario.error import ScenarioError
-from harness.scenario.merge import merged, read_overrides
-from harness.scenario.quantity import Magnitude
-from harness.units import to_si
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.quantity import Magnitude
+from railgrip.units import to_si
 
 # Factors to SI from the definitions of the units (BIPM brochure; bar, hour and foot are exact).
 FACTORS = [

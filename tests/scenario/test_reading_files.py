@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 from synthetic import TWO_PART_TRAIN
 
-import harness.scenario
-from harness.estimate.spec import load_specification
-from harness.scenario.adhesion import profile_of
-from harness.scenario.campaign import load_campaign
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load
+import railgrip.scenario
+from railgrip.estimate.spec import load_specification
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load
 
-ROOM = Path(harness.scenario.__file__).parent
+ROOM = Path(railgrip.scenario.__file__).parent
 TRAPEZOID = ROOM / "library" / "trapezoid.toml"
 TEXT = TRAPEZOID.read_text(encoding="utf-8")
 

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-import harness.scenario
-from fmus.native.dae import read
-from fmus.native.system import explicit
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load, scenario_of
-from harness.scenario.valves import SAMPLES
-from harness.twins.rig_scenario import rig_scenario
+import railgrip.scenario
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.valves import SAMPLES
+from railgrip.twins.rig_scenario import rig_scenario
 
-LIBRARY = Path(harness.scenario.__file__).parent / "library"
+LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 TRAPEZOID = LIBRARY / "trapezoid.toml"
 TWINS = LIBRARY.parents[1] / "twins" / "library"
 VALVES = ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic"]

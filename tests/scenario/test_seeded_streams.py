@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.scenario.seed import generator
+from railgrip.scenario.seed import generator
 
 
 def test_a_purpose_has_its_own_numbers_and_always_the_same():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.scenario.track import Track, track_force_of
+from railgrip.scenario.track import Track, track_force_of
 
 
 def test_a_level_straight_track_does_nothing():

@@ -3,11 +3,11 @@
 import pytest
 from synthetic import LIBRARY
 
-from harness.assemble import run_stop
-from harness.engine import Engine
-from harness.record.stop import write_stop
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load
+from railgrip.assemble import run_stop
+from railgrip.engine import Engine
+from railgrip.record.stop import write_stop
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load
 
 WAGON = [
     "name=wagon", "vehicle.plant=Wagon", "vehicle.wheelset_offsets=[]", "estimator.kind=none",

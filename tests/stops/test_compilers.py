@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-import harness.scenario
-from fmus.build import fmu
-from harness import assemble
-from harness.campaign import is_there
-from harness.record.stop import read_stop
-from harness.run import run
-from harness.scenario.campaign import PlannedStop
-from harness.scenario.load import load
+import railgrip.scenario
+from railgrip import assemble
+from railgrip.campaign import is_there
+from railgrip.fmus.build import fmu
+from railgrip.record.stop import read_stop
+from railgrip.run import run
+from railgrip.scenario.campaign import PlannedStop
+from railgrip.scenario.load import load
 
-TRAPEZOID = Path(harness.scenario.__file__).parent / "library" / "trapezoid.toml"
+TRAPEZOID = Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml"
 THEIRS = "OpenModelica Compiler OpenModelica v1.27.0"
 
 
@@ -55,9 +55,9 @@ def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_resul
     assert set(content["fmus"]) == {"TwoPartTrain.fmu", "TrainPredictionReduced.fmu"}
 
     stop = PlannedStop(name="one", variants={}, scenario=scenario)
-    monkeypatch.setattr("harness.campaign.choose", lambda compiler: "openmodelica")
+    monkeypatch.setattr("railgrip.campaign.choose", lambda compiler: "openmodelica")
     assert is_there(stop, out)
-    monkeypatch.setattr("harness.campaign.choose", lambda compiler: "native")
+    monkeypatch.setattr("railgrip.campaign.choose", lambda compiler: "native")
     assert not is_there(stop, out), "distances from OpenModelica's FMUs are not ours"
 
 

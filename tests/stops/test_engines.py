@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.assemble import run_stop
-from harness.engine import Engine
-from harness.record.outcome import Outcome
-from harness.scenario.campaign import load_campaign
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load
+from railgrip.assemble import run_stop
+from railgrip.engine import Engine
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 WITHOUT = ("estimator.kind=none",)

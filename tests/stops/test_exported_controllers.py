@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus.native.package import pack
-from harness.assemble import controlled_groups, run_stop
-from harness.commands import main
-from harness.export import controller_fmu
-from harness.fmu import CoSimulation, Signal, bind, describe
-from harness.scenario.campaign import load_campaign
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load
+from railgrip.assemble import controlled_groups, run_stop
+from railgrip.commands import main
+from railgrip.export import controller_fmu
+from railgrip.fmu import CoSimulation, Signal, bind, describe
+from railgrip.fmus.native.package import pack
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load
 
 SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
 SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")

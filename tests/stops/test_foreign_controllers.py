@@ -6,16 +6,16 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from fmus.build import fmu
-from fmus.native import Variable
-from fmus.native.discrete import Discrete, sources
-from fmus.native.package import pack
-from harness.assemble import run_stop
-from harness.export import controller_fmu
-from harness.fmu import FmuError
-from harness.record.outcome import Outcome
-from harness.scenario.campaign import load_campaign
-from harness.scenario.load import load
+from railgrip.assemble import run_stop
+from railgrip.export import controller_fmu
+from railgrip.fmu import FmuError
+from railgrip.fmus.build import fmu
+from railgrip.fmus.native import Variable
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.package import pack
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.load import load
 
 SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
 SHORT = ("limits.horizon=3 s",)

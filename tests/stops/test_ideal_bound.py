@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-import harness.scenario
-from harness.ideal import ideal_stop
-from harness.scenario.load import load
+import railgrip.scenario
+from railgrip.ideal import ideal_stop
+from railgrip.scenario.load import load
 
-LIBRARY = Path(harness.scenario.__file__).parent / "library"
+LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
 
 def bound(name, period, *changes):

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.assemble import run_stop
-from harness.record.outcome import Outcome
-from harness.scenario.error import ScenarioError
-from harness.scenario.load import load
+from railgrip.assemble import run_stop
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load
 
 PLAIN = Path("harness/scenario/library/plain.toml")
 FULL = ("controller.kind=full_brake", "estimator={kind='none'}", "start.speed=20 km/h")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness import assemble
-from harness.scenario.vehicle import Nudge
+from railgrip import assemble
+from railgrip.scenario.vehicle import Nudge
 
 
 def test_every_real_parameter_is_moved_by_less_than_was_asked_and_the_same_seed_moves_it_the_same():

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.assemble import run_stop
-from harness.scenario.load import read_toml, scenario_of
-from harness.scenario.merge import merged
+from railgrip.assemble import run_stop
+from railgrip.scenario.load import read_toml, scenario_of
+from railgrip.scenario.merge import merged
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from skill import error_95_of_constant
 
-from estimators.tuning import pressure_spread
-from harness.assemble import run_stop
-from harness.record.estimation import SLOWEST
-from harness.record.outcome import Outcome
-from harness.scenario.campaign import load_campaign
-from harness.scenario.load import load
+from railgrip.assemble import run_stop
+from railgrip.estimators.tuning import pressure_spread
+from railgrip.record.estimation import SLOWEST
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.load import load
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 SCENARIOS = ("trapezoid", "sine_sweep", "random")

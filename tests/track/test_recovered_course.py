@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from harness.estimate.error import EstimationError
-from harness.track.course import LowPass, course_of
-from harness.track.geodesy import Place
-from harness.track.laid import Element, LaidTrack, grades_of
-from harness.track.laid import course_of as laid_course
-from harness.track.motion import Trust, motion_of
-from harness.track.smoother import smooth
+from railgrip.estimate.error import EstimationError
+from railgrip.track.course import LowPass, course_of
+from railgrip.track.geodesy import Place
+from railgrip.track.laid import Element, LaidTrack, grades_of
+from railgrip.track.laid import course_of as laid_course
+from railgrip.track.motion import Trust, motion_of
+from railgrip.track.smoother import smooth
 
 LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
 TRACK = LaidTrack(

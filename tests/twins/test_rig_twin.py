@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from harness.estimate.judge import judge
-from harness.estimate.protection import excursions
-from harness.estimate.spec import LIBRARY, estimate_of, load_specification
-from harness.twins.rig_scenario import rig_scenario
-from harness.twins.roller_rig import measured_adhesion, run_rig
+from railgrip.estimate.judge import judge
+from railgrip.estimate.protection import excursions
+from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+from railgrip.twins.rig_scenario import rig_scenario
+from railgrip.twins.roller_rig import measured_adhesion, run_rig
 
 
 def shortened(name, horizon, **changes):

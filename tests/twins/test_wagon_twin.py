@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from harness.estimate.judge import judge
-from harness.estimate.run import estimate, prediction_of, units_of
-from harness.estimate.spec import LIBRARY, load_specification, settings_for
-from harness.twins.plant import plant
-from harness.twins.wagon import INPUTS, OUTPUTS, run_wagon, wagon_scenario
+from railgrip.estimate.judge import judge
+from railgrip.estimate.run import estimate, prediction_of, units_of
+from railgrip.estimate.spec import LIBRARY, load_specification, settings_for
+from railgrip.twins.plant import plant
+from railgrip.twins.wagon import INPUTS, OUTPUTS, run_wagon, wagon_scenario
 
 PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
 

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 from synthetic_runner import run_stop
 
-import harness.scenario
-from harness.campaign import write_description
-from harness.record.stop import write_stop
-from harness.scenario.campaign import load_campaign
+import railgrip.scenario
+from railgrip.campaign import write_description
+from railgrip.record.stop import write_stop
+from railgrip.scenario.campaign import load_campaign
 
-TABLE1 = Path(harness.scenario.__file__).parent / "campaigns" / "table1.toml"
+TABLE1 = Path(railgrip.scenario.__file__).parent / "campaigns" / "table1.toml"
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from harness.record.outcome import Outcome
-from harness.scenario.error import ScenarioError
-from harness.verdict.baseline import (
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.error import ScenarioError
+from railgrip.verdict.baseline import (
     Accepted,
     AcceptedFigure,
     Baseline,
@@ -21,7 +21,7 @@ from harness.verdict.baseline import (
     write_baseline,
     write_findings,
 )
-from harness.verdict.results import read_results
+from railgrip.verdict.results import read_results
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
 SBC, FULL = "trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"

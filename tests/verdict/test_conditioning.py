@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-import harness.scenario
-from harness.campaign import write_description
-from harness.conditioning import campaign_of, conditioning_of, repeats_of
-from harness.record.stop import write_stop
-from harness.scenario.campaign import load_campaign
-from harness.scenario.conditioning import Repeated, read_conditioning, text_of
-from harness.scenario.error import ScenarioError
-from harness.verdict.baseline import (
+import railgrip.scenario
+from railgrip.campaign import write_description
+from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.record.stop import write_stop
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
+from railgrip.scenario.error import ScenarioError
+from railgrip.verdict.baseline import (
     Accepted,
     Baseline,
     Finding,
@@ -21,11 +21,11 @@ from harness.verdict.baseline import (
     load_baseline,
     write_baseline,
 )
-from harness.verdict.conditioning import STALE, spread_text
-from harness.verdict.results import read_results
-from harness.verdict.table import rows_of
+from railgrip.verdict.conditioning import STALE, spread_text
+from railgrip.verdict.results import read_results
+from railgrip.verdict.table import rows_of
 
-CAMPAIGNS = Path(harness.scenario.__file__).parent / "campaigns"
+CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
 CHAOTIC = Repeated(digest="d", distances=(280.0, 300.0, 324.0, None))
 FIRM = Repeated(digest="d", distances=(280.0, 280.001, 280.002))
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.record.error import RecordError
-from harness.record.trace import write_trace
-from harness.verdict import style
-from harness.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
-from harness.verdict.panels import Panels
-from harness.verdict.report import write_report
-from harness.verdict.results import read_results
-from harness.verdict.table import rows_of
+from railgrip.record.error import RecordError
+from railgrip.record.trace import write_trace
+from railgrip.verdict import style
+from railgrip.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.verdict.panels import Panels
+from railgrip.verdict.report import write_report
+from railgrip.verdict.results import read_results
+from railgrip.verdict.table import rows_of
 
 KEPT = {"slip_two_state", "adhesion_based"}
 

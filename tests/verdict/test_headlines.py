@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.estimate.error import EstimationError
-from harness.headlines import STUDIES, headlines
-from harness.verdict.baseline import load_baseline
+from railgrip.estimate.error import EstimationError
+from railgrip.headlines import STUDIES, headlines
+from railgrip.verdict.baseline import load_baseline
 
 BASELINES = Path(__file__).parents[1] / "baselines"
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.record.error import RecordError
-from harness.scenario.campaign import load_campaign
-from harness.verdict.baseline import Accepted, Baseline, load_baseline
-from harness.verdict.readme import BEGIN, END, table, write_readme
+from railgrip.record.error import RecordError
+from railgrip.scenario.campaign import load_campaign
+from railgrip.verdict.baseline import Accepted, Baseline, load_baseline
+from railgrip.verdict.readme import BEGIN, END, table, write_readme
 
 ROOT = Path(__file__).parents[2]
 BASELINE = ROOT / "tests" / "baselines" / "table1.toml"

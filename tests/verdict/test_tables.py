@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from synthetic_runner import DECELERATION
 
-import harness.scenario
-from harness.record.error import RecordError
-from harness.verdict.reference import CONTROLLERS
-from harness.verdict.results import read_results
-from harness.verdict.table import rows_of, write_table
+import railgrip.scenario
+from railgrip.record.error import RecordError
+from railgrip.verdict.reference import CONTROLLERS
+from railgrip.verdict.results import read_results
+from railgrip.verdict.table import rows_of, write_table
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_searched_levels_have_rows_of_their_own_against_the_papers(folder):
 
 def test_stops_that_look_alike_are_told_apart_and_compared_in_their_own_conditions(tmp_path, write_campaign):
     """An axis that no column shows, the start speed: each ABC has its own SBC, and the table says which is which."""
-    library = Path(harness.scenario.__file__).parent / "library"
+    library = Path(railgrip.scenario.__file__).parent / "library"
     file = tmp_path / "speeds.toml"
     file.write_text(f'''
 name = "speeds"

@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.table import DataTable
-from harness.scenario.file import is_file
-from harness.units import UnitError, conversion, cut, place, short, unit
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.table import DataTable
+from railgrip.scenario.file import is_file
+from railgrip.units import UnitError, conversion, cut, place, short, unit
 
 Vector = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.estimate.recorded.flag import Flag, Kind
+from railgrip.estimate.recorded.flag import Flag, Kind
 
 Vector = NDArray[np.float64]
 

@@ -10,15 +10,15 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.cleaning import Treatment, cleaned
-from harness.estimate.recorded.files import Series, read_series
-from harness.estimate.recorded.flag import Flag, flags_of, summary
-from harness.estimate.recorded.grid import gaps_of, input_on_grid, on_grid
-from harness.estimate.recorded.table import Column, DataTable
-from harness.estimate.recording import TRUTH, recording_of
-from harness.scenario.quantity import Magnitude
-from harness.units import Unit, UnitError, conversion, short, unit
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.cleaning import Treatment, cleaned
+from railgrip.estimate.recorded.files import Series, read_series
+from railgrip.estimate.recorded.flag import Flag, flags_of, summary
+from railgrip.estimate.recorded.grid import gaps_of, input_on_grid, on_grid
+from railgrip.estimate.recorded.table import Column, DataTable
+from railgrip.estimate.recording import TRUTH, recording_of
+from railgrip.scenario.quantity import Magnitude
+from railgrip.units import Unit, UnitError, conversion, short, unit
 
 Vector = NDArray[np.float64]
 

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from harness.estimate.error import EstimationError
-from harness.estimate.recorded.read import Taken, recorded
-from harness.estimate.run import model_of, units_of
-from harness.estimate.spec import Specification
+from railgrip.estimate.error import EstimationError
+from railgrip.estimate.recorded.read import Taken, recorded
+from railgrip.estimate.run import model_of, units_of
+from railgrip.estimate.spec import Specification
 
 
 def taken_for(specification: Specification, path: Path) -> Taken:
@@ -24,7 +24,7 @@ def taken_for(specification: Specification, path: Path) -> Taken:
     inputs = [variable.name for variable in model.inputs]
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:
-        from harness.estimate.course import ALWAYS, MADE, units_of_run
+        from railgrip.estimate.course import ALWAYS, MADE, units_of_run
 
         of_run = units_of_run(list(specification.data.columns))
         units = {name: unit for name, unit in units.items() if name != MADE} | of_run

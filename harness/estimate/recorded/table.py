@@ -19,8 +19,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, model_validator
 
-from harness.scenario.quantity import Magnitude, Unit
-from harness.scenario.table import Period, Table, broken
+from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.table import Period, Table, broken
 
 Time = Annotated[float, Unit("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
 Number = Annotated[float, Field(allow_inf_nan=False)]
