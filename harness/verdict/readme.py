@@ -90,7 +90,7 @@ def _cell(stop: PlannedStop | None, baseline: Baseline, published: Mapping[str, 
         if other is None or other in baseline.stops
     ]
     lowest, highest = own.ends
-    distance = f"{own.distance:.0f} m, {lowest:.0f} – {highest:.0f} m" if own.is_range else f"{own.distance:.1f} m"
+    distance = f"{own.distance:.1f} m" + (f", {lowest:.1f} – {highest:.1f} m" if own.is_range else "")
     return distance + _brackets(changes)
 
 

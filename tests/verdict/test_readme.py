@@ -75,7 +75,7 @@ def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ran
         "| ideal: SBC, two-state 10/15 % | 400.0 m (+33.3 %) | 0.0 s | 12 |",
         "| ideal: SBC, two-state 1/2 % | 300.0 m (−25.0 %) |  |  |",
         "| ideal: SBC, two-state 20/30 % | 500.0 m (+25.0 %, +66.7 %) |  |  |",
-        "| ideal: ABC | 310 m, 290 – 340 m (−22.5 %, +3.3 %) | 18.9 s |  |",
+        "| ideal: ABC | 310.0 m, 290.0 – 340.0 m (−22.5 %, +3.3 %) | 18.9 s |  |",
     ]
 
 
