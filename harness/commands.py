@@ -262,8 +262,14 @@ def accept(
     for path in _baseline_files(baselines):
         baseline, folder = load_baseline(path), out / path.stem
         findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
-        moved = tuple(comparison for comparison in compare(baseline, findings) if comparison.state != "kept")
-        write_baseline(accepted(baseline, findings, reason), path)
+        after = accepted(baseline, findings, reason)
+        # What kept to its tolerance may have become a range all the same.
+        moved = tuple(
+            comparison
+            for comparison in compare(baseline, findings)
+            if after.accepted.get(comparison.name) != baseline.accepted.get(comparison.name)
+        )
+        write_baseline(after, path)
         _print_table(f"{path.name}: accepted", comparison_rows(moved))
 
 
