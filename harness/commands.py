@@ -16,12 +16,12 @@ from railgrip.bench.command import add_to as add_bench
 from railgrip.console import complain, progress, remark, say, show_table
 from railgrip.engine import Engine
 from railgrip.estimate.command import add_to as add_estimate
-from railgrip.field.command import add_to as add_field
-from railgrip.lateral.command import add_to as add_lateral
-from railgrip.learn.command import add_to as add_learn
 from railgrip.map_command import add_to as add_map
-from railgrip.monitor.command import add_to as add_monitor
 from railgrip.scenario.error import ScenarioError
+from railgrip.studies.field.command import add_to as add_field
+from railgrip.studies.lateral.command import add_to as add_lateral
+from railgrip.studies.learn.command import add_to as add_learn
+from railgrip.studies.monitor.command import add_to as add_monitor
 from railgrip.verdict.panels import Panels
 
 if TYPE_CHECKING:
@@ -409,7 +409,7 @@ def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[
         asked = [Asked(load_campaign(path.parent / baseline.campaign), out)]
         code = _run_campaigns(asked, workers=workers, fresh=False)
         return code, findings_of(read_results(out))
-    from railgrip.headlines import headlines
+    from railgrip.studies.headlines import headlines
 
     with progress(path.stem) as shown:
         findings = headlines(str(baseline.study), lambda what: shown.update(doing=what))

@@ -13,12 +13,14 @@ from railgrip.fmus.recipe import MODELICA
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".jinja"}
 _UNCONCERNED = (
     "railgrip/verdict/",
+    "railgrip/studies/",
     "railgrip/scenario/library/",
     "railgrip/scenario/campaigns/",
     "railgrip/scenario/edges/",
     "railgrip.fmus/lock.toml",
 )
-"""They read results, or are the question itself (the scenario's digest is their own), or follow from the rest."""
+"""They read results or make other ones, or are the question itself (the scenario's digest is their own), or follow from
+the rest."""
 
 
 @cache

@@ -82,5 +82,12 @@ def test_only_assembly_names_concrete_laws_and_filters(name, path):
         assert not any(inside(other, part) for other in imported(path) for part in concrete)
 
 
+@pytest.mark.parametrize(("name", "path"), list(modules()))
+def test_only_the_command_line_knows_studies(name, path):
+    edge = ("railgrip.studies", "railgrip.commands", "railgrip.bench")
+    if not any(inside(name, room) for room in edge):
+        assert not [other for other in imported(path) if inside(other, "railgrip.studies")]
+
+
 def test_no_room_is_called_after_nothing():
     assert not [path for room in ROOMS for path in (ROOT / room).rglob("*") if path.stem in {"core", "common", "utils"}]

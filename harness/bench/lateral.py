@@ -4,8 +4,8 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from railgrip.lateral.filters import NAMES, Name
-from railgrip.lateral.run import Case, simulate
+from railgrip.studies.lateral.filters import NAMES, Name
+from railgrip.studies.lateral.run import Case, simulate
 from railgrip.twins.lateral import TESTS
 
 

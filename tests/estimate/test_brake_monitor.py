@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from railgrip.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
-from railgrip.monitor.folder import stops_in, write_recording
-from railgrip.monitor.life import Life, live
-from railgrip.monitor.study import Verdict, judged
-from railgrip.monitor.watch import Design, threshold_for, watch
+from railgrip.studies.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
+from railgrip.studies.monitor.folder import stops_in, write_recording
+from railgrip.studies.monitor.life import Life, live
+from railgrip.studies.monitor.study import Verdict, judged
+from railgrip.studies.monitor.watch import Design, threshold_for, watch
 
 DESIGN = Design()
 

@@ -11,9 +11,9 @@ import railgrip.scenario
 from railgrip.commands import app
 from railgrip.estimate.recorded.specified import taken_for
 from railgrip.estimate.spec import load_specification
-from railgrip.monitor.evidence import evidence_of
-from railgrip.monitor.folder import stops_in
-from railgrip.monitor.life import Life, live
+from railgrip.studies.monitor.evidence import evidence_of
+from railgrip.studies.monitor.folder import stops_in
+from railgrip.studies.monitor.life import Life, live
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 

@@ -13,14 +13,14 @@ from railgrip.estimate.recorded.specified import taken_for
 from railgrip.estimate.selection import prediction_seeing
 from railgrip.estimate.spec import estimate_of, settings_for
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.field.braking import Braking, braking_of
-from railgrip.field.degeneracy import common_factor
-from railgrip.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
-from railgrip.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
-from railgrip.field.objective import terms_of, value
-from railgrip.field.score import score, track_score
-from railgrip.field.tune import Search, tune
 from railgrip.scenario.error import ScenarioError
+from railgrip.studies.field.degeneracy import common_factor
+from railgrip.studies.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
+from railgrip.studies.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
+from railgrip.studies.field.objective import terms_of, value
+from railgrip.studies.field.score import score, track_score
+from railgrip.studies.field.tune import Search, tune
+from railgrip.track.braking import Braking, braking_of
 from railgrip.twins.field_scenario import field_scenario
 from railgrip.twins.field_train import driven, measured
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from railgrip.lateral.filters import FURTHER, party
 from railgrip.loop.compiled import LoopError, Observer, Source, run
+from railgrip.studies.lateral.filters import FURTHER, party
 from railgrip.twins.lateral import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
 
 STEPS = 300

@@ -9,9 +9,9 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
-from railgrip.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
-from railgrip.lateral.judge import beliefs_about, measure
-from railgrip.lateral.run import Case, simulate
+from railgrip.studies.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
+from railgrip.studies.lateral.judge import beliefs_about, measure
+from railgrip.studies.lateral.run import Case, simulate
 from railgrip.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
 
 

@@ -6,9 +6,9 @@ from scipy.signal import welch
 
 from railgrip.estimate.recording import columns, period_of, truth_of
 from railgrip.fmus.native.dae import LIBRARY
-from railgrip.lateral.filters import prediction
-from railgrip.lateral.recording import recorded
-from railgrip.lateral.run import Case
+from railgrip.studies.lateral.filters import prediction
+from railgrip.studies.lateral.recording import recorded
+from railgrip.studies.lateral.run import Case
 from railgrip.twins.lateral import (
     ACCELEROMETER,
     CONDITIONS,

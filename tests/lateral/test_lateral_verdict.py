@@ -8,10 +8,10 @@ from scipy.stats import norm
 
 from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
 from railgrip.estimators.errors import EstimatorError
-from railgrip.lateral.report import write_report
-from railgrip.lateral.run import Case
-from railgrip.lateral.study import Plan, Result, conduct
-from railgrip.lateral.tables import level_lines, spread
+from railgrip.studies.lateral.report import write_report
+from railgrip.studies.lateral.run import Case
+from railgrip.studies.lateral.study import Plan, Result, conduct
+from railgrip.studies.lateral.tables import level_lines, spread
 from railgrip.twins.lateral import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}

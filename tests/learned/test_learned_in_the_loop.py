@@ -16,12 +16,12 @@ from railgrip.estimators.learned.spectral import Spectral
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
 from railgrip.fmu import FmuError, describe
 from railgrip.fmus.native.package import pack
-from railgrip.learn.export import as_fmu
-from railgrip.learn.parties import READINGS, AxleBoxes, in_casadi, in_fmu
-from railgrip.learn.ride import LIBRARY, difference, read_ride, ride_beside, said_of
 from railgrip.loop import ports
 from railgrip.loop.beside import watch
 from railgrip.scenario.error import ScenarioError
+from railgrip.studies.learn.export import as_fmu
+from railgrip.studies.learn.parties import READINGS, AxleBoxes, in_casadi, in_fmu
+from railgrip.studies.learn.ride import LIBRARY, difference, read_ride, ride_beside, said_of
 from railgrip.twins.accelerometer import AXLE_BOX, RATE, Sampled, disturbance, measure
 from railgrip.twins.instrumented_car import Pass, car_of
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from railgrip.estimators.learned.channels import COMBINATIONS
-from railgrip.learn.evaluate import Recipe
-from railgrip.learn.figures import draw
-from railgrip.learn.reduction import Run
-from railgrip.learn.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
-from railgrip.learn.tables import report
+from railgrip.studies.learn.evaluate import Recipe
+from railgrip.studies.learn.figures import draw
+from railgrip.studies.learn.reduction import Run
+from railgrip.studies.learn.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
+from railgrip.studies.learn.tables import report
 
 SIZE = replace(QUICK, starts=2, members=6)
 

@@ -9,11 +9,11 @@ from railgrip.estimate.error import EstimationError
 from railgrip.estimate.recorded.table import DataTable
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
-from railgrip.learn.evaluate import Recipe
-from railgrip.learn.own import judge_own, own_pieces
-from railgrip.learn.own_file import read_own
-from railgrip.learn.users import PERIOD, UNITS, DataError, plain_table, read_folder, read_labels
 from railgrip.scenario.error import ScenarioError
+from railgrip.studies.learn.evaluate import Recipe
+from railgrip.studies.learn.own import judge_own, own_pieces
+from railgrip.studies.learn.own_file import read_own
+from railgrip.studies.learn.users import PERIOD, UNITS, DataError, plain_table, read_folder, read_labels
 
 RATE = 5120
 SECONDS = 6.4

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from railgrip.estimate.error import EstimationError
-from railgrip.headlines import STUDIES, headlines
+from railgrip.studies.headlines import STUDIES, headlines
 from railgrip.verdict.baseline import load_baseline
 
 BASELINES = Path(__file__).parents[1] / "baselines"

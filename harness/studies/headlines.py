@@ -1,0 +1,153 @@
+"""The few numbers by which a change of a whole study is seen: what `railgrip regress` compares for it.
+
+Each is found in a reduced form of the study, in seconds, from fixed seeds. A tolerance is what another machine's
+arithmetic may do to the number: little to a mean over thousands of samples, one sample to an instant, more to the
+largest of many errors. A changed law moves it further.
+"""
+
+from collections.abc import Callable
+
+from railgrip.estimate.error import EstimationError
+from railgrip.verdict.baseline import Finding, Findings
+
+Tell = Callable[[str], None]
+
+MEAN, EXTREME = 0.02, 0.10
+"""Relative tolerances of means and of the largest of many."""
+
+
+def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
+    """Return the headline numbers of a study.
+
+    Args:
+        study: Name in `STUDIES`.
+        tell: Called with what is done next.
+
+    Raises:
+        EstimationError: There is no such study.
+    """
+    if study not in STUDIES:
+        raise EstimationError(f"there is no study '{study}'; there is {', '.join(STUDIES)}.")
+    return Findings(found=tuple(finding for part in STUDIES[study] for finding in part(tell)))
+
+
+def rig(tell: Tell) -> list[Finding]:
+    """Return errors of adhesion and pad friction in both tests of the roller rig, with both filters."""
+    from railgrip.estimate.rig import FILTERS, SCENARIOS, row_of
+    from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+    from railgrip.twins.rig_scenario import rig_scenario
+    from railgrip.twins.roller_rig import run_rig
+
+    found: list[Finding] = []
+    for name in SCENARIOS:
+        tell(f"rig, {name}")
+        scenario = rig_scenario(name)
+        recording = run_rig(scenario)
+        for file in FILTERS:
+            specification = load_specification(LIBRARY / f"{file}.toml")
+            row = row_of(scenario, file, recording, estimate_of(specification, recording))
+            who = f"{scenario.name}, {specification.name}"
+            found += [
+                _extreme(f"{who}: adhesion error outside protection events", row.alpha_outside),
+                Finding(
+                    name=f"{who}: longest adhesion error above 0.02",
+                    value=row.longest,
+                    unit="s",
+                    tolerance=1.01 * row.period,
+                ),
+                _mean(f"{who}: adhesion RMSE", row.alpha_rmse),
+                _mean(f"{who}: pad friction RMSE", row.mu_b_rmse),
+            ]
+    return found
+
+
+def field(tell: Tell) -> list[Finding]:
+    """Return what was recovered of the track in case 6, and the errors of both tuned filters in it."""
+    from railgrip.studies.field.filtering import filter_of, follow, prediction, task_of
+    from railgrip.studies.field.noise import LIBRARY, PHYSICAL, load_noise
+    from railgrip.studies.field.runs import TEST, brakings
+    from railgrip.studies.field.score import score, track_score
+    from railgrip.twins.field_scenario import field_scenario
+
+    tell(f"field test, case {TEST}")
+    run, braking = brakings(field_scenario(), (TEST,))[TEST]
+    track = track_score(run, braking)
+    found = [
+        # Of the smoothed motion; 1e-5 are 1 cm over the run.
+        Finding(name=f"field {TEST}: distance, relative error", value=track.distance, unit="1", tolerance=1e-5),
+        _mean(f"field {TEST}: curvature RMSE", track.curvature, "1/m"),
+        _mean(f"field {TEST}: slope RMSE", track.slope),
+        _mean(f"field {TEST}: track force RMSE", track.force, "N"),
+    ]
+    model = prediction()
+    task = task_of(braking, model)
+    filter_ = filter_of(model, task.period)
+    noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in ("paper", "consistent")} | {"physical": PHYSICAL}
+    scores = {name: score(task, follow(task, filter_, noise)) for name, noise in noises.items()}
+    for name, told in scores.items():
+        who = f"field {TEST}, noises '{name}'"
+        found += [
+            Finding(name=f"{who}: braking distance, relative error", value=told.distance, unit="1", tolerance=5e-5),
+            _mean(f"{who}: adhesion RMSE", told.adhesion),
+            _mean(f"{who}: pad friction RMSE", told.pad_friction),
+            _mean(f"{who}: mean pad friction RMSE", told.mean_pad_friction),
+        ]
+    best, who = scores["physical"], f"field {TEST}, the best constant"
+    return [
+        *found,
+        _mean(f"{who}: adhesion RMSE", best.adhesion_constant),
+        _mean(f"{who}: pad friction RMSE", best.pad_friction_constant),
+        _mean(f"{who}: mean pad friction RMSE", best.mean_pad_friction_constant),
+    ]
+
+
+def monitor(tell: Tell) -> list[Finding]:
+    """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
+    from railgrip.studies.monitor.evidence import evidence_of
+    from railgrip.studies.monitor.life import Life, live
+    from railgrip.studies.monitor.study import judged
+    from railgrip.studies.monitor.watch import Design
+
+    # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
+    life = Life(stops=52, seed=1, worn=28, worn_group=1, stuck=40, stuck_group=2)
+    evidence = []
+    for number, stop in enumerate(live(life)):
+        tell(f"monitor, stop {number + 1} of {life.stops}")
+        evidence.append(evidence_of(stop.recording, stop.temperature))
+    verdict = judged([life], [evidence], Design())
+    worn, stuck = verdict.worn_delays[0], verdict.stuck_delays[0]
+    # A chart that ends a hair below its threshold alarms with the next stop.
+    return [
+        Finding(name="monitor: stops until lost friction is found", value=worn, unit="stops", tolerance=1.0),
+        Finding(name="monitor: stops until a sticking brake is found", value=stuck, unit="stops", tolerance=1.0),
+        Finding(name="monitor: false alarms", value=float(verdict.false_alarms), unit="1", tolerance=0.5),
+    ]
+
+
+def lateral(tell: Tell) -> list[Finding]:
+    """Return what the filters of a wandering wheelset make of one run through all conditions."""
+    from railgrip.studies.lateral.headline import headlines as of_lateral
+
+    return of_lateral(tell)
+
+
+def learn(tell: Tell) -> list[Finding]:
+    """Return errors of the networks on axle-box accelerations at one speed, and levels of what they see."""
+    from railgrip.studies.learn.headline import headlines as of_learn
+
+    return of_learn(tell)
+
+
+STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
+    "estimate": (rig, field, monitor),
+    "lateral": (lateral,),
+    "learn": (learn,),
+}
+
+
+def _mean(name: str, value: float, unit: str = "1") -> Finding:
+    return Finding(name=name, value=value, unit=unit, tolerance=MEAN * abs(value))
+
+
+def _extreme(name: str, value: float) -> Finding:
+    return Finding(name=name, value=value, unit="1", tolerance=EXTREME * abs(value))

@@ -1,0 +1,56 @@
+"""The few numbers by which a change of the lateral study is seen."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from railgrip.studies.lateral.judge import measure
+from railgrip.studies.lateral.run import Case, simulate
+from railgrip.twins.lateral import CONDITIONS, TESTS
+from railgrip.verdict.baseline import Finding
+from railgrip.workers import workers
+
+SPEED: Final = 25.0
+SEED: Final = 1
+TOLERANCE: Final = 0.05
+"""Relative, of rms errors: half a million steps of a filter at 1e-7 of its scale are another machine's arithmetic."""
+FILTERS: Final = {
+    "paper": ("literal", "known_track", "unknown_track"),
+    "softer": ("known_track",),
+    "slightly_softer": ("known_track",),
+    "service": ("known_track", "unknown_track"),
+}
+"""By plant."""
+
+
+def headlines(tell: Callable[[str], None]) -> list[Finding]:
+    """Return what the filters make of one transition through all conditions, of softer contacts and other sensors."""
+    tell("lateral")
+    found: list[Finding] = []
+    with workers(2) as pool:
+        for plant, measured in zip(FILTERS, pool.map(_measured, FILTERS), strict=True):
+            for name in FILTERS[plant]:
+                found += _of_filter(f"lateral, {plant}, {name}", name, measured)
+            constant = measured["constant"]["friction"]
+            found.append(_figure(f"lateral, {plant}, the best constant: friction RMSE", constant, TOLERANCE * constant))
+            if measured["observability"] is not None:
+                least = min(value for value in measured["observability"]["service"] if value is not None)
+                found.append(_figure(f"lateral, {plant}: least sd of mu0, service sensors", least, TOLERANCE * least))
+    return found
+
+
+def _measured(plant: str) -> dict[str, Any]:
+    return measure(simulate(Case(test=TESTS[-1], speed=SPEED, plant=plant, seed=SEED)), observe=plant == "paper")
+
+
+def _of_filter(who: str, name: str, measured: dict[str, Any]) -> list[Finding]:
+    rms = measured["errors"][name]["friction"]["rmse"]
+    found = [_figure(f"{who}: friction RMSE", rms, TOLERANCE * abs(rms or 1))]
+    if name in measured["detection"]:
+        counts = measured["detection"][name]["confusion"]
+        right = sum(counts[k][k] for k in range(len(CONDITIONS))) / sum(map(sum, counts))
+        found.append(_figure(f"{who}: condition right, share of time", right, 0.01))
+    return found
+
+
+def _figure(name: str, value: float | None, tolerance: float) -> Finding:
+    return Finding(name=name, value=value, unit="1", tolerance=tolerance)

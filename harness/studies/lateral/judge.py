@@ -1,0 +1,244 @@
+"""One run, measured: errors of the filters, what could be known of the friction, which condition was detected."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Final
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.estimators.condition import ConditionDetector, confusion
+from railgrip.estimators.consistency import delay, lost_at, nis_ratio
+from railgrip.estimators.observability import along
+from railgrip.fmus.native import lower
+from railgrip.loop.compiled import Beliefs
+from railgrip.studies.lateral.filters import Name, prediction
+from railgrip.studies.lateral.run import EVERY, Trace
+from railgrip.twins.lateral import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
+
+Array = NDArray[np.float64]
+
+QUANTITIES: Final[Mapping[str, str]] = {
+    "lateral_velocity": "m/s",
+    "yaw_rate": "rad/s",
+    "creep": "1",
+    "creep_force": "N",
+    "friction": "1",
+}
+"""What filters are judged by, and its unit."""
+
+FRICTION_TOLERANCE: Final = 0.02
+"""Friction has settled when it stays this close: what Schwarz and Keck (2020) reach for adhesion."""
+
+SHARE_TOLERANCE: Final = 0.10
+"""Other quantities have settled when their error stays below this share of the truth's rms in the run."""
+
+WINDOW: Final = 0.5
+"""Seconds of readings from which the friction is to be told."""
+
+DETECTOR: Final = ConditionDetector(
+    levels={condition.name: condition.mu0 for condition in CONDITIONS}, confidence=0.9, hold=0.05, model_deviation=0.01
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Belief:
+    """What a filter says about one quantity at every instant: mean and standard deviation, each shape (k,)."""
+
+    mean: Array
+    deviation: Array
+
+
+def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
+    """Return what a filter says about each of `QUANTITIES`, and about mu0 if it estimates it.
+
+    The well-posed filters have creep, force and friction as functions of their states; their variances follow by
+    the functions' derivatives at the mean.
+    """
+    belief = trace.beliefs[name]
+    deviation = np.sqrt(np.diagonal(belief.covariance, axis1=1, axis2=2))
+    if name == "literal":
+        # Its equations stay true when creep and force both change sign, and where the creep passes zero the filter
+        # does go over to that branch. Total creep and force are magnitudes, so they are judged as such.
+        place = {"lateral_velocity": 0, "yaw_rate": 1, "creep": 2, "friction": 3, "creep_force": 4}
+        mean = {quantity: belief.mean[:, i] for quantity, i in place.items()}
+        mean |= {quantity: np.abs(mean[quantity]) for quantity in ("creep", "creep_force")}
+        return {
+            quantity: Belief(mean=mean[quantity], deviation=deviation[:, place[quantity]]) for quantity in QUANTITIES
+        }
+    states = list(prediction(name).states)
+    at = {state: states.index(state) for state in ("y", "dy", "psi", "dpsi", "log_mu0")}
+    # From states to the inputs of LateralContact: displacement, dy, psi, dpsi, log_mu0; the speed is known.
+    select = np.zeros((6, len(states)))
+    for row, state in enumerate(("y", "dy", "psi", "dpsi", "log_mu0")):
+        select[row, at[state]] = 1.0
+    given = belief.mean @ select.T
+    given[:, 5] = trace.case.speed
+    if name == "unknown_track":
+        select[0, states.index("track")] = -1.0
+        given[:, 0] -= belief.mean[:, states.index("track")]
+    else:
+        given[:, 0] -= trace.track
+    values, slopes = _contact(given)
+    mu0 = np.exp(belief.mean[:, at["log_mu0"]])
+    with np.errstate(over="ignore", invalid="ignore"):  # a filter that has gone astray may believe anything
+        spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
+    said = {
+        "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
+        "yaw_rate": Belief(mean=belief.mean[:, at["dpsi"]], deviation=deviation[:, at["dpsi"]]),
+        "mu0": Belief(mean=mu0, deviation=mu0 * deviation[:, at["log_mu0"]]),
+    }
+    for column, quantity in enumerate(("creep", "creep_force", "friction")):
+        said[quantity] = Belief(mean=values[:, column], deviation=np.sqrt(spread[:, column]))
+    return said
+
+
+def _contact(given: Array) -> tuple[Array, Array]:
+    """Return creep, force and friction at each sample, shape (k, 3), and their derivatives, (k, 3, 6).
+
+    `given` holds displacement, lateral velocity, yaw angle, yaw rate, log mu0 and speed, shape (k, 6).
+    """
+    value, slope = _contact_functions()
+    k = len(given)
+    values = np.asarray(value.map(k)(given.T), dtype=np.float64).T
+    slopes = np.asarray(slope.map(k)(given.T), dtype=np.float64).reshape(3, k, 6).transpose(1, 0, 2)
+    return values, slopes
+
+
+@cache
+def _contact_functions() -> tuple[ca.Function, ca.Function]:
+    model = lower("RailBraking.FMUs.LateralContact")
+    names = [variable.name for variable in model.inputs]
+    wanted = ["displacement", "lateral_velocity", "yaw_angle", "yaw_rate", "mu0", "speed"]
+    given = ca.SX.sym("given", 6)
+    values = [*ca.vertsplit(given[:4]), ca.exp(given[4]), given[5]]
+    u = ca.vertcat(*(values[wanted.index(name)] for name in names))
+    result = model.output(0, ca.SX.zeros(0), u, [parameter.start for parameter in model.parameters])
+    return ca.Function("value", [given], [result]), ca.Function(
+        "slope", [given], [ca.densify(ca.jacobian(result, given))]
+    )
+
+
+def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
+    """Return everything a report says about one run, as JSON holds it; infinity and NaN become null.
+
+    errors[filter][quantity]: rmse, bias, peak, nees (mean of e²/σ², one for a consistent filter), settling [s] (worst
+    over the changes of condition, null if ever not). detection[filter]: confusion, delays [s] after the start and each
+    change. levels[filter][condition]: mean and rms error of mu0 from `WINDOW` after each change on. observability:
+    standard deviation of mu0 from each window. constant[quantity]: rms error of the best constant, its mean.
+    lost[filter]: instant [s] at which the filter failed or its innovations said that its belief means nothing, or null.
+    nis[filter]: median over the expected one, null if it never read.
+
+    Args:
+        trace: The run.
+        observe: Ask for observability too, which takes longer than all the rest.
+    """
+    said = {name: beliefs_about(trace, name) for name in trace.beliefs}
+    return {
+        "errors": {
+            name: {quantity: _error(trace, quantity, about[quantity]) for quantity in QUANTITIES}
+            for name, about in said.items()
+        },
+        "detection": {name: _detection(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
+        "levels": {name: _levels(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
+        "observability": _observability(trace) if observe else None,
+        "constant": {name: float(np.std(trace.truth[name])) for name in QUANTITIES},
+        "lost": {name: _lost(trace, belief) for name, belief in trace.beliefs.items()},
+        "nis": {name: _nis(belief) for name, belief in trace.beliefs.items()},
+        "wall": trace.wall,
+    }
+
+
+def _lost(trace: Trace, belief: Beliefs) -> float | None:
+    row = lost_at(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
+    instants = [] if row is None else [float(trace.time[row])]
+    if belief.diverged:
+        instants.append(belief.diverged_at * trace.period / EVERY)
+    return min(instants, default=None)
+
+
+def _nis(belief: Beliefs) -> float | None:
+    nis = belief.squared_innovation
+    return nis_ratio(nis, np.where(np.isfinite(nis), len(READINGS), 0))
+
+
+def _error(trace: Trace, quantity: str, said: Belief) -> dict[str, float | None]:
+    truth = trace.truth[quantity]
+    error = said.mean - truth
+    tolerance = FRICTION_TOLERANCE if quantity == "friction" else SHARE_TOLERANCE * math.sqrt(np.mean(truth**2))
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        numbers = {
+            "rmse": float(np.sqrt(np.mean(error**2))),
+            "bias": float(np.mean(error)),
+            "peak": float(np.max(np.abs(error))),
+            "nees": float(np.mean((error / said.deviation) ** 2)),
+            "settling": _settling(trace, truth, said.mean, tolerance),
+        }
+    return {key: value if math.isfinite(value) else None for key, value in numbers.items()}
+
+
+def _settling(trace: Trace, truth: Array, mean: Array, tolerance: float) -> float:
+    """Return the longest time that any stretch of one condition took to settle [s]."""
+    ends = [*trace.changes[1:], math.inf]
+    worst = 0.0
+    for begin, end in zip(trace.changes, ends, strict=True):
+        part = (trace.time > begin) & (trace.time <= end)
+        # NaN counts as outside.
+        off = np.where(np.isnan(mean[part]), math.inf, mean[part])
+        worst = max(worst, delay(trace.time[part], truth[part], off, begin, tolerance))
+    return worst
+
+
+def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
+    labels = DETECTOR.labels(mu0.mean, mu0.deviation, trace.period)
+    ends = [*trace.changes[1:], math.inf]
+    delays: list[float | None] = []
+    for begin, end in zip(trace.changes, ends, strict=True):
+        part = (trace.time > begin) & (trace.time <= end)
+        right = np.flatnonzero(labels[part] == trace.condition[part])
+        delays.append(float(trace.time[part][right[0]] - begin) if right.size else None)
+    return {"confusion": confusion(trace.condition, labels, len(CONDITIONS)).tolist(), "delays": delays}
+
+
+def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
+    """Return by condition of the run the mean of what is believed of mu0 and its rms error, once it could settle."""
+    since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
+    found: dict[str, tuple[float | None, float | None]] = {}
+    for number, condition in enumerate(CONDITIONS):
+        part = (trace.condition == number) & (since >= WINDOW)
+        if part.any():
+            with np.errstate(over="ignore", invalid="ignore"):
+                mean = float(np.mean(mu0.mean[part]))
+                rms = float(np.sqrt(np.mean((mu0.mean[part] - trace.mu0[part]) ** 2)))
+            found[condition.name] = (mean if math.isfinite(mean) else None, rms if math.isfinite(rms) else None)
+    return found
+
+
+def _observability(trace: Trace) -> dict[str, Any]:
+    """Return to what standard deviation the readings of each window alone tell mu0, the track being known.
+
+    The readings of a recorded instant stand for the `EVERY` readings up to the next: their mean has that much less
+    variance. The model is taken as exact, so this is a bound: no filter with these sensors can be better.
+    """
+    model = prediction("known_track")
+    truth = trace.truth
+    x = np.column_stack(
+        [truth["lateral_position"], truth["lateral_velocity"], truth["yaw_angle"], truth["yaw_rate"], np.log(trace.mu0)]
+    )
+    columns = {"speed": np.full(len(x), trace.case.speed), "track": trace.track}
+    u = np.column_stack([columns[name] for name in model.inputs])
+    window = round(WINDOW / trace.period)
+    known: dict[str, Any] = {}
+    # y, dy, psi, dpsi, log mu0: sizes of a normal run.
+    scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
+    for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
+        found = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
+        deviations = found.deviation[:, 4] * trace.mu0[found.start]
+        known[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
+    starts = np.arange(0, len(x) - window + 1, window)
+    known["condition"] = trace.condition[starts].tolist()
+    known["creep"] = [float(np.max(truth["creep"][first : first + window])) for first in starts]
+    return known
