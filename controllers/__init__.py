@@ -1,6 +1,6 @@
 """What we do about it: wheel-slide control laws, from what is seen and believed to a brake cylinder pressure demand.
 
-Every law is an object with `decide(sight) -> demands`: one demanded pressure [Pa] per braked group. How a demand
+Every law is an object with `decide(observation) -> demands`: one demanded pressure [Pa] per braked group. How a demand
 becomes valve commands is the business of `railgrip.controllers.valves`, so that the same law drives an ideal pressure
 actuator and a pneumatic one. The room knows neither plants nor FMUs nor the harness.
 """

@@ -126,7 +126,7 @@ class AdhesionBased(Law):
     start.
     """
 
-    wants_estimate = True
+    needs = ("adhesion", "pad_friction")
 
     def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
         """Control `groups` with one `tuning`."""
@@ -140,7 +140,7 @@ class LiteralAdhesionBased(Law):
     only period, filter_time, adhesion_max, adhesion_small, slip_small, creep_small and speed_min are used.
     """
 
-    wants_estimate = True
+    needs = ("adhesion", "pad_friction")
 
     def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
         """Control `groups` with one `tuning`."""

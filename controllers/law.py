@@ -4,15 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 from railgrip.controllers.brake import BRAKE, BrakeGroup
+from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
-from railgrip.controllers.sight import Sight
 
 NOT_SEEN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What a law sees of one group, as symbols; see `railgrip.controllers.sight.Sight`.
+    """What a law sees of one group, as symbols; see `railgrip.controllers.observation.Observation`.
 
     Attributes:
         index: Of the group as FMI counts, 1 the leading one.
@@ -74,28 +74,32 @@ class Law(Sampled):
     """A control law at work on some groups.
 
     Attributes:
-        wants_estimate: Whether it needs estimates of adhesion and pad friction.
+        needs: Estimates it cannot do without, of "adhesion" and "pad_friction".
     """
 
-    wants_estimate = False
+    needs: tuple[str, ...] = ()
 
     def __init__(self, formula: Formula, groups: Sequence[BrakeGroup], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` are those that are not of a group, by name."""
         brakes = {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
         super().__init__(formula, brakes | {name: float(value) for name, value in parameters.items()})
-        self._blind = (NOT_SEEN,) * len(groups)
+        # Where each quantity stands among the inputs, in the order of `law`.
+        starts = range(2, 2 + 4 * len(groups), len(groups))
+        self._slip, self._adhesion, self._pad_friction, self._pressure = (slice(s, s + len(groups)) for s in starts)
 
-    def decide(self, sight: Sight) -> tuple[float, ...]:
+    def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
-            ValueError: The law wants estimates, and the sight carries none.
+            ValueError: The observation lacks an estimate that the law needs.
         """
-        _, speed, acceleration, slip, adhesion, pad_friction, pressure = sight
-        if adhesion is None or pad_friction is None:
-            if self.wants_estimate:
-                raise ValueError(
-                    f"{self.formula.name}: needs an estimator; [estimator] kind is 'none' in this scenario."
-                )
-            adhesion = pad_friction = self._blind
-        return self.call((speed, acceleration, *slip, *adhesion, *pad_friction, *pressure))
+        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure = observation
+        for name in self.needs:
+            if getattr(observation, name) is None:
+                raise ValueError(f"{self.formula.name}: needs an estimator of {name}; nobody provides it.")
+        given = self.given
+        given[0], given[1] = speed, acceleration
+        given[self._slip], given[self._pressure] = slip, pressure
+        given[self._adhesion] = NOT_SEEN if adhesion is None else adhesion
+        given[self._pad_friction] = NOT_SEEN if pad_friction is None else pad_friction
+        return self.evaluate()

@@ -150,6 +150,7 @@ class Sampled:
         formula: What is computed.
         parameters: Shape (number of parameters,); may be written between calls.
         state: Shape (number of states,).
+        given: Inputs of the next call, shape (number of inputs,).
     """
 
     def __init__(self, formula: Formula, parameters: Mapping[str, float]) -> None:
@@ -157,12 +158,12 @@ class Sampled:
         self.formula = formula
         self.parameters = np.array([parameters[quantity.name] for quantity in formula.parameters])
         self.state = np.array([quantity.start for quantity in formula.states])
-        self._given, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
+        self.given, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
         self._following = np.zeros(self.state.size)
         # Arguments and results stay where they are: a call through CasADi's conversions would cost ten times as much.
         buffer, self._evaluate = formula.step.buffer()
         self._buffer: Any = buffer
-        for place, values in enumerate((self.state, self._given, self.parameters)):
+        for place, values in enumerate((self.state, self.given, self.parameters)):
             if values.size:
                 self._buffer.set_arg(place, values.data)
         for place, values in enumerate((self._following, self._result)):
@@ -176,7 +177,11 @@ class Sampled:
 
     def call(self, given: Sequence[float]) -> tuple[float, ...]:
         """Return the outputs for inputs in the order of the formula, and remember."""
-        self._given[:] = given
+        self.given[:] = given
+        return self.evaluate()
+
+    def evaluate(self) -> tuple[float, ...]:
+        """Return the outputs for the inputs in `given`, and remember."""
         self._evaluate()
         self.state[:] = self._following
         return tuple(self._result.tolist())

@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 
+import numpy as np
+from numpy.typing import NDArray
+
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
@@ -46,9 +49,11 @@ class ValveLogic(Sampled):
         # A valve may act at once: it has been as it is for long.
         self.state[[quantity.name.startswith("age") for quantity in self.formula.states]] = model.pulse_min
 
-    def command(self, demands: Sequence[float], measured: Sequence[float]) -> tuple[float, ...]:
+    def command(self, demands: Sequence[float], measured: Sequence[float] | NDArray[np.float64]) -> tuple[float, ...]:
         """Return −1 dump, 0 hold or +1 fill for each group, from demanded and measured pressures [Pa]."""
-        return self.call((*demands, *measured))
+        groups = len(demands)
+        self.given[:groups], self.given[groups:] = demands, measured
+        return self.evaluate()
 
 
 @cache

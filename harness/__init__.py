@@ -1,1 +1,57 @@
-"""Where plant, sensors, estimator and controller meet: scenarios, the loop, records and verdicts."""
+"""The open bench for railway braking at low adhesion.
+
+import railgrip as rg
+
+stop = rg.run(rg.Scenario.load("trapezoid"))
+stop.metrics.distance
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from railgrip import testing
+    from railgrip.api import Scenario, estimate, open, run, sweep
+    from railgrip.controllers.observation import Observation
+    from railgrip.custom import BrakedFormation, Controller, Estimate, Estimator, Sensors
+    from railgrip.record.outcome import Outcome
+    from railgrip.record.stop import Stop
+
+__all__ = [
+    "BrakedFormation",
+    "Controller",
+    "Estimate",
+    "Estimator",
+    "Observation",
+    "Outcome",
+    "Scenario",
+    "Sensors",
+    "Stop",
+    "estimate",
+    "open",
+    "run",
+    "sweep",
+    "testing",
+]
+
+_PLACES = {
+    "railgrip.api": ("Scenario", "estimate", "open", "run", "sweep"),
+    "railgrip.controllers.observation": ("Observation",),
+    "railgrip.custom": ("BrakedFormation", "Controller", "Estimate", "Estimator", "Sensors"),
+    "railgrip.record.outcome": ("Outcome",),
+    "railgrip.record.stop": ("Stop",),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is asked for when it is: a command line that only refuses must not wait for CasADi (PEP 562)."""
+    if name == "testing":
+        return import_module("railgrip.testing")
+    for module, names in _PLACES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'railgrip' has no attribute '{name}'; it has {', '.join(__all__)}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

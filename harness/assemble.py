@@ -1,7 +1,7 @@
 """From a scenario to the parties of its stop: the only place that names concrete classes."""
 
 import platform
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -9,10 +9,12 @@ from importlib.metadata import version
 from itertools import count, takewhile
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip import custom
 from railgrip.contact import compiled_contact
 from railgrip.controllers import tuning
 from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased, SeekerTuning
@@ -31,6 +33,7 @@ from railgrip.fmus.build import fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.foreign_controller import foreign_controller
 from railgrip.formation import Formation
+from railgrip.importing import Origin, origin_of, party_of, table_of
 from railgrip.instruments import sensors_of
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.loop import compiled_cycle, cycle
@@ -47,6 +50,7 @@ from railgrip.record.outcome import Outcome
 from railgrip.record.recorder import Recorder
 from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
@@ -55,7 +59,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import Nudge
-from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, Layout, layout_of
+from railgrip.signals import DEMANDED, ESTIMATES, PLANT, READINGS, Layout, layout_of, sent
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit
@@ -78,13 +82,62 @@ _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Rolled:
-    """A run of the loop, not yet judged."""
+class OwnParties:
+    """Objects of the user's own that take the place of what a scenario names; see `railgrip.custom`.
 
-    recorder: Recorder
-    ended: Ended
+    Attributes:
+        controller, estimator, sensors: None leaves it to the scenario.
+        folders: Where modules that a scenario names are looked for, beside the installed environment.
+    """
+
+    controller: custom.Controller | None = None
+    estimator: custom.Estimator | None = None
+    sensors: custom.Sensors | None = None
+    folders: tuple[Path, ...] = ()
+
+    def standing_for(self, scenario: Scenario) -> Scenario:
+        """Return the scenario that names these objects' classes, as the results of a stop with them must."""
+        given = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
+        return scenario.model_copy(update={name: table_of(own) for name, own in given.items() if own is not None})
+
+
+SCENARIOS_OWN = OwnParties()
+"""None but those that the scenario names."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assembled:
+    """The parties of a stop, open.
+
+    Attributes:
+        parties: Arguments of the loops, but for the controller.
+        controller: Of the scenario.
+        obstacle: Why C cannot run it; None if it can.
+    """
+
+    scenario: Scenario
+    parties: Mapping[str, Any]
+    controller: Controller
+    obstacle: str | None
     plant_file: Description
     fmus: Mapping[str, Description]
+    classes: Mapping[str, Origin]
+
+    @property
+    def recorder(self) -> Recorder:
+        """What the loop writes into."""
+        return self.parties["recorder"]
+
+    def failed(self, problem: PlantFailed) -> Ended:
+        """Return the end of a run whose plant failed."""
+        return Ended(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
+
+    def stop(self, ended: Ended) -> Stop:
+        """Return the stop that a run of the loop gave."""
+        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+        self.recorder.rows[self.recorder.written : 1] = np.nan
+        stop = judged(self.scenario, self.recorder, ended, self.plant_file, self.fmus)
+        return replace(stop, classes={name: origin.to_plain() for name, origin in self.classes.items()})
 
 
 def run_stop(
@@ -92,6 +145,7 @@ def run_stop(
     progress: Callable[[float], None] | None = None,
     tell: Callable[[str], None] = lambda sentence: None,
     engine: Engine = Engine.AUTO,
+    own: OwnParties = SCENARIOS_OWN,
 ) -> Stop:
     """Run a scenario and return its stop.
 
@@ -100,78 +154,149 @@ def run_stop(
         progress: Called with the train speed [m/s] now and then.
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
         engine: What steps the parties; the stop is the same.
+        own: Objects in place of what the scenario names.
 
     Raises:
         ScenarioError: The scenario asks for something that its parties cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
-    if scenario.controller.kind == "ideal_bound":
+    if scenario.controller.kind == "ideal_bound" and own.controller is None:
         from railgrip.ideal import ideal_stop  # it needs this module to run its reference stop
 
         return ideal_stop(scenario, progress)
-    rolled = _rolled(scenario, progress, tell, engine)
-    return judged(scenario, rolled.recorder, rolled.ended, rolled.plant_file, rolled.fmus)
+    with assembled(scenario, tell, own) as parts:
+        ended = _run(parts, progress, engine)
+    return parts.stop(ended)
 
 
 def braking_distance(scenario: Scenario) -> float | None:
     """Return only the distance [m], None where the train does not come to stand: for searches over many stops."""
-    rolled = _rolled(scenario, None, lambda sentence: None, Engine.AUTO)
-    if rolled.ended.outcome is not Outcome.STANDSTILL:
+    with assembled(scenario) as parts:
+        ended = _run(parts, None, Engine.AUTO)
+    if ended.outcome is not Outcome.STANDSTILL:
         return None
-    return float(rolled.recorder.rows[rolled.ended.samples - 1, rolled.recorder.at["distance"]])
+    return float(parts.recorder.rows[ended.samples - 1, parts.recorder.at["distance"]])
 
 
-def _rolled(
-    scenario: Scenario,
-    progress: Callable[[float], None] | None,
-    tell: Callable[[str], None],
-    engine: Engine,
-) -> _Rolled:
-    believing = scenario.estimator.kind != "none"
+def _run(parts: Assembled, progress: Callable[[float], None] | None, engine: Engine) -> Ended:
+    if parts.obstacle and engine is Engine.COMPILED:
+        raise ScenarioError(f"{parts.scenario.name}: the compiled engine cannot run it: {parts.obstacle}; take 'auto'.")
+    loop = cycle.run if parts.obstacle or engine is Engine.PYTHON else compiled_cycle.run
+    try:
+        return loop(controller=parts.controller, progress=progress, **parts.parties)
+    except PlantFailed as failed:
+        return parts.failed(failed)
+
+
+@contextmanager
+def assembled(
+    scenario: Scenario, tell: Callable[[str], None] = lambda sentence: None, own: OwnParties = SCENARIOS_OWN
+) -> Generator[Assembled]:
+    """Open the parties of a scenario's stop; they are closed when the block ends.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parties cannot do.
+        FmuError: An FMU does not fit.
+    """
+    scenario = own.standing_for(scenario)
     plant_file = plant_description(scenario)
     fmus = {plant_file.file.name: plant_file}
     formation = formation_of(scenario, plant_file)
     layout = layout_of(formation)
-    recorder = Recorder(
-        (*PLANT, *SENT, *READINGS, *(ESTIMATES if believing else ())), formation, _samples(scenario) + 1
-    )
     groups = controlled_groups(scenario)
     radius = tuple(group.wheel_radius for group in groups)
+    braked = custom.BrakedFormation(formation.wheelsets_per_group, groups)
+    classes: dict[str, Origin] = {}
+
+    def party(role: Role, table: object, given: object) -> Any:
+        """Return the object of the user's own that plays a part, if one does."""
+        if not isinstance(table, Custom):
+            return None
+        found = party_of(table, role, own.folders) if given is None else given
+        classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(found, table.parameters)
+        return found
+
     with ExitStack() as stack:
         plant = stack.enter_context(_plant(scenario, plant_file, layout, radius, tell))
-        believer = stack.enter_context(_believer(scenario, layout, fmus)) if believing else None
-        sensors = sensors_of(scenario, layout, radius[0])
-        controller, actuation = stack.enter_context(_controlling(scenario, groups, fmus, tell))
-        obstacle = compiled_cycle.obstacle(layout, plant, sensors, believer, controller, actuation)
-        if obstacle and engine is Engine.COMPILED:
-            raise ScenarioError(f"{scenario.name}: the compiled engine cannot run it: {obstacle}; take 'auto'.")
-        loop = cycle.run if obstacle or engine is Engine.PYTHON else compiled_cycle.run
-        try:
-            ended = loop(
-                layout=layout,
-                plant=plant,
-                rail=TabulatedRail(profile_of(scenario, formation), track_force_of(scenario.track)),
-                sensors=sensors,
-                believer=believer,
-                controller=controller,
-                actuation=actuation,
-                wheel_radius=radius,
-                clock=Clock(
+        believer: Believer | custom.CustomEstimator | None = None
+        if (estimator := party("estimators", scenario.estimator, own.estimator)) is not None:
+            believer = custom.CustomEstimator(estimator, braked)
+        elif scenario.estimator.kind != "none":
+            believer = stack.enter_context(_believer(scenario, layout, fmus))
+        estimates = _estimates(believer)
+        if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
+            noise = generator(scenario.seed, "sensors.custom")
+            sensors = custom.CustomSensors(instruments, layout, braked, scenario.periods.communication, noise)
+        else:
+            sensors = sensors_of(scenario, layout, radius[0])
+        if (law := party("controllers", scenario.controller, own.controller)) is not None:
+            controller, actuation, commands_valves = (
+                custom.CustomController(law, braked),
+                actuation_of(scenario, groups),
+                False,
+            )
+        else:
+            controller, actuation, commands_valves = stack.enter_context(
+                _controlling(scenario, groups, estimates, fmus, tell)
+            )
+        _demand_estimates(scenario, controller, estimates)
+        signals = (
+            *PLANT,
+            *sent(pneumatic=scenario.actuation.kind == "pneumatic"),
+            *READINGS,
+            *(() if commands_valves else DEMANDED),
+            *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
+        )
+        yield Assembled(
+            scenario=scenario,
+            parties={
+                "layout": layout,
+                "plant": plant,
+                "rail": TabulatedRail(profile_of(scenario, formation), track_force_of(scenario.track)),
+                "sensors": sensors,
+                "believer": believer,
+                "actuation": actuation,
+                "wheel_radius": radius,
+                "clock": Clock(
                     period=scenario.periods.communication,
                     estimator=scenario.periods.every("estimator"),
                     controller=scenario.periods.every("controller"),
                     samples=_samples(scenario),
                 ),
-                start_speed=scenario.start.speed,
-                stop_speed=scenario.limits.stop_speed,
-                recorder=recorder,
-                progress=progress,
-            )
-        except PlantFailed as failed:
-            ended = Ended(outcome=Outcome.PLANT_FAILED, reason=str(failed), samples=recorder.written)
-        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
-        recorder.rows[recorder.written : 1] = np.nan
-    return _Rolled(recorder=recorder, ended=ended, plant_file=plant_file, fmus=fmus)
+                "start_speed": scenario.start.speed,
+                "stop_speed": scenario.limits.stop_speed,
+                "recorder": Recorder(signals, formation, _samples(scenario) + 1),
+            },
+            controller=controller,
+            obstacle=compiled_cycle.obstacle(layout, plant, sensors, believer, controller, actuation),
+            plant_file=plant_file,
+            fmus=fmus,
+            classes=classes,
+        )
+
+
+def _estimates(believer: Believer | custom.CustomEstimator | None) -> frozenset[str]:
+    """Return what an estimator provides, by the names of `ESTIMATES` without their prefix."""
+    if believer is None:
+        return frozenset()
+    if isinstance(believer, custom.CustomEstimator):
+        return frozenset(believer.provides)
+    return frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
+
+
+def _demand_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
+    """Refuse a law that needs what nobody estimates.
+
+    Raises:
+        ScenarioError: It says what is missing.
+    """
+    missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
+    if missing:
+        provided = ", ".join(sorted(estimates)) or "nothing"
+        raise ScenarioError(
+            f"{scenario.name}: [controller] '{scenario.controller.kind}' needs estimates of {' and '.join(missing)}, "
+            f"[estimator] '{scenario.estimator.kind}' provides {provided}"
+        )
 
 
 def judged(
@@ -266,7 +391,7 @@ def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
     plant = plant_description(scenario)
     formation = formation_of(scenario, plant)
     nominal = nominal_parameters(scenario, plant)
-    if isinstance(scenario.controller, ControllerFmu):
+    if isinstance(scenario.controller, ControllerFmu | Custom):
         return brake_groups_of(nominal, formation)
     units = units_of_nominal_data(formation)
     written = {name: value for name, value in scenario.controller.parameters.items() if name in units}
@@ -586,19 +711,27 @@ def _noise(table: KalmanFilter) -> NoiseSet:
 
 @contextmanager
 def _controlling(
-    scenario: Scenario, groups: tuple[BrakeGroup, ...], fmus: dict[str, Description], tell: Callable[[str], None]
-) -> Generator[tuple[Controller, Actuation]]:
-    """Open controller and actuation of a scenario; an FMU that takes part adds itself to `fmus`."""
+    scenario: Scenario,
+    groups: tuple[BrakeGroup, ...],
+    estimates: Collection[str],
+    fmus: dict[str, Description],
+    tell: Callable[[str], None],
+) -> Generator[tuple[Controller, Actuation, bool]]:
+    """Open controller and actuation of a scenario; yield also whether the controller commands valves itself.
+
+    An FMU that takes part adds itself to `fmus`.
+    """
     table = scenario.controller
     if not isinstance(table, ControllerFmu):
-        yield controller_of(scenario, groups), actuation_of(scenario, groups)
+        yield controller_of(scenario, groups), actuation_of(scenario, groups), False
         return
     description = description_of(table.file.path, scenario.limits.fmu.limits())
     name = description.file.name
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, _units_of(description))
-    with foreign_controller(scenario, table, description, values, len(groups), tell) as (controller, commands_valves):
-        yield controller, Direct() if commands_valves else actuation_of(scenario, groups)
+    opened = foreign_controller(scenario, table, description, values, len(groups), estimates, tell)
+    with opened as (controller, commands_valves):
+        yield controller, Direct() if commands_valves else actuation_of(scenario, groups), commands_valves
 
 
 def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Controller:
@@ -608,7 +741,7 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
         ScenarioError: A parameter is wrong, or the controller is no law of ours.
     """
     table = scenario.controller
-    if isinstance(table, ControllerFmu) or table.kind == "ideal_bound":
+    if isinstance(table, ControllerFmu | Custom) or table.kind == "ideal_bound":
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
     train = units_of_nominal_data(formation_of(scenario, plant_description(scenario)))
     own = {name: value for name, value in table.parameters.items() if name not in train}
@@ -620,7 +753,7 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
         values = in_units(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
         levels = replace(tuning.PAPER_LEVELS, hold=table.kind == "slip_three_state")
         if table.tuning == "searched":
-            slip = "read" if scenario.estimator.kind == "none" else "estimated"
+            slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
             levels = replace(levels, **tuning.searched(table.kind, scenario.actuation.kind, slip))
         try:
             return SlipBased(groups, replace(levels, **values))

@@ -14,11 +14,11 @@ from railgrip import workers as processes
 from railgrip.failure import sentence_of
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
+from railgrip.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.record.atomic import PARTIAL, write_text
 from railgrip.record.error import RecordError
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop
-from railgrip.run import SOURCES, Runner, make_folder, run
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.sources import sources_digest

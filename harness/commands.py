@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
     from railgrip.campaign import Asked
     from railgrip.controllers.tuning import SlipSource
-    from railgrip.run import Runner
+    from railgrip.one_stop import Runner
     from railgrip.tune_control import Found
     from railgrip.verdict.baseline import Baseline, Findings
     from railgrip.verdict.table import Row
@@ -63,7 +63,7 @@ def run(
     engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
 ) -> None:
     """Run one scenario and print its figures."""
-    from railgrip.run import run as run_scenario
+    from railgrip.one_stop import run as run_scenario
     from railgrip.scenario.load import load
 
     scenario = load(file, overrides or [])
@@ -98,7 +98,7 @@ def export(
     out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
 ) -> None:
     """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
-    from railgrip.run import make_folder
+    from railgrip.one_stop import make_folder
     from railgrip.scenario.load import load
 
     scenario = load(file, overrides or [])
@@ -295,8 +295,8 @@ def tune_control(
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law."""
+    from railgrip.one_stop import make_folder
     from railgrip.record.atomic import write_text
-    from railgrip.run import make_folder
     from railgrip.tune_control import RANGES, search, text_of
     from railgrip.workers import workers as processes
 

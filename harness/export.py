@@ -21,9 +21,9 @@ def controller_fmu(scenario: Scenario) -> Source:
     """Return C code and modelDescription.xml of a controller with its valve logic.
 
     They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
-    end are decided on the inputs at its beginning. Inputs are those of `railgrip.controllers.sight.Sight`; outputs are
-    what the scenario's plant takes. Parameters may
-    be set before the first step, but for the period: that is the FMU's own, and its step refuses any other.
+    end are decided on the inputs at its beginning. Inputs are those of
+    `railgrip.controllers.observation.Observation`; outputs are what the scenario's plant takes. Parameters may be set
+    before the first step, but for the period: that is the FMU's own, and its step refuses any other.
 
     Raises:
         ScenarioError: The controller is no law of ours, such as the ideal bound.

@@ -1,11 +1,11 @@
 """A controller of the user's own: a co-simulation FMU that is shown what a law sees."""
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Collection, Generator
 from contextlib import contextmanager
 
 import numpy as np
 
-from railgrip.controllers.sight import Sight
+from railgrip.controllers.observation import Observation
 from railgrip.fmu import Binding, Description, FmuError, Plant, PlantFailed, Signal, bind, open_plant
 from railgrip.loop.ports import ControllerFailed
 from railgrip.scenario.parties import ControllerFmu
@@ -33,23 +33,22 @@ class ForeignController:
     continuous time is ahead by the period it is given. As for our own laws, what no sensor has read yet is NaN.
     """
 
-    def __init__(self, fmu: Plant, binding: Binding, gives: str, *, believing: bool) -> None:
+    def __init__(self, fmu: Plant, binding: Binding, gives: str) -> None:
         """Decide by an open FMU that has not been started; `gives` names its output, demand or command."""
         self._fmu = fmu
         self._inputs = np.zeros(binding.inputs.size)
-        self._believing = believing
         self._given = binding.outputs.layout[gives]
         self._started = False
 
-    def decide(self, sight: Sight) -> tuple[float, ...]:
+    def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa], or the valve command if that is what the FMU gives.
 
         Raises:
             ControllerFailed: The FMU failed.
         """
-        _, speed, acceleration, slip, adhesion, pad_friction, pressure = sight
-        believed = (*(adhesion or ()), *(pad_friction or ())) if self._believing else ()
-        self._inputs[:] = (speed, acceleration, *slip, *pressure, *believed)
+        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure = observation
+        estimated = [values for values in (adhesion, pad_friction) if values is not None]
+        self._inputs[:] = np.concatenate(((speed, acceleration), slip, pressure, *estimated))
         try:
             if not self._started:
                 self._fmu.start(self._inputs)
@@ -60,14 +59,16 @@ class ForeignController:
         return tuple(decided[self._given].tolist())
 
 
-def binding_of(scenario: Scenario, table: ControllerFmu, description: Description, groups: int) -> tuple[Binding, str]:
+def binding_of(
+    scenario: Scenario, table: ControllerFmu, description: Description, groups: int, estimates: Collection[str]
+) -> tuple[Binding, str]:
     """Tie what a law sees and gives to the variables of the FMU; return that and what it gives, demand or command.
 
     Raises:
         FmuError: It does not fit the FMU, or the FMU gives nothing that brakes.
     """
     where = f"{scenario.name}: [controller.map]"
-    seen = (*_READ, *(_BELIEVED if scenario.estimator.kind != "none" else ()))
+    seen = (*_READ, *(name for name in _BELIEVED if name in estimates))
     outputs = tuple(name for name in _GIVEN if name in table.map) or _GIVEN
     binding = bind(
         description,
@@ -98,6 +99,7 @@ def foreign_controller(
     description: Description,
     parameters: dict[str, float],
     groups: int,
+    estimates: Collection[str],
     tell: Callable[[str], None],
 ) -> Generator[tuple[ForeignController, bool]]:
     """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
@@ -108,7 +110,7 @@ def foreign_controller(
         FmuError: It does not fit.
         PlantFailed: It does not load.
     """
-    binding, gives = binding_of(scenario, table, description, groups)
+    binding, gives = binding_of(scenario, table, description, groups, estimates)
     if binding.unused:
         names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
         tell(
@@ -126,5 +128,4 @@ def foreign_controller(
         table="[controller]",
     )
     with opened as fmu:
-        believing = scenario.estimator.kind != "none"
-        yield ForeignController(fmu, binding, gives, believing=believing), gives == "command"
+        yield ForeignController(fmu, binding, gives), gives == "command"

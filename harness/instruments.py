@@ -4,6 +4,8 @@ import numpy as np
 
 from railgrip.loop.ports import Sensors
 from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
+from railgrip.scenario.custom import Custom
+from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import IdealSensors as IdealTable
@@ -15,6 +17,8 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
     table = scenario.sensors
     if isinstance(table, IdealTable):
         return IdealSensors(layout)
+    if isinstance(table, Custom):
+        raise ScenarioError(f"{scenario.name}: [sensors] kind '{table.kind}' is no sensor model of this project")
     period = scenario.periods.communication
     lot = generator(scenario.seed, "sensors.lot")
     instruments = ServiceInstruments(

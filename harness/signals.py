@@ -1,7 +1,7 @@
 """The signals of a stop, each named once: what parties exchange and what a trace holds follows from these tables."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
 
@@ -77,6 +77,19 @@ SENT = (
     Signal("track_force", "train", "N", "force of the track, forward positive"),
 )
 """What the plant was given, in the order of its inputs."""
+
+DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
+"""What the controller decided; absent from the trace of a stop whose controller commands valves itself."""
+
+
+def sent(*, pneumatic: bool) -> tuple[Signal, ...]:
+    """Return the signals of `SENT`, with the unit that a command has: a valve's position, or else a pressure."""
+    if pneumatic:
+        command = replace(SENT[0], unit="1", meaning="command to the valves: -1 vent, 0 hold, 1 fill")
+    else:
+        command = replace(SENT[0], unit="Pa", meaning="commanded brake cylinder pressure")
+    return (command, *SENT[1:])
+
 
 READINGS = (
     Signal("reading_speed", "train", "m/s", "read speed of the train"),

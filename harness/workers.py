@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Generator
 from concurrent.futures import Executor, Future
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from multiprocessing import get_context, resource_tracker
 from types import FrameType
 from typing import Final, ParamSpec, TypeVar
@@ -27,17 +27,18 @@ T = TypeVar("T")
 
 
 @contextmanager
-def workers(count: int) -> Generator[Executor]:
+def workers(count: int, *, main: bool = True) -> Generator[Executor]:
     """Yield a pool of `count` processes; when the block ends by an exception, they are ended at once.
 
     A process that crashes fails its task with `pebble.ProcessExpired`, and another takes its place. Their linear
     algebra has one thread each: matrices of a few dozen columns gain nothing from more, and threads that wait for each
     other on a busy machine make it ten times slower. Their temporary files lie in a folder that goes with the pool,
-    however they ended.
+    however they ended. With `main` False a user's script is not run anew in each process; tasks are not of it then.
     """
     with (
         scratch("workers") as folder,
         _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder)}),
+        nullcontext() if main else _without_main(),
     ):
         # Spawned, because CasADi holds threads, and because a library reads the variables when it is loaded.
         pool = pebble.ProcessPool(count, initializer=_start_worker, context=get_context("spawn"))
@@ -62,6 +63,19 @@ class _Pool(Executor):
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         with deaf_children():
             return self._pool.schedule(fn, args=args, kwargs=kwargs)
+
+
+@contextmanager
+def _without_main() -> Generator[None]:
+    """Hide where the main module comes from: a spawned process would run it, and a script without a guard for ever."""
+    main = sys.modules["__main__"]
+    hidden = {name: vars(main)[name] for name in ("__spec__", "__file__") if name in vars(main)}
+    main.__spec__ = None
+    vars(main).pop("__file__", None)
+    try:
+        yield
+    finally:
+        vars(main).update(hidden)
 
 
 @contextmanager

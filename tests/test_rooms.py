@@ -20,7 +20,7 @@ ALLOWED = {
     "railgrip.formation": (),
     "railgrip.signals": ("railgrip.formation",),
     "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.record.recorder", "railgrip.signals",
-                      "railgrip.formation", "railgrip.controllers.sight", "railgrip.estimators.belief",
+                      "railgrip.formation", "railgrip.controllers.observation", "railgrip.estimators.belief",
                       "railgrip.fmus.native.toolchain"),
     "railgrip.scenario": ("railgrip.scenario", "railgrip.formation", "railgrip.units", "railgrip.limits"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.

@@ -13,7 +13,7 @@ from railgrip.loop.actuation import Direct
 from railgrip.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
 from railgrip.loop.library import compiled, kernel
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Actuation, Controller, Edge, Plant, Sensors
+from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, Plant, Sensors
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import IdealSensors, ServiceSensors
 from railgrip.loop.watch import NEGATIVE, Believer, complete
@@ -92,7 +92,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
     vectors = {
         "truth": layout.outputs, "inputs": layout.inputs, "latest": layout.readings, "fresh": layout.readings,
         **{name: length(places(block, layout.formation)) for name, block in _BELIEF.items()},
-        "command": layout.formation.groups,
+        "command": layout.formation.groups, "demand": layout.formation.groups,
     }  # fmt: skip
 
     class Cycle(ctypes.Structure):
@@ -112,7 +112,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
             *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
-            ("innovation_at", ctypes.c_longlong),
+            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at")),
             *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
         )
 
@@ -123,7 +123,7 @@ def obstacle(
     layout: Layout,
     plant: Plant,
     sensors: Sensors,
-    believer: Believer | None,
+    believer: Believer | DirectEstimator | None,
     controller: Controller,
     actuation: Actuation,
 ) -> str | None:
@@ -132,7 +132,7 @@ def obstacle(
         return "the plant is not called in this process, or shows no slip of its own"
     if not isinstance(sensors, IdealSensors | ServiceSensors):
         return "the sensors are Python"
-    if believer is not None and not isinstance(believer.filter, FilterInC):
+    if believer is not None and not (isinstance(believer, Believer) and isinstance(believer.filter, FilterInC)):
         return "the estimator is not a compiled filter"
     if not isinstance(controller, FormulaInC):
         return "the controller is Python, not a formula"
@@ -153,7 +153,7 @@ def run(
     plant: Plant,
     rail: TabulatedRail,
     sensors: Sensors,
-    believer: Believer | None,
+    believer: Believer | DirectEstimator | None,
     controller: Controller,
     actuation: Actuation,
     wheel_radius: tuple[float, ...],
@@ -199,7 +199,7 @@ def run(
                 progress(its.truth[at_speed])
     finally:
         recorder.written = its.written
-        if believer is not None:
+        if isinstance(believer, Believer):
             complete(recorder.rows[: its.written], recorder, believer.wheel_radius)
     time, distance, speed = its.sample * clock.period, its.truth[at_distance], its.truth[at_speed]
     if ended == _STANDING:
@@ -222,7 +222,7 @@ class _Parts:
         plant: Edge,
         rail: TabulatedRail,
         sensors: Sensors,
-        believer: Believer | None,
+        believer: Believer | DirectEstimator | None,
         controller: Controller,
         actuation: Actuation,
         wheel_radius: tuple[float, ...],
@@ -242,11 +242,11 @@ class _Parts:
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(PLANT).start, sent_at=recorder.block(SENT).start,
-            read_at=recorder.block(READINGS).start,
+            read_at=recorder.block(READINGS).start, demand_at=recorder.at.get("demand", -1),
         )  # fmt: skip
         its = self.struct
-        self._filter = filter_ = believer.filter if believer is not None else None
-        if believer is not None and isinstance(filter_, FilterInC):
+        self._filter = filter_ = believer.filter if isinstance(believer, Believer) else None
+        if isinstance(believer, Believer) and isinstance(filter_, FilterInC):
             its.advance, its.block, its.squared = filter_.entry
             its.held, its.seen, its.used = (self._at(part) for part in (filter_.held, filter_.seen, filter_.used))
             its.mean, its.covariance = self._at(filter_.mean), self._at(filter_.covariance)

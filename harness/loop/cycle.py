@@ -1,10 +1,12 @@
 """The Python engine: any mix of parties, sample by sample. It is the reference for faster ones."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
+from typing import Any
 
 import numpy as np
 
+from railgrip.controllers.observation import Observation
 from railgrip.loop.ended import (
     Clock,
     Ended,
@@ -14,22 +16,47 @@ from railgrip.loop.ended import (
     stood,
     without_command,
     without_controller,
+    without_reading,
 )
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Actuation, Controller, ControllerFailed, Plant, Rail, Sensors
-from railgrip.loop.watch import Beliefs, Believer, Readings
+from railgrip.loop.ports import (
+    Actuation,
+    Controller,
+    ControllerFailed,
+    DirectEstimator,
+    Plant,
+    Rail,
+    Sensors,
+    SensorsFailed,
+)
+from railgrip.loop.watch import Believer, watch_of
 from railgrip.record.recorder import Recorder
 from railgrip.signals import PLANT, READINGS, SENT, Layout
 
 
-def run(
+def run(*, controller: Controller, **parties: Any) -> Ended:
+    """Brake with a controller; the other arguments, errors and results are those of `decisions`."""
+    going = decisions(**parties)
+    try:
+        observation = next(going)
+        while True:
+            try:
+                demands = controller.decide(observation)
+            except ControllerFailed as failed:
+                observation = going.throw(failed)
+            else:
+                observation = going.send(demands)
+    except StopIteration as end:
+        return end.value
+
+
+def decisions(
     *,
     layout: Layout,
     plant: Plant,
     rail: Rail,
     sensors: Sensors,
-    believer: Believer | None,
-    controller: Controller,
+    believer: Believer | DirectEstimator | None,
     actuation: Actuation,
     wheel_radius: tuple[float, ...],
     clock: Clock,
@@ -37,8 +64,11 @@ def run(
     stop_speed: float,
     recorder: Recorder,
     progress: Callable[[float], None] | None = None,
-) -> Ended:
+) -> Generator[Observation, Sequence[float], Ended]:
     """Brake until the train stands, the horizon is reached, or a party fails in a way that is a result.
+
+    Whenever a decision is due, yields what a controller is shown and is sent the pressures that it demands [Pa]; a
+    ControllerFailed that is thrown in instead ends the stop with that outcome.
 
     What the plant shows is checked before anybody reads it; a sample that cannot be ends the stop and is not kept.
 
@@ -52,7 +82,6 @@ def run(
         rail: Friction and force along the track.
         sensors: Instruments.
         believer: None if the controller sees readings only.
-        controller: The law.
         actuation: From demanded pressure to the plant's command.
         wheel_radius: Nominal radii for a slip from readings [m].
         clock: Periods and horizon.
@@ -76,7 +105,8 @@ def run(
     inputs[sent_friction] = rail.mu0(0.0, 0.0)
     inputs[sent_force] = rail.force(0.0)
     truth = plant.start(inputs)
-    watch = Readings(layout, wheel_radius) if believer is None else Beliefs(layout, believer, recorder)
+    watch = watch_of(layout, believer, wheel_radius, recorder)
+    demand_columns, demands = recorder.columns.get("demand"), (0.0,) * layout.formation.groups
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     written = 0
@@ -87,27 +117,32 @@ def run(
             time, distance, speed = k * period, float(truth[at_distance]), float(truth[at_speed])
             if not plausibility.holds(layout, k, truth, inputs):
                 return implausible(plausibility.reason(time), k)
-            reading = sensors.read(k, truth)
+            try:
+                reading = sensors.read(k, truth)
+            except SensorsFailed as failed:
+                return without_reading(str(failed), k)
             row = rows[k]
             row[true] = truth
             row[sent] = inputs
             row[read] = reading
+            if demand_columns is not None:
+                row[demand_columns] = demands
             watch.see(reading)
-            if believer is not None and k % clock.estimator == 0 and k > 0:
-                problem = watch.believe()
+            if k % clock.estimator == 0:
+                problem = watch.believe(time)
                 if problem:
                     return diverged(problem, time, k)
             watch.record(row)
             written = k + 1
             if k % clock.controller == 0:
-                sight = watch.sight(time)
+                observation = watch.observation(time)
                 try:
-                    demands = controller.decide(sight)
+                    demands = yield observation
                 except ControllerFailed as failed:
                     return without_controller(str(failed), written)
                 if not math.isfinite(sum(demands)):  # valve logic would take it for a wish to hold
                     return without_command(demands, time, written)
-                command = actuation.command(demands, sight.pressure)
+                command = actuation.command(demands, observation.pressure)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
                 inputs[sent_command] = command

@@ -1,5 +1,6 @@
 """When things happen in a loop, and how it ends; the same for every engine."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railgrip.record.outcome import Outcome
@@ -59,12 +60,17 @@ def implausible(problem: str, samples: int) -> Ended:
     return Ended(outcome=Outcome.IMPLAUSIBLE, reason=problem, samples=samples)
 
 
+def without_reading(problem: str, samples: int) -> Ended:
+    """Return the end of a run whose sensors failed with `problem`, a sentence."""
+    return Ended(outcome=Outcome.SENSORS_FAILED, reason=problem, samples=samples)
+
+
 def without_controller(problem: str, samples: int) -> Ended:
     """Return the end of a run whose controller failed with `problem`, a sentence."""
     return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=problem, samples=samples)
 
 
-def without_command(command: tuple[float, ...], time: float, samples: int) -> Ended:
+def without_command(command: Sequence[float], time: float, samples: int) -> Ended:
     """Return the end of a run whose controller gave something else than numbers."""
-    reason = f"The controller's command at {time:.3f} s is {command}, not {len(command)} numbers."
+    reason = f"The controller's command at {time:.3f} s is {tuple(command)}, not {len(command)} numbers."
     return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=reason, samples=samples)

@@ -1,12 +1,13 @@
 """What the loop asks of each party."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.controllers.sight import Sight
+from railgrip.controllers.observation import Observation
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -51,7 +52,10 @@ class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample, ordered as in `railgrip.signals.Layout`; NaN where there is no new one."""
+        """Return the reading of a sample, ordered as in `railgrip.signals.Layout`; NaN where there is no new one.
+
+        SensorsFailed ends the stop.
+        """
         ...
 
 
@@ -94,6 +98,29 @@ class Filter(Estimator, Protocol):
         ...
 
 
+class SensorsFailed(Exception):
+    """Sensors gave no reading, in a sentence; the stop ends with that."""
+
+
+class EstimatorFailed(Exception):
+    """An estimator could not go on, in a sentence; the stop ends with that."""
+
+
+@runtime_checkable
+class DirectEstimator(Protocol):
+    """An estimator that gives quantities themselves, not states with a covariance.
+
+    Attributes:
+        provides: Names of `railgrip.signals.ESTIMATES` without their prefix.
+    """
+
+    provides: tuple[str, ...]
+
+    def step(self, observation: Observation) -> Mapping[str, Vector]:
+        """Return all that it provides, from what is read now; EstimatorFailed ends the stop."""
+        ...
+
+
 class ControllerFailed(Exception):
     """A controller could not decide, in a sentence; the stop ends with that."""
 
@@ -102,7 +129,7 @@ class ControllerFailed(Exception):
 class Controller(Protocol):
     """A control law."""
 
-    def decide(self, sight: Sight) -> tuple[float, ...]:
+    def decide(self, observation: Observation) -> Sequence[float]:
         """Return the demanded brake cylinder pressure of each group [Pa]; ControllerFailed ends the stop."""
         ...
 
@@ -111,7 +138,7 @@ class Controller(Protocol):
 class Actuation(Protocol):
     """From demanded pressures to what the plant takes."""
 
-    def command(self, demands: tuple[float, ...], measured: tuple[float, ...]) -> tuple[float, ...]:
+    def command(self, demands: Sequence[float], measured: Vector) -> Sequence[float]:
         """Return the command for each group, from demanded and measured pressures [Pa]."""
         ...
 

@@ -1,14 +1,16 @@
 """What a train knows of itself from sample to sample: its newest readings and, with an estimator, its belief."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip import signals
-from railgrip.controllers.sight import Sight
-from railgrip.loop.ports import Filter
+from railgrip.controllers.observation import Observation
+from railgrip.loop.ports import DirectEstimator, EstimatorFailed, Filter
 from railgrip.record.recorder import Recorder
 from railgrip.signals import Layout
 
@@ -50,7 +52,10 @@ class Readings:
 
     def __init__(self, layout: Layout, wheel_radius: tuple[float, ...]) -> None:
         """See nothing yet."""
-        self._at, self._every, self._radius = layout.reading, np.ones(layout.readings), wheel_radius
+        at = layout.reading
+        self._speed, self._acceleration = at["speed"].start, at["acceleration"].start
+        self._wheels, self._pressure = at["wheelset_speed"], at["cylinder_pressure"]
+        self._every, self._radius = np.ones(layout.readings), np.array(wheel_radius)
         self._latest: Vector | None = None
 
     def see(self, reading: Vector) -> None:
@@ -61,8 +66,8 @@ class Readings:
         else:
             self._latest = np.where(np.isnan(reading), self._latest, reading)
 
-    def believe(self) -> None:
-        """Believe nothing."""
+    def believe(self, time: float) -> str | None:
+        """Estimate anew at a time [s]; return what is wrong with that, if anything is."""
 
     def record(self, row: Vector) -> None:
         """Write nothing."""
@@ -70,13 +75,50 @@ class Readings:
     def complete(self, rows: Matrix) -> None:
         """Add nothing."""
 
-    def sight(self, time: float) -> Sight:
-        """Return what the controller sees now."""
-        assert self._latest is not None
-        values = self._latest.tolist()
-        speed, acceleration = values[self._at["speed"].start], values[self._at["acceleration"].start]
-        slip = _slips(speed, values[self._at["wheelset_speed"]], self._radius)
-        return Sight(time, speed, acceleration, slip, None, None, tuple(values[self._at["cylinder_pressure"]]))
+    def observation(self, time: float) -> Observation:
+        """Return what the controller is shown now."""
+        latest = self._latest
+        assert latest is not None
+        speed, wheels = float(latest[self._speed]), latest[self._wheels]
+        slip = _slips(speed, wheels, self._radius)
+        acceleration = float(latest[self._acceleration])
+        return Observation(time, speed, acceleration, wheels, slip, False, None, None, latest[self._pressure])
+
+
+class DirectEstimates(Readings):
+    """A train with an estimator that gives quantities themselves; the rest is as it is read."""
+
+    def __init__(
+        self, layout: Layout, estimator: DirectEstimator, wheel_radius: tuple[float, ...], recorder: Recorder
+    ) -> None:
+        """See nothing yet."""
+        super().__init__(layout, wheel_radius)
+        self._estimator = estimator
+        self._columns = {name: recorder.columns[f"estimate_{name}"] for name in estimator.provides}
+        self._values: Mapping[str, Vector] = {}
+        self._shown: dict[str, Any] = {}
+
+    def believe(self, time: float) -> str | None:
+        """Estimate anew at a time [s]; return what is wrong with that, if anything is."""
+        try:
+            self._values = values = self._estimator.step(super().observation(time))
+        except EstimatorFailed as failed:
+            return str(failed)
+        self._shown = {name: value for name, value in values.items() if name in Observation._fields}
+        if "speed" in values:
+            self._shown["speed"] = float(values["speed"][0])
+        if "slip" in values:
+            self._shown["slip_is_estimated"] = True
+        return None
+
+    def record(self, row: Vector) -> None:
+        """Write the estimates into a row."""
+        for name, columns in self._columns.items():
+            row[columns] = self._values[name]
+
+    def observation(self, time: float) -> Observation:
+        """Return what the controller is shown now."""
+        return super().observation(time)._replace(**self._shown)
 
 
 class Beliefs:
@@ -91,7 +133,7 @@ class Beliefs:
         self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
         self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
         self._filter = its = believer.filter
-        self._radius, self._seen = believer.wheel_radius, believer.seen
+        self._radius, self._seen = np.array(believer.wheel_radius), believer.seen
         uncertain = [believer.adhesion, believer.pad_friction]
         self._states = np.concatenate([[believer.speed], believer.wheelset_speed, *uncertain])
         self._uncertain = np.concatenate(uncertain)
@@ -118,9 +160,10 @@ class Beliefs:
             self._latest = np.where(new, reading, self._latest)
             self._fresh = reading if self._fresh is None else np.where(new, reading, self._fresh)
 
-    def believe(self) -> str | None:
+    def believe(self, time: float) -> str | None:
         """Move the belief on over what was seen since it last moved; return what is wrong with it, if anything is."""
-        assert self._fresh is not None
+        if self._fresh is None:  # the first sample: the belief is the one that the filter begins with
+            return None
         assert self._latest is not None
         its = self._filter
         its.seen[:] = self._fresh.take(self._seen)
@@ -147,33 +190,39 @@ class Beliefs:
         """Add to the rows of a stop what follows from the beliefs in them."""
         complete(rows, self._recorder, self._radius)
 
-    def sight(self, time: float) -> Sight:
-        """Return what the controller sees now; a sensor without a new reading shows its last one."""
-        assert self._latest is not None
-        speed, *believed = self._believed.tolist()
-        groups = self._groups
-        return Sight(
-            time,
-            speed,
-            float(self._latest[self._acceleration]),
-            _slips(speed, believed[:groups], self._radius),
-            tuple(believed[groups : 2 * groups]),
-            tuple(believed[2 * groups :]),
-            tuple(self._latest[self._pressure].tolist()),
-        )
+    def observation(self, time: float) -> Observation:
+        """Return what the controller is shown now; a sensor without a new reading shows its last one."""
+        latest, believed, last = self._latest, self._believed, 1 + self._groups
+        assert latest is not None
+        speed, wheels = float(believed[0]), believed[1:last]
+        adhesion, pad_friction = believed[last : last + self._groups], believed[last + self._groups :]
+        slip, acceleration = _slips(speed, wheels, self._radius), float(latest[self._acceleration])
+        pressure = latest[self._pressure]
+        return Observation(time, speed, acceleration, wheels, slip, True, adhesion, pad_friction, pressure)
 
 
-def complete(rows: Matrix, recorder: Recorder, radius: tuple[float, ...]) -> None:
+def watch_of(
+    layout: Layout, believer: Believer | DirectEstimator | None, wheel_radius: tuple[float, ...], recorder: Recorder
+) -> Readings | Beliefs:
+    """Return what a train with this estimator, or with none, knows of itself; radii [m] are for slip from readings."""
+    if believer is None:
+        return Readings(layout, wheel_radius)
+    if isinstance(believer, Believer):
+        return Beliefs(layout, believer, recorder)
+    return DirectEstimates(layout, believer, wheel_radius, recorder)
+
+
+def complete(rows: Matrix, recorder: Recorder, radius: tuple[float, ...] | Vector) -> None:
     """Add to the rows of a stop what follows from the beliefs in them: slips, and deviations for variances."""
     spread, columns = rows[:, recorder.block(signals.SPREAD)], recorder.columns
     np.sqrt(spread, out=spread)
     speed = rows[:, columns["estimate_speed"]]
-    rolling = np.array(radius) * rows[:, columns["estimate_wheelset_speed"]]
+    rolling = np.asarray(radius) * rows[:, columns["estimate_wheelset_speed"]]
     ratio = np.divide(rolling, speed, out=np.ones_like(rolling), where=speed >= _SMALL_SPEED)
     rows[:, columns["estimate_slip"]] = 1.0 - ratio
 
 
-def _slips(speed: float, wheels: list[float], radius: tuple[float, ...]) -> tuple[float, ...]:
+def _slips(speed: float, wheels: Vector, radius: Vector) -> Vector:
     if speed < _SMALL_SPEED:
-        return (0.0,) * len(wheels)
-    return tuple([1.0 - r * w / speed for r, w in zip(radius, wheels, strict=True)])
+        return np.zeros(len(wheels))
+    return 1.0 - radius * wheels / speed

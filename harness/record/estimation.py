@@ -23,7 +23,7 @@ class Errors:
         rmse: Root mean square error.
         bias: Mean of estimate minus truth.
         within_95: Magnitude that 95 % of the errors do not exceed.
-        nees: Mean of (error/standard deviation)²; 1 for an estimator as sure as it is right.
+        nees: Mean of (error/standard deviation)²; 1 for an estimator as sure as it is right; None if it claims none.
         delay: Shift of the estimate against the truth that fits best [s], 0 to 0.5 in steps of 5 ms.
         outside: Share of time with the truth outside ±2σ; 0.046 for an estimator as sure as it is right.
     """
@@ -31,9 +31,9 @@ class Errors:
     rmse: tuple[float, ...]
     bias: tuple[float, ...]
     within_95: tuple[float, ...]
-    nees: tuple[float, ...]
+    nees: tuple[float, ...] | None
     delay: tuple[float, ...]
-    outside: tuple[float, ...]
+    outside: tuple[float, ...] | None
 
 
 def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
@@ -43,7 +43,7 @@ def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
     moving = trace["speed"].values > SLOWEST
     truth = trace["group_adhesion"].values[moving]
     estimate = trace["estimate_adhesion"].values[moving]
-    spread = trace["estimate_adhesion_sd"].values[moving]
+    spread = _deviation(trace, "estimate_adhesion", moving)
     if len(truth) < 2:
         return None
     error = estimate - truth
@@ -52,10 +52,16 @@ def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
         rmse=_row(np.sqrt(np.mean(error**2, axis=0))),
         bias=_row(np.mean(error, axis=0)),
         within_95=_row(np.quantile(np.abs(error), 0.95, axis=0)),
-        nees=_row(np.mean((error / spread) ** 2, axis=0)),
+        nees=None if spread is None else _row(np.mean((error / spread) ** 2, axis=0)),
         delay=_row(_delay(truth, estimate, period)),
-        outside=_row(_outside(error, spread)),
+        outside=None if spread is None else _row(_outside(error, spread)),
     )
+
+
+def _deviation(trace: xarray.Dataset, estimated: str, moving: NDArray[np.bool_]) -> Array | None:
+    """Return the standard deviation that an estimate claims, or None of one that claims none."""
+    name = f"{estimated}_sd"
+    return trace[name].values[moving] if name in trace else None
 
 
 def _delay(truth: Array, estimate: Array, period: float) -> Array:
@@ -91,7 +97,8 @@ def outside(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ..
     if not moving.any():
         return None
     error = trace[estimated].values[moving] - trace[true].values[moving]
-    return _row(_outside(error, trace[f"{estimated}_sd"].values[moving]))
+    spread = _deviation(trace, estimated, moving)
+    return None if spread is None else _row(_outside(error, spread))
 
 
 def _outside(error: Array, spread: Array) -> Array:

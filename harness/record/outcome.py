@@ -16,5 +16,7 @@ class Outcome(StrEnum):
     """The plant FMU refused a step or returned something that is no number."""
     IMPLAUSIBLE = "implausible"
     """The plant showed what cannot be: not what was asked, or against physics."""
+    SENSORS_FAILED = "sensors_failed"
+    """Sensors of the user's own gave no reading."""
     CONTROLLER_FAILED = "controller_failed"
     """The controller returned a command that is none."""

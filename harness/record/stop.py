@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,8 @@ class Stop:
         metrics: The figures taken from the trace.
         versions: Of what took part: "railgrip", "python", "casadi" …, and of each FMU the tool that made it.
         fmus: Name of each FMU → SHA-256 of its file.
+        classes: controller, estimator or sensors → class, digest of its source and parameters, as JSON values, where
+            it is the user's own.
     """
 
     scenario: Scenario
@@ -43,6 +45,11 @@ class Stop:
     metrics: Metrics
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
+    classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
+
+    def write(self, directory: Path | str) -> None:
+        """Write stop.json and trace.nc into a folder; see `write_stop`."""
+        write_stop(self, Path(directory))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +108,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "scenario_digest": stop.scenario.digest(),
         "versions": dict(sorted(stop.versions.items())),
         "fmus": dict(sorted(stop.fmus.items())),
+        **({"classes": stop.classes} if stop.classes else {}),
     }
     # JSON has no NaN: a figure that does not exist (no estimator, no lock) is null.
     text = json.dumps(_without_nan(content), indent=1, ensure_ascii=False, allow_nan=False)

@@ -6,11 +6,12 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from railgrip.scenario.custom import CUSTOM, OURS
 from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.file import DIRECTORY, is_file
 from railgrip.scenario.merge import merged, parsed, read_overrides
@@ -24,6 +25,9 @@ _MARKS: Mapping[Kind, tuple[str, ...]] = {
     "scenario": ("name", "vehicle", "controller"),
 }
 """Keys that only files of this kind have together."""
+
+_OPEN = frozenset({"controller", "estimator", "sensors"})
+"""Tables that take classes of one's own."""
 
 _LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
 
@@ -128,7 +132,8 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if kind == "union_tag_not_found":
         return f"{_table(path)} has no 'kind'; it is wanted and has no default"
     if kind == "union_tag_invalid":
-        return f"{_table(path)} kind is {short(context['tag'])}; there is {_listed(context['expected_tags'])}"
+        own = ", or module:Class of your own" if path and path[-1] in _OPEN else ""
+        return f"{_table(path)} kind is {short(context['tag'])}; there is {_listed(context['expected_tags'])}{own}"
     if not path:
         return f"{error['msg']}."  # a rule between tables names them itself
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
@@ -157,6 +162,8 @@ def _place(
     branches: list[type[BaseModel]] = [model]
     known: list[str] = []
     for step in location:
+        if step in (OURS, CUSTOM):
+            continue
         if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
             branches = [branch for branch in branches if step in _kinds(branch)] or branches
             continue
@@ -177,7 +184,7 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     """Return the tables inside an annotation."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    inner = get_args(annotation) if get_origin(annotation) in {Union, UnionType, tuple, dict} else ()
+    inner = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
     return [found for part in inner for found in _models(part)]
 
 

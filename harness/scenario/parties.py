@@ -3,9 +3,10 @@
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, field_validator, model_validator
+from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, field_validator, model_validator
 
 from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
@@ -39,7 +40,10 @@ class KalmanFilter(Table):
     _flat = field_validator("parameters", mode="before")(scalars)
 
 
-Estimator = Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind")]
+Estimator = Annotated[
+    Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
+    Discriminator(whose("estimators", frozenset({"none", "fmu", "python", "compiled"}))),
+]
 
 
 class Law(Table):
@@ -85,7 +89,13 @@ class ControllerFmu(Table):
     _flat = field_validator("parameters", mode="before")(scalars)
 
 
-Controller = Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind")]
+_LAWS = frozenset(
+    {"full_brake", "adhesion_based", "adhesion_literal", "ideal_bound", "slip_two_state", "slip_three_state", "fmu"}
+)
+Controller = Annotated[
+    Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
+    Discriminator(whose("controllers", _LAWS)),
+]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 

@@ -2,8 +2,9 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, StrictInt
+from pydantic import Discriminator, Field, StrictInt, Tag
 
+from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Deviation, Lag, Period, Table
 
@@ -75,4 +76,7 @@ class ServiceSensors(Table):
     pressure: PressureTransducer
 
 
-Sensors = Annotated[IdealSensors | ServiceSensors, Field(discriminator="kind")]
+Sensors = Annotated[
+    Annotated[IdealSensors | ServiceSensors, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
+    Discriminator(whose("sensors", frozenset({"ideal", "service"}))),
+]

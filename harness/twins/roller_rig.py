@@ -7,7 +7,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.sight import Sight
+from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.tuning import VALVE_BAND, VALVE_PULSE_MIN
 from railgrip.controllers.valves import ValveLogic, ValveModel
@@ -133,8 +133,9 @@ class _Protection:
     def command(self, time: float, speed: float, wheel: float, pressure: float, demand: float) -> float:
         """Return the valve command for readings of speed [m/s] and wheel [rad/s], pressure and demand [Pa]."""
         slip = 1.0 - self._radius * wheel / speed if speed > 0.05 else 0.0
-        sight = Sight(time, speed, 0.0, (slip,), None, None, (pressure,))
-        allowed = self._law.decide(sight)[0]
+        wheels, slips, pressures = np.array([[wheel], [slip], [pressure]])
+        observation = Observation(time, speed, 0.0, wheels, slips, False, None, None, pressures)
+        allowed = self._law.decide(observation)[0]
         self.releases = allowed < self._group.pressure_max
         return self._valves.command((min(allowed, demand),), (pressure,))[0]
 

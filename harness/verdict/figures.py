@@ -277,6 +277,8 @@ _SIGNALS = {
 
 
 def _believed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
-    mean, spread = trace[name].values[:, group], 2 * trace[f"{name}_sd"].values[:, group]
-    panel.fill_between(time, mean - spread, mean + spread, color=style.ORANGE, alpha=0.3, linewidth=0, label="±2σ")
+    mean = trace[name].values[:, group]
+    if f"{name}_sd" in trace:
+        spread = 2 * trace[f"{name}_sd"].values[:, group]
+        panel.fill_between(time, mean - spread, mean + spread, color=style.ORANGE, alpha=0.3, linewidth=0, label="±2σ")
     panel.plot(time, mean, color=style.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")

@@ -13,7 +13,7 @@ import synthetic_runner
 
 from railgrip.__main__ import main
 from railgrip.campaign import is_there
-from railgrip.run import run
+from railgrip.one_stop import run
 from railgrip.scenario.campaign import load_campaign
 from railgrip.sources import sources_digest
 

@@ -8,7 +8,7 @@ import pytest
 from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.full_brake import FullBrake
-from railgrip.controllers.sight import Sight
+from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER
 
@@ -26,6 +26,12 @@ GROUP = BrakeGroup(
 SPEED = 15.0  # m/s, held: the train is heavy
 
 
+def shown(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
+    """An observation of a train whose wheels turn as the slip says."""
+    wheels = (1 - np.array(slip)) * speed / 0.38
+    return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure)
+
+
 def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad_friction=0.35, lag=0.02):
     """Return slip and adhesion over time of one braked wheelset at constant speed.
 
@@ -36,8 +42,8 @@ def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad
     for k in range(round(seconds / 1e-3)):
         slip = 1 - 0.38 * omega / SPEED
         adhesion = 2 * peak(k * 1e-3) * peak_slip * slip / (peak_slip**2 + slip**2)
-        sight = Sight(k * 1e-3, SPEED, 0.0, (slip,), (adhesion,), (pad_friction,), (pressure,))
-        (demand,) = controller.decide(sight)
+        observation = shown(k * 1e-3, SPEED, 0.0, (slip,), (adhesion,), (pad_friction,), (pressure,))
+        (demand,) = controller.decide(observation)
         for _ in range(10):
             slip = 1 - 0.38 * omega / SPEED
             adhesion = 2 * peak(k * 1e-3) * peak_slip * slip / (peak_slip**2 + slip**2)
@@ -120,7 +126,7 @@ def test_two_level_control_keeps_the_slip_between_its_levels():
 
 def test_hold_keeps_the_pressure_that_is_measured():
     law = SlipBased([GROUP], replace(PAPER_LEVELS, hold=True))
-    assert law.decide(Sight(0, SPEED, 0, (0.12,), None, None, (1.234e5,))) == (1.234e5,)
+    assert law.decide(shown(0, SPEED, 0, (0.12,), None, None, (1.234e5,))) == (1.234e5,)
 
 
 @pytest.mark.parametrize("hold", [True, False])
@@ -128,17 +134,17 @@ def test_the_brake_is_applied_before_a_speed_is_known(hold):
     """A radar reads some 50 ms after the demand; a train that waited for it would roll on."""
     law = SlipBased([GROUP], replace(PAPER_LEVELS, hold=hold))
     unknown = float("nan")
-    assert law.decide(Sight(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
+    assert law.decide(shown(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
 
 
 def test_full_brake_looks_at_nothing():
-    assert FullBrake([GROUP]).decide(Sight(0, SPEED, 0, (0.9,), None, None, (0.0,))) == (3.4e5,)
+    assert FullBrake([GROUP]).decide(shown(0, SPEED, 0, (0.9,), None, None, (0.0,))) == (3.4e5,)
 
 
 @pytest.mark.parametrize("law", [AdhesionBased, LiteralAdhesionBased])
 def test_adhesion_based_control_wants_an_estimate(law):
     with pytest.raises(ValueError, match="needs an estimator"):
-        law([GROUP], SEEKER["ideal"]).decide(Sight(0, SPEED, 0, (0.0,), None, None, (0.0,)))
+        law([GROUP], SEEKER["ideal"]).decide(shown(0, SPEED, 0, (0.0,), None, None, (0.0,)))
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.1, 1.5), (0.2, 0.1), (0.0, 0.1)])
@@ -156,10 +162,10 @@ def test_a_tuning_that_means_nothing_is_refused(name):
 
 
 def test_below_the_lowest_speed_the_brake_is_applied():
-    sight = Sight(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
+    observation = shown(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
     for law in (SlipBased([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):
-        assert law.decide(sight) == (3.4e5,)
+        assert law.decide(observation) == (3.4e5,)
     # The seeker's limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
     torque = (0.15 - 0.003) * GROUP.load * 0.38
     wanted = (torque / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
-    assert seeker().decide(sight)[0] == pytest.approx(wanted, rel=1e-9)
+    assert seeker().decide(observation)[0] == pytest.approx(wanted, rel=1e-9)

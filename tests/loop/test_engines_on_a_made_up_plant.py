@@ -188,7 +188,7 @@ VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, 
 def brake(engine, plant, controller, filter_, *, samples, service, valves, every, over_time, asked=None):
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if filter_ else ())),
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED, *(signals.ESTIMATES if filter_ else ())),
         TWO_PART_TRAIN,
         samples + 1,
     )

@@ -11,8 +11,8 @@ import railgrip.scenario
 from railgrip import assemble
 from railgrip.campaign import is_there
 from railgrip.fmus.build import fmu
+from railgrip.one_stop import run
 from railgrip.record.stop import read_stop
-from railgrip.run import run
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
 

@@ -47,9 +47,10 @@ typedef struct {
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
-    double command[GROUPS];
+    double command[GROUPS], demand[GROUPS];
     long long present_count, points, over_time, sections, width, seen_count;
     long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
+    long long demand_at;                         /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
 } Cycle;
@@ -137,6 +138,7 @@ static int decide(Cycle *c)
     }
     c->law.call(c->law.state, given, c->law.parameter, demand);
     copy(c->command, demand, GROUPS);
+    copy(c->demand, demand, GROUPS);
     for (int g = 0; g < GROUPS; g++)
         total += demand[g];
     if (isfinite(total) && c->valves.call) {      /* valve logic would take NaN for a wish to hold */
@@ -183,6 +185,8 @@ EXPORT int cycle(Cycle *c, long long until)
             return IMPLAUSIBLE;
         copy(row + c->true_at, c->truth, OUTPUTS);
         copy(row + c->sent_at, c->inputs, INPUTS);
+        if (c->demand_at >= 0)
+            copy(row + c->demand_at, c->demand, GROUPS);
         read_all(c, row + c->read_at);
         see(c, row + c->read_at);
         if (c->advance) {

@@ -79,6 +79,11 @@ def run(
     except ScenarioError as problem:
         # Parties know the table and the key they were given, not whose scenario it is.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
-    stop = replace(stop, versions={**stop.versions, SOURCES: sources_digest()})
+    stop = with_sources(stop)
     write_stop(stop, directory, keep_trace=keep_trace)
     return stop
+
+
+def with_sources(stop: Stop) -> Stop:
+    """Return a stop whose versions hold the digest of this program's text."""
+    return replace(stop, versions={**stop.versions, SOURCES: sources_digest()})

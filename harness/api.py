@@ -1,0 +1,204 @@
+"""What `import railgrip` offers; see docs/api.md."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import PrivateAttr
+
+from railgrip.scenario import schema
+from railgrip.scenario.load import demand_kind, installed, read_toml, validated
+from railgrip.scenario.merge import merged, read_overrides
+
+if TYPE_CHECKING:
+    # CasADi and the FMU loader take a second; whoever only reads scenarios does without.
+    import xarray
+
+    from railgrip.assemble import OwnParties
+    from railgrip.by_hand import Bench
+    from railgrip.custom import Controller, Estimator, Sensors
+    from railgrip.record.stop import Stop
+    from railgrip.sweeping import Sweep
+
+
+class Scenario(schema.Scenario):
+    """Everything that decides a stop."""
+
+    _directory: Path = PrivateAttr(default_factory=Path.cwd)
+
+    @classmethod
+    def load(cls, source: str | Path | Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> Self:
+        """Return a scenario by its name, such as "trapezoid", from a TOML file, or from its tables.
+
+        Args:
+            source: Name, path, or tables; files that tables name are found from the current folder.
+            changes: Key → value laid over it, as {"start.speed": "100 km/h"}.
+
+        Raises:
+            ScenarioError: Missing, or not a scenario; each problem in one sentence with its key.
+        """
+        if isinstance(source, Mapping):
+            table, directory = dict(source), Path.cwd()
+            origin = str(table.get("name", "the scenario"))
+        else:
+            path = installed(Path(source), "library")
+            table, directory, origin = read_toml(path), path.parent, path.name
+            demand_kind(table, "scenario", path)
+        return cls._of(merged(table, _tree(changes or {})), directory, origin)
+
+    def changed(self, changes: Mapping[str, Any]) -> Self:
+        """Return the scenario with other values; see `load`."""
+        return self._of(merged(self.resolved(), _tree(changes)), self._directory, self.name)
+
+    @classmethod
+    def _of(cls, table: Mapping[str, Any], directory: Path, origin: str) -> Self:
+        scenario = validated(cls, table, directory=directory, origin=origin)
+        scenario._directory = directory
+        return scenario
+
+
+Asked = schema.Scenario | str | Path | Mapping[str, Any]
+"""A scenario, or what `Scenario.load` takes for one."""
+
+
+def run(
+    scenario: Asked,
+    controller: "Controller | type[Controller] | None" = None,
+    estimator: "Estimator | type[Estimator] | None" = None,
+    sensors: "Sensors | type[Sensors] | None" = None,
+    plant: str | Path | None = None,
+    *,
+    engine: Literal["auto", "python", "compiled"] = "auto",
+    import_from: Iterable[str | Path] = (),
+) -> "Stop":
+    """Run a scenario and return its stop: `.outcome`, `.metrics`, `.trace` (xarray), `.write(folder)`.
+
+    Args:
+        scenario: What to run.
+        controller: Object or class of one's own in place of the scenario's; likewise estimator and sensors.
+        plant: Recipe or .fmu in place of the scenario's.
+        engine: What steps the parties; the stop is the same to the last bit.
+        import_from: Folders of modules that the scenario names as module:Class.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parties cannot do.
+        FmuError: An FMU does not fit.
+    """
+    from railgrip.assemble import run_stop
+    from railgrip.engine import Engine
+    from railgrip.one_stop import with_sources
+
+    own = _own(controller, estimator, sensors, import_from)
+    return with_sources(run_stop(_asked(scenario, plant), engine=Engine(engine), own=own))
+
+
+def open(
+    scenario: Asked,
+    estimator: "Estimator | type[Estimator] | None" = None,
+    sensors: "Sensors | type[Sensors] | None" = None,
+    plant: str | Path | None = None,
+    *,
+    import_from: Iterable[str | Path] = (),
+) -> "Bench":
+    """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
+    from railgrip.by_hand import Bench
+
+    return Bench(_asked(scenario, plant), _own(None, estimator, sensors, import_from))
+
+
+def sweep(
+    scenario: Asked,
+    axes: Mapping[str, Iterable[Any]],
+    controller: "Controller | type[Controller] | None" = None,
+    estimator: "Estimator | type[Estimator] | None" = None,
+    sensors: "Sensors | type[Sensors] | None" = None,
+    plant: str | Path | None = None,
+    *,
+    workers: int = 1,
+    import_from: Iterable[str | Path] = (),
+) -> "Sweep":
+    """Run every combination of values, the last axis fastest: `.to_pandas()`, `.to_xarray()`.
+
+    Args:
+        scenario: What all have in common.
+        axes: Key → values, as {"start.speed": ["80 km/h", "120 km/h"], "seed": range(10)}.
+        controller: As for `run`, a copy for each stop; likewise estimator, sensors and plant.
+        workers: Processes. Objects whose class a process could not import, of a script or notebook, run in this one.
+        import_from: As for `run`.
+
+    Raises:
+        ScenarioError: A combination is no scenario; nothing was run.
+    """
+    from railgrip.sweeping import swept
+
+    asked = _asked(scenario, plant)
+    whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
+    values = {key: [_plain(value) for value in given] for key, given in axes.items()}
+    return swept(whole.name, whole.changed, values, _own(controller, estimator, sensors, import_from), workers)
+
+
+def estimate(
+    recording: "xarray.Dataset | str | Path", model: str | Path, changes: Mapping[str, Any] | None = None
+) -> "xarray.Dataset":
+    """Return what a filter believes at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
+
+    Args:
+        recording: Signals by name on an even grid, or a file (csv, parquet, mat, mf4) that [data] of the model's file
+            describes.
+        model: An estimation file: model, noises, start; or the name of one of ours, such as "wagon".
+        changes: As for `Scenario.load`.
+
+    Raises:
+        ScenarioError: The file is no estimation.
+        EstimationError: The recording does not fit it.
+    """
+    from railgrip.estimate.sources import recording_of_estimation
+    from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+
+    path = Path(model)
+    ours = LIBRARY / f"{path}.toml"
+    overrides = [f"{key}={value}" for key, value in (changes or {}).items()]
+    specification = load_specification(ours if not path.suffix and ours.is_file() else path, overrides)
+    if isinstance(recording, str | Path):
+        recording = recording_of_estimation(specification, data=Path(recording))
+    return estimate_of(specification, recording)
+
+
+def _asked(scenario: Asked, plant: str | Path | None) -> schema.Scenario:
+    asked = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
+    if plant is None:
+        return asked
+    whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
+    file = Path(plant)
+    return whole.changed({"vehicle.plant": str(file.resolve()) if file.suffix == ".fmu" else str(plant)})
+
+
+def _own(controller: Any, estimator: Any, sensors: Any, folders: Iterable[str | Path]) -> "OwnParties":
+    from railgrip.assemble import OwnParties
+
+    law, filter_, instruments = (
+        party() if isinstance(party, type) else party for party in (controller, estimator, sensors)
+    )
+    return OwnParties(controller=law, estimator=filter_, sensors=instruments, folders=tuple(map(Path, folders)))
+
+
+def _tree(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return dotted keys with their values as one tree of tables."""
+    tree: dict[str, Any] = {}
+    for key, value in changes.items():
+        layer = read_overrides([f"{key}=0"])
+        inner = layer
+        while isinstance(next(iter(inner.values())), dict):
+            inner = next(iter(inner.values()))
+        inner[next(iter(inner))] = _plain(value)
+        tree = merged(tree, layer)
+    return tree
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as files have it: of numpy, of paths and tuples."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    return list(value) if isinstance(value, tuple) else value

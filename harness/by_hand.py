@@ -1,0 +1,139 @@
+"""A stop stepped by hand: the caller is the controller."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from railgrip.assemble import Assembled, OwnParties, assembled
+from railgrip.controllers.observation import Observation
+from railgrip.custom import BrakedFormation, problem_with
+from railgrip.fmu import PlantFailed
+from railgrip.loop import cycle
+from railgrip.loop.ended import Ended
+from railgrip.record.stop import Stop
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.schema import Scenario
+
+
+class ByHand:
+    """The controller that a stop names which was stepped by hand."""
+
+    def start(self, formation: BrakedFormation) -> None:
+        """Keep what is controlled."""
+        self.formation = formation
+
+    def decide(self, observation: Observation) -> ArrayLike:
+        """Decide nothing: the caller does."""
+        raise NotImplementedError
+
+
+class Bench:
+    """A scenario whose stop is stepped from decision to decision; closed as a context manager.
+
+    with railgrip.open(scenario) as bench:
+        observation = bench.reset()
+        while not bench.ended:
+            observation = bench.step(pressures)
+    bench.stop.metrics.distance
+    """
+
+    def __init__(self, scenario: Scenario, own: OwnParties) -> None:
+        """Open nothing yet; `reset` does."""
+        self._law = ByHand()
+        self._scenario, self._own = scenario, replace(own, controller=self._law)
+        self._stack = ExitStack()
+        self._parts: Assembled | None = None
+        self._going: Any = None
+        self._observation: Observation | None = None
+        self._end: Ended | None = None
+        self._stop: Stop | None = None
+
+    def __enter__(self) -> Self:
+        """Return the bench."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close what is open; the stop stays."""
+        self.close()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the stop has ended."""
+        return self._end is not None
+
+    @property
+    def formation(self) -> BrakedFormation:
+        """What is controlled; known after `reset`."""
+        return self._law.formation
+
+    @property
+    def stop(self) -> Stop:
+        """The stop, once it has ended.
+
+        Raises:
+            ScenarioError: It has not.
+        """
+        if self._end is None or self._parts is None:
+            raise ScenarioError("bench: there is no stop before it has ended; go on with step() until `ended`")
+        if self._stop is None:
+            self._stop = self._parts.stop(self._end)
+        return self._stop
+
+    def reset(self) -> Observation:
+        """Begin the stop, or begin it anew, and return what is shown at the brake demand.
+
+        Raises:
+            ScenarioError: The scenario asks for something that its parties cannot do, or ends before a decision.
+            FmuError: An FMU does not fit.
+        """
+        self.close()
+        self._observation = self._end = self._stop = None
+        self._parts = self._stack.enter_context(assembled(self._scenario, own=self._own))
+        self._going = cycle.decisions(**self._parts.parties)
+        self._advance(lambda: next(self._going))
+        if self._observation is None:
+            reason = "" if self._end is None else self._end.reason
+            raise ScenarioError(f"{self._scenario.name}: the stop ended before the first decision: {reason}")
+        return self._observation
+
+    def step(self, pressures: ArrayLike) -> Observation:
+        """Demand pressures until the next decision, and return what is shown then; at the end what was shown last.
+
+        Args:
+            pressures: Demanded brake cylinder pressure of each group, shape (groups,) [Pa].
+
+        Raises:
+            ScenarioError: They are something else, or the stop has not begun or has ended.
+        """
+        if self._observation is None or self._end is not None:
+            raise ScenarioError("bench: reset() comes before step(), and again after the end of a stop")
+        groups = self.formation.groups
+        found = problem_with(pressures, (groups,))
+        if found:
+            raise ScenarioError(
+                f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {found}"
+            )
+        self._advance(lambda: self._going.send(np.asarray(pressures, dtype=np.float64).tolist()))
+        return self._observation
+
+    def close(self) -> None:
+        """Close plant and parties; a stop that has not ended is dropped."""
+        if self._going is not None:
+            self._going.close()
+        self._stack.close()
+
+    def _advance(self, go: Callable[[], Observation]) -> None:
+        assert self._parts is not None
+        try:
+            self._observation = go()
+        except StopIteration as end:
+            self._end = end.value
+        except PlantFailed as problem:
+            self._end = self._parts.failed(problem)

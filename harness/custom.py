@@ -1,0 +1,335 @@
+"""Controllers, estimators and sensors of a user's own: what each is asked, and how it takes part in a stop."""
+
+import inspect
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.observation import Observation
+from railgrip.formation import Extent, Formation
+from railgrip.loop.ports import ControllerFailed, EstimatorFailed, SensorsFailed
+from railgrip.scenario.error import ScenarioError
+from railgrip.signals import ESTIMATES, PLANT, READINGS, Layout
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class BrakedFormation(Formation):
+    """The vehicle as the parties of a stop may know it: its groups of wheelsets, and their brakes by nominal data.
+
+    Attributes:
+        brakes: Of each group.
+    """
+
+    brakes: tuple[BrakeGroup, ...]
+
+    @property
+    def pressure_max(self) -> Array:
+        """Highest brake cylinder pressure, shape (groups,) [Pa]."""
+        return np.array([brake.pressure_max for brake in self.brakes])
+
+    @property
+    def wheel_radius(self) -> Array:
+        """Nominal rolling radius, shape (groups,) [m]."""
+        return np.array([brake.wheel_radius for brake in self.brakes])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Estimate:
+    """What an estimator of one's own gives: all that it says it provides, and None for the rest.
+
+    Attributes:
+        speed: Of the train [m/s].
+        wheelset_speed: Shape (groups,) [rad/s].
+        slip: Shape (groups,) [1].
+        adhesion: Shape (groups,), positive in braking [1].
+        pad_friction: Shape (groups,) [1].
+        adhesion_sd: Standard deviation of `adhesion`, shape (groups,) [1].
+        pad_friction_sd: The same of `pad_friction`.
+    """
+
+    speed: float | None = None
+    wheelset_speed: ArrayLike | None = None
+    slip: ArrayLike | None = None
+    adhesion: ArrayLike | None = None
+    pad_friction: ArrayLike | None = None
+    adhesion_sd: ArrayLike | None = None
+    pad_friction_sd: ArrayLike | None = None
+
+
+PROVIDED = tuple(field.name for field in fields(Estimate))
+"""What an estimator may provide."""
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """A control law. It may have an attribute `needs`, the estimates that it cannot do without: ("adhesion",)."""
+
+    def start(self, formation: BrakedFormation) -> None:
+        """Begin a stop; also after another one."""
+        ...
+
+    def decide(self, observation: Observation) -> ArrayLike:
+        """Return the demanded brake cylinder pressure of each group, shape (groups,) [Pa]."""
+        ...
+
+
+@runtime_checkable
+class Estimator(Protocol):
+    """What is believed about the train.
+
+    Attributes:
+        provides: Names of the fields of `Estimate` that each step gives; for all others the trace has no variable and
+            the controller sees None, or what is read.
+    """
+
+    provides: tuple[str, ...]
+
+    def start(self, first: Observation, formation: BrakedFormation) -> None:
+        """Begin a stop with what is read first; also after another one."""
+        ...
+
+    def step(self, observation: Observation) -> Estimate:
+        """Return the estimates from what is read now; called each period of the estimator, with `first`, too."""
+        ...
+
+
+@runtime_checkable
+class Sensors(Protocol):
+    """What the train's instruments make of the truth."""
+
+    def start(self, formation: BrakedFormation, random: np.random.Generator) -> None:
+        """Begin a stop; all noise comes from `random`, which the seed of the scenario decides."""
+        ...
+
+    def read(self, time: float, truth: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
+        """Return speed, wheelset_speed, deflection, acceleration and cylinder_pressure, in SI units.
+
+        Args:
+            time: Since the brake demand [s]; called each communication period, from 0 on.
+            truth: By the names of a trace's variables, such as speed, wheelset_speed and slip.
+
+        A reading that is left out, or NaN, brings nothing new.
+        """
+        ...
+
+
+class CustomController:
+    """A control law of the user's own in the loop."""
+
+    def __init__(self, own: Controller, formation: BrakedFormation) -> None:
+        """Start it.
+
+        Raises:
+            ScenarioError: It is no controller, or fails to start.
+        """
+        _demand_methods(own, "a controller", "start", "decide")
+        self._own, self._groups = own, formation.groups
+        self.needs: tuple[str, ...] = tuple(getattr(own, "needs", ()))
+        try:
+            own.start(formation)
+        except Exception as problem:
+            raise ScenarioError(_failure(own, "start", problem)) from problem
+
+    def decide(self, observation: Observation) -> tuple[float, ...]:
+        """Return the demanded pressure of each group [Pa].
+
+        Raises:
+            ControllerFailed: It raised an exception, or returned something else.
+        """
+        when = f" At {observation.time:.3f} s."
+        try:
+            demands = self._own.decide(_locked(observation))
+        except Exception as problem:
+            raise ControllerFailed(_failure(self._own, "decide", problem) + when) from problem
+        found = problem_with(demands, (self._groups,))
+        if found:
+            wanted = f"the demanded pressures [Pa] of {self._groups} groups, shape ({self._groups},)"
+            raise ControllerFailed(f"{_place(self._own, 'decide')} returned {found}, not {wanted}.{when}")
+        return tuple(np.asarray(demands, dtype=np.float64).tolist())
+
+
+class CustomEstimator:
+    """An estimator of the user's own in the loop.
+
+    Attributes:
+        provides: As it says.
+    """
+
+    def __init__(self, own: Estimator, formation: BrakedFormation) -> None:
+        """Take it; it is started by the first step.
+
+        Raises:
+            ScenarioError: It is no estimator, or does not say what it provides.
+        """
+        _demand_methods(own, "an estimator", "start", "step")
+        provides: Any = getattr(own, "provides", None)
+        if not isinstance(provides, tuple | list) or not provides or not set(provides) <= set(PROVIDED):
+            raise ScenarioError(
+                f"{type(own).__name__}: `provides` is {provides!r}; an estimator says there what its steps give, of "
+                f'{", ".join(PROVIDED)}, as in provides = ("adhesion",)'
+            )
+        self._own, self._formation, self._started = own, formation, False
+        self.provides: tuple[str, ...] = tuple(dict.fromkeys(provides))
+        extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
+        self._shapes = {
+            name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides
+        }
+
+    def step(self, observation: Observation) -> Mapping[str, Array]:
+        """Return what it provides, each at least of one dimension.
+
+        Raises:
+            EstimatorFailed: It raised an exception, or gave something else than it provides.
+        """
+        own = self._own
+        call = "step" if self._started else "start"
+        try:
+            if not self._started:
+                own.start(_locked(observation), self._formation)
+                self._started, call = True, "step"
+            estimate: Any = own.step(_locked(observation))
+        except Exception as problem:
+            raise EstimatorFailed(_failure(own, call, problem)) from problem
+        if not isinstance(estimate, Estimate):
+            raise EstimatorFailed(f"{_place(own, 'step')} returned {_short(estimate)}, not an Estimate.")
+        given = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
+        if given.keys() != set(self.provides):
+            raise EstimatorFailed(
+                f"{_place(own, 'step')} gave {', '.join(given) or 'nothing'}; it provides {', '.join(self.provides)}."
+            )
+        for name, value in given.items():
+            found = problem_with(value, self._shapes[name])
+            if found:
+                raise EstimatorFailed(
+                    f"{_place(own, 'step')} gave {name} as {found}, not finite numbers of shape {self._shapes[name]}."
+                )
+        return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in given.items()}
+
+
+class CustomSensors:
+    """Sensors of the user's own in the loop."""
+
+    def __init__(
+        self, own: Sensors, layout: Layout, formation: BrakedFormation, period: float, random: np.random.Generator
+    ) -> None:
+        """Start them.
+
+        Raises:
+            ScenarioError: They are no sensors, or fail to start.
+        """
+        _demand_methods(own, "a sensor model", "start", "read")
+        self._own, self._layout, self._period = own, layout, period
+        self._truth = np.empty(layout.outputs)
+        shown = self._truth.view()
+        shown.flags.writeable = False
+        self._shown = {
+            name: shown[place].reshape(()) if name in _OF_TRAIN else shown[place]
+            for name, place in layout.output.items()
+        }
+        self._shapes = {
+            name: () if name in _OF_TRAIN else (place.stop - place.start,) for name, place in layout.reading.items()
+        }
+        try:
+            own.start(formation, random)
+        except Exception as problem:
+            raise ScenarioError(_failure(own, "start", problem)) from problem
+
+    def read(self, sample: int, truth: Array) -> Array:
+        """Return the reading of a sample; NaN where there is no new one.
+
+        Raises:
+            SensorsFailed: They raised an exception, or gave something else than readings.
+        """
+        self._truth[:] = truth
+        time = sample * self._period
+        when = f" At {time:.3f} s."
+        try:
+            found: Any = self._own.read(time, self._shown)
+        except Exception as problem:
+            raise SensorsFailed(_failure(self._own, "read", problem) + when) from problem
+        if not isinstance(found, Mapping) or not found.keys() <= self._shapes.keys():
+            raise SensorsFailed(
+                f"{_place(self._own, 'read')} returned {_short(found)}, not readings of {', '.join(self._shapes)} by "
+                f"name.{when}"
+            )
+        reading = np.full(self._layout.readings, np.nan)
+        for name, value in found.items():
+            problem = problem_with(value, self._shapes[name], nan=True)
+            if problem:
+                raise SensorsFailed(
+                    f"{_place(self._own, 'read')} gave {name} as {problem}, not numbers of shape "
+                    f"{self._shapes[name]}.{when}"
+                )
+            reading[self._layout.reading[name]] = value
+        return reading
+
+
+_OF_TRAIN = frozenset(s.name.removeprefix("reading_") for s in (*PLANT, *READINGS) if s.extent == "train")
+
+
+def _locked(observation: Observation) -> Observation:
+    """Return an observation whose arrays, which others read, too, cannot be written."""
+    for value in observation:
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+    return observation
+
+
+def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> str:
+    """Return what a value is that should have been finite numbers of a shape; empty if it is that."""
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return _short(value)
+    if numbers.shape != shape:
+        return f"numbers of shape {numbers.shape}"
+    good = np.isfinite(numbers) | np.isnan(numbers) if nan else np.isfinite(numbers)
+    return "" if bool(np.all(good)) else str(numbers.tolist())
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return f"{type(value).__name__} {text if len(text) <= 80 else text[:77] + '...'}"
+
+
+def _demand_methods(own: object, what: str, *names: str) -> None:
+    missing = [name for name in names if not callable(getattr(own, name, None))]
+    if missing:
+        raise ScenarioError(f"{type(own).__name__}: has no method {' and '.join(missing)}; {what} has {_and(names)}")
+
+
+def _and(names: tuple[str, ...]) -> str:
+    return " and ".join(names)
+
+
+def _place(own: object, method: str) -> str:
+    """Return class, method, and where that is written."""
+    name, code = f"{type(own).__name__}.{method}", getattr(getattr(own, method, None), "__code__", None)
+    return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
+
+
+def _failure(own: object, method: str, problem: Exception) -> str:
+    """Return an exception of the user's class as a sentence, with the last line of their file that led to it."""
+    frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
+    try:
+        file = inspect.getsourcefile(type(own))
+    except TypeError:
+        file = None
+    theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
+    what = f"{type(problem).__name__}: {str(problem) or 'without a message'}"
+    if not theirs:  # it could not even be called
+        return f"{_place(own, method)} failed: {what}."
+    return f"{type(own).__name__}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
+
+
+def _file(name: str) -> str:
+    path = Path(name)
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else name

@@ -1,0 +1,46 @@
+"""A party of the user's own: a class named in place of a kind, and what it is constructed with."""
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any, Literal, cast
+
+from pydantic import Field
+
+from railgrip.scenario.table import Table
+
+Role = Literal["controllers", "estimators", "sensors"]
+
+OURS, CUSTOM = "of this project", "of one's own"
+"""Tags of the two sorts of table; no key of a file has such a name."""
+
+
+class Custom(Table):
+    """A class of the user's own; see `railgrip.custom` for what it is asked.
+
+    To run the scenario is to import the module: code of whoever wrote it.
+    """
+
+    kind: str = Field(description="module:Class, or the name of an entry point in the group railgrip.<table>s")
+    parameters: dict[str, Any] = Field(default={}, description="arguments of the class, by keyword")
+
+
+@cache
+def installed_names(role: Role) -> dict[str, str]:
+    """Return name → module:Class of what installed packages offer; only their metadata is read."""
+    return {point.name: point.value for point in entry_points(group=f"railgrip.{role}")}
+
+
+def whose(role: Role, ours: frozenset[str]) -> Callable[[Any], str]:
+    """Return what tells the tables of this project, of the kinds `ours`, from those of a class of one's own."""
+
+    def tag(written: Any) -> str:
+        if isinstance(written, Mapping):
+            kind: object = cast("Mapping[str, object]", written).get("kind")
+        else:
+            kind = getattr(written, "kind", None)
+        if not isinstance(kind, str) or kind in ours:
+            return OURS
+        return CUSTOM if ":" in kind or kind in installed_names(role) else OURS
+
+    return tag

@@ -1,0 +1,181 @@
+"""Every combination of values of a scenario, as one table."""
+
+import copy
+import itertools
+import math
+import pickle
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError, as_completed
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pebble
+import xarray
+
+from railgrip.assemble import OwnParties, run_stop
+from railgrip.console import progress
+from railgrip.failure import sentence_of
+from railgrip.record.metrics import Metrics, meanings
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.schema import Scenario
+from railgrip.workers import workers as processes
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What became of one combination.
+
+    Attributes:
+        outcome: Of the stop; `refused` or `failed` where there is none.
+        reason: In one sentence.
+        metrics: None without a stop.
+    """
+
+    outcome: str
+    reason: str
+    metrics: Metrics | None
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """The stops of every combination of values, in the order of the axes, the last one fastest.
+
+    Attributes:
+        axes: Key → values.
+        results: Of each combination.
+    """
+
+    axes: Mapping[str, tuple[Any, ...]]
+    results: tuple[Result, ...]
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a row for each stop: its values, outcome, reason and figures; `slip[2]` is the second group's."""
+        import pandas
+
+        rows = [
+            dict(zip(self.axes, values, strict=True))
+            | {"outcome": result.outcome, "reason": result.reason}
+            | (_flat(result.metrics.to_plain()) if result.metrics else {})
+            for values, result in zip(itertools.product(*self.axes.values()), self.results, strict=True)
+        ]
+        return pandas.DataFrame(rows)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return outcome, reason and figures over the axes, and over groups and wheelsets, lead to trail.
+
+        A figure that a stop does not have is NaN.
+        """
+        shape = tuple(len(values) for values in self.axes.values())
+        variables: dict[str, Any] = {
+            name: (tuple(self.axes), np.array([getattr(result, name) for result in self.results]).reshape(shape))
+            for name in ("outcome", "reason")
+        }
+        known = [result.metrics.to_plain() for result in self.results if result.metrics]
+        for name, (unit, meaning) in meanings().items():
+            sample = next((plain[name] for plain in known if plain[name] is not None), None)
+            if sample is None:
+                continue
+            one = np.asarray(sample, dtype=np.float64)
+            values = [
+                np.full(one.shape, np.nan)
+                if result.metrics is None or (value := result.metrics.to_plain()[name]) is None
+                else np.asarray(value, dtype=np.float64)
+                for result in self.results
+            ]
+            each = "wheelset" if "wheelset" in meaning else "group" if "group" in meaning else ""
+            if not each:  # of the train, in a list of one
+                one, values = one.reshape(()), [value.reshape(()) for value in values]
+            further = (each, "slip_class")[: one.ndim]
+            whole = np.stack(values).reshape(*shape, *one.shape)
+            variables[name] = ((*self.axes, *further), whole, {"units": unit, "long_name": meaning})
+        return xarray.Dataset(variables, coords={axis: list(values) for axis, values in self.axes.items()})
+
+
+def swept(
+    name: str,
+    changed: Callable[[Mapping[str, Any]], Scenario],
+    axes: Mapping[str, Sequence[Any]],
+    own: OwnParties,
+    workers: int,
+) -> Sweep:
+    """Run every combination of values.
+
+    Args:
+        name: Of the scenario, for the progress.
+        changed: Returns the scenario with values laid over it by key.
+        axes: Key → values.
+        own: The user's objects; each stop has a copy.
+        workers: Processes.
+
+    Raises:
+        ScenarioError: A combination is no scenario, or an axis has no value; nothing was run.
+    """
+    empty = next((axis for axis, values in axes.items() if not len(values)), None)
+    if empty is not None:
+        raise ScenarioError(f"sweep: the axis '{empty}' has no value")
+    if workers < 1:
+        raise ScenarioError(f"sweep: workers is 1 or more, got {workers}")
+    scenarios = [changed(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
+    results: dict[int, Result] = {}
+    with progress(name, len(scenarios), counted=True) as shown:
+        found = _in_processes(scenarios, own, workers) if workers > 1 and _portable(own) else _here(scenarios, own)
+        for number, result in found:
+            results[number] = result
+            shown.advance()
+    return Sweep(
+        {axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(scenarios)))
+    )
+
+
+def _here(scenarios: Sequence[Scenario], own: OwnParties) -> Iterator[tuple[int, Result]]:
+    for number, scenario in enumerate(scenarios):
+        yield number, _result(scenario, copy.deepcopy(own))
+
+
+def _in_processes(scenarios: Sequence[Scenario], own: OwnParties, workers: int) -> Iterator[tuple[int, Result]]:
+    with processes(min(workers, len(scenarios))) as pool:
+        running = {pool.submit(_result, scenario, own): number for number, scenario in enumerate(scenarios)}
+        for future in as_completed(running):
+            try:
+                result = future.result()
+            except (pebble.ProcessExpired, CancelledError) as problem:
+                result = Result("failed", f"the process that ran it ended: {problem}", None)
+            yield running[future], result
+
+
+def _portable(own: OwnParties) -> bool:
+    """Return whether another process can have these objects: their classes are in modules that it can import."""
+    parties = (own.controller, own.estimator, own.sensors)
+    if any(type(party).__module__ == "__main__" for party in parties):
+        return False
+    try:
+        pickle.dumps(own)
+    except Exception:  # whatever a user's object raises when it is pickled
+        return False
+    return True
+
+
+def _result(scenario: Scenario, own: OwnParties) -> Result:
+    try:
+        stop = run_stop(scenario, own=own)
+    except Exception as problem:
+        sentence = sentence_of(problem)
+        if sentence is None:
+            raise
+        return Result("refused" if sentence.wrong_question else "failed", sentence.text, None)
+    return Result(stop.outcome.value, stop.reason, stop.metrics)
+
+
+def _flat(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """Return figures with those of groups and wheelsets as one each, counted from 1."""
+    flat: dict[str, Any] = {}
+    for name, value in plain.items():
+        if isinstance(value, list):
+            flat |= _flat({f"{name}[{i}]": element for i, element in enumerate(value, start=1)})
+        else:
+            flat[name] = math.nan if value is None else value
+    return flat

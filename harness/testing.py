@@ -1,0 +1,201 @@
+"""Contract tests for controllers, estimators and sensors: what a stop asks of them, asked without a train.
+
+railgrip.testing.check_controller(MyLaw)
+
+Each takes a class, or whatever returns a new object when it is called, and raises ContractBroken with the first thing
+that is wrong, in a sentence. They pass over formations of one, three and four groups, and over observations of a wheel that rolls,
+slides and locks, of a train that stands, and of sensors that have not read yet.
+"""
+
+import copy
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.observation import Observation
+from railgrip.custom import (
+    BrakedFormation,
+    Controller,
+    CustomController,
+    CustomEstimator,
+    CustomSensors,
+    Estimator,
+    Sensors,
+)
+from railgrip.loop.ports import ControllerFailed, EstimatorFailed, SensorsFailed
+from railgrip.scenario.error import ScenarioError
+from railgrip.signals import layout_of
+
+_FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
+_PERIOD = 1e-2  # s
+_BRAKE = BrakeGroup(
+    load=1.2e5, inertia=120.0, wheel_radius=0.45, units=4, friction_radius=0.24, piston_area=0.03, rigging=5.0,
+    spring_force=1000.0, pressure_max=3.8e5,
+)  # fmt: skip
+"""Of no train; a law that only works with one train's numbers is none."""
+
+
+class ContractBroken(AssertionError):
+    """A controller, estimator or sensor model does not keep its contract; the text says which part of it."""
+
+
+def check_controller(factory: Callable[[], Controller], *, estimates: bool = True) -> None:
+    """Check a control law.
+
+    It takes any number of groups, returns one pressure between none and the highest for each, whatever is shown,
+    does not change what it is shown, and does the same again after `start`.
+
+    Args:
+        factory: Class or function that returns a new law.
+        estimates: Also without estimates of adhesion and pad friction, unless it `needs` them; False leaves out the
+            observations that have them.
+
+    Raises:
+        ContractBroken: It does something else.
+    """
+    for formation in formations():
+        law = factory()
+        runs: list[list[tuple[float, ...]]] = []
+        for _ in range(2):
+            controller = _made(lambda law=law, formation=formation: CustomController(law, formation))
+            given = [with_ for with_ in (True, False) if (with_ and estimates) or not (with_ or controller.needs)]
+            demands: list[tuple[float, ...]] = []
+            for estimated in given:
+                for observation in observations(formation, estimated=estimated):
+                    kept = copy.deepcopy(observation)
+                    try:
+                        demands.append(controller.decide(observation))
+                    except ControllerFailed as failed:
+                        raise ContractBroken(str(failed)) from failed
+                    _demand_unchanged(law, kept, observation)
+                    _demand_pressures(law, formation, demands[-1])
+            runs.append(demands)
+        _demand_same(law, "decide", runs)
+
+
+def check_estimator(factory: Callable[[], Estimator]) -> None:
+    """Check an estimator.
+
+    It says what it provides and gives that, finite, for any number of groups, while there are readings; standard
+    deviations are not negative; it does not change what it is shown, and does the same again after `start`.
+
+    Raises:
+        ContractBroken: It does something else.
+    """
+    for formation in formations():
+        own = factory()
+        runs: list[list[tuple[float, ...]]] = []
+        for _ in range(2):
+            estimator = _made(lambda own=own, formation=formation: CustomEstimator(own, formation))
+            values: list[tuple[float, ...]] = []
+            for observation in observations(formation, estimated=False):
+                if not np.isfinite(observation.speed):
+                    continue
+                kept = copy.deepcopy(observation)
+                try:
+                    given = estimator.step(observation)
+                except EstimatorFailed as failed:
+                    raise ContractBroken(str(failed)) from failed
+                _demand_unchanged(own, kept, observation)
+                for name in (name for name in given if name.endswith("_sd") and np.any(given[name] < 0.0)):
+                    raise ContractBroken(f"{type(own).__name__}.step gives a negative {name}: {given[name].tolist()}")
+                values.append(tuple(np.concatenate([given[name] for name in estimator.provides]).tolist()))
+            runs.append(values)
+        _demand_same(own, "step", runs)
+
+
+def check_sensors(factory: Callable[[], Sensors]) -> None:
+    """Check a sensor model.
+
+    It reads a train of any number of groups, reads a train at some time as finite numbers, cannot change the truth, and
+    reads the same again after `start` with the same random numbers.
+
+    Raises:
+        ContractBroken: It does something else.
+    """
+    for formation in formations():
+        own, layout = factory(), layout_of(formation)
+        runs: list[list[tuple[float, ...]]] = []
+        for _ in range(2):
+            sensors = _made(
+                lambda own=own, layout=layout, formation=formation: CustomSensors(
+                    own, layout, formation, _PERIOD, np.random.default_rng(1)
+                )
+            )
+            readings: list[tuple[float, ...]] = []
+            for sample, observation in enumerate(_courses(formation, estimated=False)):
+                truth = np.zeros(layout.outputs)
+                for name in ("speed", "acceleration", "wheelset_speed", "slip"):
+                    truth[layout.output[name]] = getattr(observation, name)
+                truth[layout.output["cylinder_pressure"]] = observation.pressure
+                try:
+                    readings.append(tuple(sensors.read(sample, truth).tolist()))
+                except SensorsFailed as failed:
+                    raise ContractBroken(str(failed)) from failed
+            if np.isnan(np.array(readings)).all():
+                raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
+            runs.append(readings)
+        _demand_same(own, "read", runs)
+
+
+def formations() -> Iterator[BrakedFormation]:
+    """Yield vehicles of one, three and four groups."""
+    for wheelsets in _FORMATIONS:
+        yield BrakedFormation(wheelsets, (_BRAKE,) * len(wheelsets))
+
+
+def observations(formation: BrakedFormation, *, estimated: bool) -> Iterator[Observation]:
+    """Yield what is shown of a train that nobody has read yet, then of one that brakes from 30 m/s to standstill."""
+    groups = formation.groups
+    unread, known = np.full(groups, np.nan), np.full(groups, 0.05)
+    estimates = (known, 7 * known) if estimated else (None, None)
+    yield Observation(0.0, np.nan, np.nan, unread, unread, estimated, *_copied(estimates), np.zeros(groups))
+    yield from _courses(formation, estimated=estimated)
+
+
+def _courses(formation: BrakedFormation, *, estimated: bool) -> Iterator[Observation]:
+    """Yield a braking train whose groups roll, slide and lock one after the other."""
+    groups = formation.groups
+    for k in range(1, 302):
+        time = k * _PERIOD
+        speed = max(30.0 - 10.0 * time, 0.0)
+        slip = np.clip(1.5 * np.sin(2.0 * time + np.arange(groups)), 0.0, 1.0)
+        wheels = (1.0 - slip) * speed / formation.wheel_radius
+        pressure = formation.pressure_max * (0.5 + 0.5 * np.sin(3.0 * time))
+        adhesion = 0.1 * slip / (0.02 + slip)
+        estimates = (adhesion, np.full(groups, 0.35)) if estimated else (None, None)
+        yield Observation(time, speed, -10.0, wheels, slip, estimated, *_copied(estimates), pressure)
+
+
+def _copied(values: tuple[Any, Any]) -> tuple[Any, Any]:
+    return tuple(None if value is None else value.copy() for value in values)  # type: ignore[return-value]
+
+
+def _made(make: Callable[[], Any]) -> Any:
+    try:
+        return make()
+    except ScenarioError as problem:
+        raise ContractBroken(str(problem)) from problem
+
+
+def _demand_pressures(law: object, formation: BrakedFormation, demands: tuple[float, ...]) -> None:
+    for demand, most in zip(demands, formation.pressure_max, strict=True):
+        if not 0.0 <= demand <= most:
+            raise ContractBroken(
+                f"{type(law).__name__}.decide demands {demand:g} Pa; a cylinder takes 0 to {most:g} Pa"
+            )
+
+
+def _demand_unchanged(own: object, before: Observation, after: Observation) -> None:
+    for name, one, other in zip(Observation._fields, before, after, strict=True):
+        if one is not None and not np.array_equal(np.asarray(one), np.asarray(other), equal_nan=True):
+            raise ContractBroken(f"{type(own).__name__} changes {name} of what it is shown")
+
+
+def _demand_same(own: object, method: str, runs: list[list[tuple[float, ...]]]) -> None:
+    if not np.array_equal(runs[0], runs[1], equal_nan=True):
+        raise ContractBroken(
+            f"{type(own).__name__}.{method} gives something else after a second start; start() begins everything anew"
+        )
