@@ -97,7 +97,7 @@ check: $(DEV)
 	@rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(CURDIR)/harness/* $(addprefix $(CURDIR)/,estimators controllers fmus) $(TYPED)
 	$(RUN) -m pyright
 
-ESTIMATIONS := harness/estimate/library
+ESTIMATIONS := harness/estimation/library
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
 	$(RUN) -m railgrip rig

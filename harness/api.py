@@ -152,8 +152,8 @@ def estimate(
         ScenarioError: The file is no estimation.
         EstimationError: The recording does not fit it.
     """
-    from railgrip.estimate.sources import recording_of_estimation
-    from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+    from railgrip.estimation.sources import recording_of_estimation
+    from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 
     path = Path(model)
     ours = LIBRARY / f"{path}.toml"

@@ -15,7 +15,7 @@ import typer
 from railgrip.bench.command import add_to as add_bench
 from railgrip.console import complain, progress, remark, say, show_table
 from railgrip.engine import Engine
-from railgrip.estimate.command import add_to as add_estimate
+from railgrip.estimation.command import add_to as add_estimate
 from railgrip.map_command import add_to as add_map
 from railgrip.scenario.error import ScenarioError
 from railgrip.studies.field.command import add_to as add_field
@@ -50,6 +50,14 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
 ]
+ImportFrom = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--import-from",
+        metavar="DIR",
+        help="Folder of modules that a scenario names as module:Class; their code runs. Repeatable.",
+    ),
+]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
@@ -61,6 +69,7 @@ def run(
     overrides: Overrides = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
     engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
+    import_from: ImportFrom = None,
 ) -> None:
     """Run one scenario and print its figures."""
     from railgrip.one_stop import run as run_scenario
@@ -72,7 +81,7 @@ def run(
         stop = run_scenario(
             scenario,
             directory,
-            _runner(engine),
+            _runner(engine, import_from or ()),
             lambda speed: shown.update(done=scenario.start.speed - speed),
             remark,
         )
@@ -125,6 +134,7 @@ def campaign(
     panels: Annotated[
         Panels | None, typer.Option(help="Of which stops the panels are drawn, whatever the campaigns say.")
     ] = None,
+    import_from: ImportFrom = None,
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
     from railgrip.campaign import Asked
@@ -144,7 +154,7 @@ def campaign(
         one = asked[number]
         write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
 
-    problem = _run_campaigns(asked, workers=workers, fresh=fresh, finished=draw)
+    problem = _run_campaigns(asked, workers=workers, fresh=fresh, finished=draw, import_from=import_from or ())
     for one in asked:
         _print_rows(rows_of(read_results(one.directory)))
         say(f"{one.directory}/index.html")
@@ -359,11 +369,11 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(WRONG_QUESTION if sentence.wrong_question else RUN_FAILED)
 
 
-def _runner(engine: Engine = Engine.AUTO) -> "Runner":
+def _runner(engine: Engine = Engine.AUTO, import_from: Sequence[Path] = ()) -> "Runner":
     # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
-    from railgrip.assemble import run_stop
+    from railgrip.assemble import OwnParties, run_stop
 
-    return partial(run_stop, engine=engine)
+    return partial(run_stop, engine=engine, own=OwnParties(folders=tuple(import_from)))
 
 
 def _run_campaigns(
@@ -372,6 +382,7 @@ def _run_campaigns(
     workers: int,
     fresh: bool,
     finished: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
+    import_from: Sequence[Path] = (),
 ) -> int:
     """Run campaigns with progress; return the exit code that their stops call for.
 
@@ -391,7 +402,9 @@ def _run_campaigns(
             finished(number, lambda what: shown.update(doing=f"drawing {what}"))
             shown.update(doing="")
 
-        reports = run_campaigns(asked, _runner(), workers=workers, fresh=fresh, tell=tell, finished=complete)
+        reports = run_campaigns(
+            asked, _runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
+        )
     states = {report.state for reported in reports for report in reported}
     if "refused" in states:
         return WRONG_QUESTION

@@ -3,8 +3,8 @@
 railgrip.testing.check_controller(MyLaw)
 
 Each takes a class, or whatever returns a new object when it is called, and raises ContractBroken with the first thing
-that is wrong, in a sentence. They pass over formations of one, three and four groups, and over observations of a wheel that rolls,
-slides and locks, of a train that stands, and of sensors that have not read yet.
+that is wrong, in a sentence. They pass over formations of one, three and four groups, and over observations of a wheel
+that rolls, slides and locks, of a train that stands, and of sensors that have not read yet.
 """
 
 import copy

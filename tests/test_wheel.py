@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-DATA = {".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja"}
+DATA = {".typed", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja"}
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from statistics import median
 from time import perf_counter
 
-from railgrip.estimate.course import with_track_force
-from railgrip.estimate.spec import estimate_of
+from railgrip.estimation.course import with_track_force
+from railgrip.estimation.spec import estimate_of
 from railgrip.studies.field.filtering import filter_of, follow, prediction, specification, task_of
 from railgrip.studies.field.noise import PHYSICAL
 from railgrip.studies.field.objective import evaluate

@@ -5,8 +5,8 @@ from time import perf_counter
 
 import numpy as np
 
-from railgrip.estimate.run import by_name
-from railgrip.estimate.spec import LIBRARY, load_specification, prediction_for, settings_for
+from railgrip.estimation.run import by_name
+from railgrip.estimation.spec import LIBRARY, load_specification, prediction_for, settings_for
 from railgrip.estimators.compiled import CompiledFilter
 
 

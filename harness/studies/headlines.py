@@ -7,7 +7,7 @@ largest of many errors. A changed law moves it further.
 
 from collections.abc import Callable
 
-from railgrip.estimate.error import EstimationError
+from railgrip.estimation.error import EstimationError
 from railgrip.verdict.baseline import Finding, Findings
 
 Tell = Callable[[str], None]
@@ -33,8 +33,8 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
 
 def rig(tell: Tell) -> list[Finding]:
     """Return errors of adhesion and pad friction in both tests of the roller rig, with both filters."""
-    from railgrip.estimate.rig import FILTERS, SCENARIOS, row_of
-    from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+    from railgrip.estimation.rig import FILTERS, SCENARIOS, row_of
+    from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
     from railgrip.twins.rig_scenario import rig_scenario
     from railgrip.twins.roller_rig import run_rig
 

@@ -6,8 +6,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import columns, period_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import columns, period_of
 from railgrip.scenario.track import CurveLaw, force_along
 from railgrip.track.course import LowPass
 from railgrip.track.geodesy import Place, local

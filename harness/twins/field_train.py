@@ -13,8 +13,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import recording_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import force_along
 from railgrip.track.laid import Plan

@@ -11,7 +11,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.tuning import VALVE_BAND, VALVE_PULSE_MIN
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.estimate.recording import recording_of
+from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
 from railgrip.twins.plant import defaults, parameters, plant
 from railgrip.twins.rig_scenario import RigScenario

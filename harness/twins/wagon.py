@@ -9,7 +9,7 @@ import xarray
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from railgrip.estimate.recording import recording_of
+from railgrip.estimation.recording import recording_of
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.seed import generator
 from railgrip.scenario.table import Duration, Friction, Name, Parameters, Seed, Speed, Table

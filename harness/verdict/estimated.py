@@ -38,7 +38,7 @@ def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[
 
     Args:
         recording: What the filter was given.
-        told: What it believes, see `railgrip.estimate.run.estimate`.
+        told: What it believes, see `railgrip.estimation.run.estimate`.
         inputs: Of its model.
         path: Of the figure.
     """

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
 
-from railgrip.estimate.run import prediction_of
-from railgrip.estimate.spec import LIBRARY, load_specification
+from railgrip.estimation.run import prediction_of
+from railgrip.estimation.spec import LIBRARY, load_specification
 
 NOISE = load_specification(LIBRARY / "rig_paper.toml").noise
 

@@ -8,12 +8,12 @@ import pytest
 from typer.testing import CliRunner
 
 from railgrip.commands import app
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.specified import taken_for
-from railgrip.estimate.recording import recording_of
-from railgrip.estimate.run import estimate
-from railgrip.estimate.sources import recording_of_estimation
-from railgrip.estimate.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.specified import taken_for
+from railgrip.estimation.recording import recording_of
+from railgrip.estimation.run import estimate
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
 
 MAP = """
 [data]

@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 import railgrip.scenario
 from railgrip.commands import app
-from railgrip.estimate.recorded.specified import taken_for
-from railgrip.estimate.spec import load_specification
+from railgrip.estimation.recorded.specified import taken_for
+from railgrip.estimation.spec import load_specification
 from railgrip.studies.monitor.evidence import evidence_of
 from railgrip.studies.monitor.folder import stops_in
 from railgrip.studies.monitor.life import Life, live

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import xarray
 
-from railgrip.estimate.protection import excursions, outside_events
-from railgrip.estimate.recording import recording_of
+from railgrip.estimation.protection import excursions, outside_events
+from railgrip.estimation.recording import recording_of
 
 PERIOD = 0.01
 

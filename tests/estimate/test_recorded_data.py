@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.cleaning import spikes, standing
-from railgrip.estimate.recorded.flag import Flag, summary
-from railgrip.estimate.recorded.grid import input_on_grid, on_grid
-from railgrip.estimate.recorded.read import Taken, recorded
-from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.cleaning import spikes, standing
+from railgrip.estimation.recorded.flag import Flag, summary
+from railgrip.estimation.recorded.grid import input_on_grid, on_grid
+from railgrip.estimation.recorded.read import Taken, recorded
+from railgrip.estimation.recorded.table import DataTable
 from railgrip.scenario.load import validated
 
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}

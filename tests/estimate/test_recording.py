@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import columns, period_of, recording_of, truth_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import columns, period_of, recording_of, truth_of
 
 
 def recorded(**changes):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contracts.prediction import prediction_contract
 
-from railgrip.estimate.run import model_of, prediction_of
+from railgrip.estimation.run import model_of, prediction_of
 from railgrip.fmu import FmuPrediction, describe
 from railgrip.fmus.build import fmu
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.judge import judge
-from railgrip.estimate.recording import recording_of
-from railgrip.estimate.run import Settings, by_name, estimate, per_step, prediction_of, units_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.judge import judge
+from railgrip.estimation.recording import recording_of
+from railgrip.estimation.run import Settings, by_name, estimate, per_step, prediction_of, units_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.gate import Gate

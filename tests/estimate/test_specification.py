@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.run import by_name
-from railgrip.estimate.sources import recording_for
-from railgrip.estimate.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.run import by_name
+from railgrip.estimation.sources import recording_for
+from railgrip.estimation.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
 from railgrip.scenario.error import ScenarioError
 
 TEXT = (LIBRARY / "rig_own.toml").read_text()

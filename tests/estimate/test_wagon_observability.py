@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from railgrip.estimate.observable import observe
-from railgrip.estimate.recording import recording_of
-from railgrip.estimate.run import prediction_of
-from railgrip.estimate.spec import LIBRARY, load_specification
+from railgrip.estimation.observable import observe
+from railgrip.estimation.recording import recording_of
+from railgrip.estimation.run import prediction_of
+from railgrip.estimation.spec import LIBRARY, load_specification
 from railgrip.estimators.observability import ReadingsAndRates, observability
 
 G = 9.81

@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from railgrip.estimate.course import with_track_force
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.observable import observe, with_estimates_as_truth
-from railgrip.estimate.recorded.specified import taken_for
-from railgrip.estimate.selection import prediction_seeing
-from railgrip.estimate.spec import estimate_of, settings_for
+from railgrip.estimation.course import with_track_force
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.observable import observe, with_estimates_as_truth
+from railgrip.estimation.recorded.specified import taken_for
+from railgrip.estimation.selection import prediction_seeing
+from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.scenario.error import ScenarioError
 from railgrip.studies.field.degeneracy import common_factor

@@ -17,8 +17,8 @@ from scipy.io import savemat
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
-from railgrip.estimate.recorded.read import recorded
-from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimation.recorded.read import recorded
+from railgrip.estimation.recorded.table import DataTable
 from railgrip.instruments import sensors_of
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.error import ScenarioError

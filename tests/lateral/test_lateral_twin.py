@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from railgrip.estimate.recording import columns, period_of, truth_of
+from railgrip.estimation.recording import columns, period_of, truth_of
 from railgrip.fmus.native.dae import LIBRARY
 from railgrip.studies.lateral.filters import prediction
 from railgrip.studies.lateral.recording import recorded

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.table import DataTable
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.scenario.error import ScenarioError

@@ -7,7 +7,7 @@ import pytest
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
-from railgrip.estimate.spec import load_specification
+from railgrip.estimation.spec import load_specification
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.error import ScenarioError
@@ -53,7 +53,7 @@ def test_a_file_of_another_kind_is_told_its_command_in_one_sentence(tmp_path):
     )
     assert refusal(load_campaign, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
     assert refusal(load_specification, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
-    wagon = ROOM.parent / "estimate" / "library" / "wagon.toml"
+    wagon = ROOM.parent / "estimation" / "library" / "wagon.toml"
     assert refusal(load, wagon).endswith("use `railgrip estimate wagon.toml`")
 
 

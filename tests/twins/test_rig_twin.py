@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from railgrip.estimate.judge import judge
-from railgrip.estimate.protection import excursions
-from railgrip.estimate.spec import LIBRARY, estimate_of, load_specification
+from railgrip.estimation.judge import judge
+from railgrip.estimation.protection import excursions
+from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 from railgrip.twins.rig_scenario import rig_scenario
 from railgrip.twins.roller_rig import measured_adhesion, run_rig
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from railgrip.estimate.judge import judge
-from railgrip.estimate.run import estimate, prediction_of, units_of
-from railgrip.estimate.spec import LIBRARY, load_specification, settings_for
+from railgrip.estimation.judge import judge
+from railgrip.estimation.run import estimate, prediction_of, units_of
+from railgrip.estimation.spec import LIBRARY, load_specification, settings_for
 from railgrip.twins.plant import plant
 from railgrip.twins.wagon import INPUTS, OUTPUTS, run_wagon, wagon_scenario
 

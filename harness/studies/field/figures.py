@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from railgrip.estimate.recording import truth_of
+from railgrip.estimation.recording import truth_of
 from railgrip.estimators.compiled import Followed
 from railgrip.studies.field.degeneracy import Sweep
 from railgrip.studies.field.filtering import Task

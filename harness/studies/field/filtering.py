@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimate.recording import columns, period_of, truth_of
-from railgrip.estimate.run import by_name
-from railgrip.estimate.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
+from railgrip.estimation.recording import columns, period_of, truth_of
+from railgrip.estimation.run import by_name
+from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter, Followed
 from railgrip.estimators.consistency import lost_at

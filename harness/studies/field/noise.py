@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.run import by_name
-from railgrip.estimate.spec import NoiseTable
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.run import by_name
+from railgrip.estimation.spec import NoiseTable
 from railgrip.record.atomic import replacing
 from railgrip.scenario.load import read_toml, validated
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
+from railgrip.estimation.error import EstimationError
 from railgrip.estimators.compiled import CompiledFilter, Followed
 from railgrip.estimators.errors import FilterDiverged
 from railgrip.studies.field.filtering import Task, follow

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import truth_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import truth_of
 from railgrip.record.atomic import write_text
 from railgrip.scenario.track import CurveLaw, curve_coefficient
 from railgrip.studies.field.degeneracy import Sweep, common_factor, readings_trusted

@@ -6,8 +6,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import truth_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import truth_of
 from railgrip.estimators.compiled import Followed
 from railgrip.studies.field.filtering import Task
 from railgrip.studies.field.noise import GROUPS

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from railgrip.estimate.recording import recording_of
+from railgrip.estimation.recording import recording_of
 from railgrip.loop.compiled import run
 from railgrip.studies.lateral.run import Case
 from railgrip.twins.lateral import PERIOD, PLANTS, READINGS, course, output_columns, wheelset

@@ -28,7 +28,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictInt, field_validator
 
-from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimation.recorded.table import DataTable
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Name, Table, broken

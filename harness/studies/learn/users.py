@@ -1,6 +1,6 @@
 """Somebody's own runs: a folder of recordings, a table of labels, and a column map as every estimation has one.
 
-Recordings are read as `railgrip.estimate.recorded` reads them (csv, parquet, mat, mf4; units, gaps, outliers, sensors
+Recordings are read as `railgrip.estimation.recorded` reads them (csv, parquet, mat, mf4; units, gaps, outliers, sensors
 that froze). Their signals: `left[1]` … `left[4]` and `right[1]` … `right[4]`, longitudinal accelerations of the axle
 boxes, `lateral[1]` … `lateral[4]`, all in axes of the car, and `speed`.
 
@@ -17,9 +17,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimate.recorded.flag import Flag, summary
-from railgrip.estimate.recorded.read import Taken, recorded
-from railgrip.estimate.recorded.table import Column, DataTable, TimeColumn
+from railgrip.estimation.recorded.flag import Flag, summary
+from railgrip.estimation.recorded.read import Taken, recorded
+from railgrip.estimation.recorded.table import Column, DataTable, TimeColumn
 from railgrip.estimators.learned.online import BOXES
 from railgrip.scenario.error import ScenarioError
 from railgrip.studies.learn.gather import SETTLED

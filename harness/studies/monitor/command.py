@@ -23,7 +23,7 @@ def monitor(
     out: Annotated[Path | None, typer.Option(help="Figure; DIR/monitor.png unless given.")] = None,
 ) -> None:
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
-    from railgrip.estimate.spec import load_specification
+    from railgrip.estimation.spec import load_specification
     from railgrip.studies.monitor.folder import stops_in
     from railgrip.studies.monitor.page import draw, rows_of, verdict_on
     from railgrip.studies.monitor.watch import Design, watch
@@ -37,7 +37,7 @@ def monitor(
     for sentence in found.sentences:
         say(sentence)
     if not found.evidence:
-        from railgrip.estimate.error import EstimationError
+        from railgrip.estimation.error import EstimationError
 
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()

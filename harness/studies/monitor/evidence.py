@@ -10,9 +10,9 @@ import xarray
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import columns, period_of
-from railgrip.estimate.run import model_of, prediction_of, units_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import columns, period_of
+from railgrip.estimation.run import model_of, prediction_of, units_of
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.errors import FilterDiverged
 from railgrip.estimators.prediction import CasadiPrediction

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.files import FORMATS
-from railgrip.estimate.recorded.specified import taken_for
-from railgrip.estimate.recording import recording_of
-from railgrip.estimate.spec import Specification, parameters_for
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.files import FORMATS
+from railgrip.estimation.recorded.specified import taken_for
+from railgrip.estimation.recording import recording_of
+from railgrip.estimation.spec import Specification, parameters_for
 from railgrip.formation import Formation
 from railgrip.record.trace import FILE_NAME, read_trace, trace_of, write_trace
 from railgrip.signals import Signal

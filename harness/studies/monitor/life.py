@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.recording import recording_of
+from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
 from railgrip.twins.plant import defaults, plant

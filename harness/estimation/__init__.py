@@ -5,9 +5,9 @@ or from a file, and carries what a prediction asks for under the prediction's ow
 outputs, arrays as scalars `cylinder_pressure[1]`. What the twin knows and no filter may see stands beside them as
 `true_<state>`, for `judge` alone.
 
-    from railgrip.estimate.recording import recording_of
-    from railgrip.estimate.run import Settings, estimate, prediction_of
-    from railgrip.estimate.judge import judge
+    from railgrip.estimation.recording import recording_of
+    from railgrip.estimation.run import Settings, estimate, prediction_of
+    from railgrip.estimation.judge import judge
 
     recorded = recording_of(
         {"pad_force": (force, "N"), "speed": (v, "m/s"), "wheelset_speed": (w, "rad/s")},

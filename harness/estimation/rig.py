@@ -7,10 +7,10 @@ from pathlib import Path
 
 import xarray
 
-from railgrip.estimate.judge import judge
-from railgrip.estimate.protection import LIMIT, excursions
-from railgrip.estimate.run import estimate, units_of
-from railgrip.estimate.spec import (
+from railgrip.estimation.judge import judge
+from railgrip.estimation.protection import LIMIT, excursions
+from railgrip.estimation.run import estimate, units_of
+from railgrip.estimation.spec import (
     LIBRARY,
     Specification,
     estimate_of,

@@ -10,8 +10,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import columns, period_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import columns, period_of
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import FAR, lost_at, nis_ratio

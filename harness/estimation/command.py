@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 OUT = Path("build/estimate")
 
 File = Annotated[
-    Path, typer.Argument(metavar="FILE.toml", help="An estimation; examples are in harness/estimate/library.")
+    Path, typer.Argument(metavar="FILE.toml", help="An estimation; examples are in harness/estimation/library.")
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
 Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
@@ -40,9 +40,9 @@ def observability(
 
     Along the true states where they are known, else, from recorded data, along those that the filter estimates.
     """
-    from railgrip.estimate.observable import observe, with_estimates_as_truth
-    from railgrip.estimate.sources import recording_of_estimation
-    from railgrip.estimate.spec import load_specification, prediction_for
+    from railgrip.estimation.observable import observe, with_estimates_as_truth
+    from railgrip.estimation.sources import recording_of_estimation
+    from railgrip.estimation.spec import load_specification, prediction_for
     from railgrip.verdict.observability import information
 
     specification = load_specification(file, overrides or [])
@@ -82,9 +82,9 @@ def estimate(
     data: Data = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
-    from railgrip.estimate.plausible import strange_estimates, strange_signals
-    from railgrip.estimate.sources import recording_of_estimation
-    from railgrip.estimate.spec import estimate_of, load_specification, prediction_for
+    from railgrip.estimation.plausible import strange_estimates, strange_signals
+    from railgrip.estimation.sources import recording_of_estimation
+    from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
     from railgrip.record.atomic import write_bytes
     from railgrip.verdict.estimated import estimated
 
@@ -111,7 +111,7 @@ def estimate(
 
 def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = OUT / "rig") -> None:
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
-    from railgrip.estimate.rig import study
+    from railgrip.estimation.rig import study
 
     with progress("roller rig") as shown:
         rows = study(out, lambda what: shown.update(doing=what))
@@ -148,8 +148,8 @@ def _say_flags(recording: "xarray.Dataset") -> None:
 
 def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     """Print how far off each state was whose truth is known."""
-    from railgrip.estimate.judge import judge
-    from railgrip.estimate.recording import TRUTH
+    from railgrip.estimation.judge import judge
+    from railgrip.estimation.recording import TRUTH
 
     say(
         f"{recording.attrs['name']}: median NIS is {told.attrs['nis_ratio']:.3g} of the expected one; above 1 the "

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import casadi as ca
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.run import model_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.run import model_of
 from railgrip.estimators.prediction import CasadiPrediction
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.judge import errors
+from railgrip.estimation.judge import errors
 
 Mask = NDArray[np.bool_]
 

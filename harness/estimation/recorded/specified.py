@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.read import Taken, recorded
-from railgrip.estimate.run import model_of, units_of
-from railgrip.estimate.spec import Specification
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.read import Taken, recorded
+from railgrip.estimation.run import model_of, units_of
+from railgrip.estimation.spec import Specification
 
 
 def taken_for(specification: Specification, path: Path) -> Taken:
@@ -17,14 +17,14 @@ def taken_for(specification: Specification, path: Path) -> Taken:
     if specification.data is None:
         raise EstimationError(
             f"{specification.name}: has no [data], which says what the columns of {path.name} are; see "
-            "harness/estimate/recorded/table.py for an example."
+            "harness/estimation/recorded/table.py for an example."
         )
     model = model_of(specification.model.class_)
     units = units_of(specification.model.class_)
     inputs = [variable.name for variable in model.inputs]
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:
-        from railgrip.estimate.course import ALWAYS, MADE, units_of_run
+        from railgrip.estimation.course import ALWAYS, MADE, units_of_run
 
         of_run = units_of_run(list(specification.data.columns))
         units = {name: unit for name, unit in units.items() if name != MADE} | of_run

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimate.recorded.flag import Flag, Kind
+from railgrip.estimation.recorded.flag import Flag, Kind
 
 Vector = NDArray[np.float64]
 

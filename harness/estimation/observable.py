@@ -7,10 +7,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recording import TRUTH, columns, period_of
-from railgrip.estimate.run import by_name, units_of
-from railgrip.estimate.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recording import TRUTH, columns, period_of
+from railgrip.estimation.run import by_name, units_of
+from railgrip.estimation.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
 from railgrip.estimators.observability import Observability, along, observability
 from railgrip.estimators.prediction import CasadiPrediction
 

@@ -9,7 +9,7 @@ else braking begins where a cylinder fills. What comes back begins with the coas
 
 import xarray
 
-from railgrip.estimate.spec import CourseTable
+from railgrip.estimation.spec import CourseTable
 from railgrip.track.braking import LOW_PASS, TRUST, braking_of
 from railgrip.track.course import LowPass
 from railgrip.track.motion import Trust

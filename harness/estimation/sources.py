@@ -8,9 +8,9 @@ from pathlib import Path
 
 import xarray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.specified import taken_for
-from railgrip.estimate.spec import SourceTable, Specification, check_mass
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.specified import taken_for
+from railgrip.estimation.spec import SourceTable, Specification, check_mass
 
 Maker = Callable[[str, int | None], xarray.Dataset]
 """Scenario and seed, None for the scenario's own, to a recording."""
@@ -41,7 +41,7 @@ def recording_of_estimation(
     if specification.course is None:
         return recording
     # Imported when asked for: recovering a track takes SciPy's splines, a rig or wagon has none.
-    from railgrip.estimate.course import with_track_force
+    from railgrip.estimation.course import with_track_force
 
     return with_track_force(recording, specification.course)
 

@@ -10,13 +10,13 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.cleaning import Treatment, cleaned
-from railgrip.estimate.recorded.files import Series, read_series
-from railgrip.estimate.recorded.flag import Flag, flags_of, summary
-from railgrip.estimate.recorded.grid import gaps_of, input_on_grid, on_grid
-from railgrip.estimate.recorded.table import Column, DataTable
-from railgrip.estimate.recording import TRUTH, recording_of
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.cleaning import Treatment, cleaned
+from railgrip.estimation.recorded.files import Series, read_series
+from railgrip.estimation.recorded.flag import Flag, flags_of, summary
+from railgrip.estimation.recorded.grid import gaps_of, input_on_grid, on_grid
+from railgrip.estimation.recorded.table import Column, DataTable
+from railgrip.estimation.recording import TRUTH, recording_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.units import Unit, UnitError, conversion, short, unit
 

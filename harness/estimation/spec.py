@@ -26,7 +26,7 @@ mass = "84 t"
 curve_law = "bogie"
 
 [source]
-kind = "roller_rig"                         # a twin, see railgrip.estimate.sources
+kind = "roller_rig"                         # a twin, see railgrip.estimation.sources
 scenario = "slide"
 """
 
@@ -37,10 +37,10 @@ from typing import Annotated, Any, Literal, Self
 import xarray
 from pydantic import Field, model_validator
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.table import DataTable
-from railgrip.estimate.run import Settings, estimate, model_of, per_step, prediction_of, units_of
-from railgrip.estimate.selection import prediction_seeing
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.table import DataTable
+from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
+from railgrip.estimation.selection import prediction_seeing
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.scenario.load import demand_kind, read_toml, validated

@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from railgrip.estimate.error import EstimationError
-from railgrip.estimate.recorded.table import DataTable
+from railgrip.estimation.error import EstimationError
+from railgrip.estimation.recorded.table import DataTable
 from railgrip.scenario.file import is_file
 from railgrip.units import UnitError, conversion, cut, place, short, unit
 

@@ -1,6 +1,6 @@
 """A user's own data: files of recorded signals, made a recording that the estimators take.
 
-    from railgrip.estimate.recorded.read import recorded
+    from railgrip.estimation.recorded.read import recorded
 
     taken = recorded(Path("run.csv"), table, model)       # table: [data] of an estimation
     taken.recording                                       # xarray, even grid, names and units of the model

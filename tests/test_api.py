@@ -1,0 +1,309 @@
+"""The door: what the documentation shows runs, and what goes wrong in a user's class is said in a sentence."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import railgrip as rg
+from railgrip.scenario.error import ScenarioError
+
+PAGE = Path(__file__).parents[1] / "docs" / "api.md"
+SHORT = {"limits.horizon": "0.5 s", "start.speed": "30 km/h"}
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return rg.Scenario.load("trapezoid", SHORT)
+
+
+class BangBang:
+    """Ten lines."""
+
+    def __init__(self, level=0.15):
+        self.level = level
+
+    def start(self, formation):
+        self.p_max = formation.pressure_max
+
+    def decide(self, observation):
+        return np.where(observation.slip < self.level, self.p_max, 0.0)
+
+
+class Drag:
+    provides = ("adhesion",)
+
+    def start(self, first, formation):
+        self.n = formation.groups
+
+    def step(self, observation):
+        return rg.Estimate(adhesion=np.full(self.n, -observation.acceleration / 9.81))
+
+
+class Gps:
+    def start(self, formation, random):
+        self.random = random
+
+    def read(self, time, truth):
+        readings = {name: truth[name] for name in ("wheelset_speed", "acceleration", "cylinder_pressure")}
+        return readings | {"speed": truth["speed"] + 0.01 * self.random.standard_normal()}
+
+
+def test_the_page_runs_as_printed_on_shorter_stops(monkeypatch):
+    load = rg.Scenario.load.__func__
+    monkeypatch.setattr(
+        rg.Scenario, "load", classmethod(lambda cls, source: load(cls, source, {"limits.horizon": "0.2 s"}))
+    )
+    names = {"__name__": "page"}
+    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
+        exec(compile(block, str(PAGE), "exec"), names)
+    assert names["mine"].trace.sizes["time"] == 201
+    assert names["bench"].stop.outcome is rg.Outcome.HORIZON
+
+
+def test_importing_loads_nothing_heavy():
+    """Less than 0.1 s; what takes time is what is loaded."""
+    code = "import sys, railgrip; print({'numpy', 'casadi', 'xarray', 'pydantic'} & sys.modules.keys())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
+
+
+def test_every_name_of_the_door_is_there():
+    for name in rg.__all__:
+        assert getattr(rg, name) is not None
+    with pytest.raises(AttributeError, match="has no attribute 'braek'"):
+        _ = rg.braek
+
+
+def test_a_law_of_ours_as_an_object_stops_as_it_does_by_its_name(scenario):
+    """Two-state control at 10/15 %, written here, to the last bit."""
+
+    class TwoState:
+        needs = ()
+
+        def start(self, formation):
+            self.demand = self.p_max = formation.pressure_max
+
+        def decide(self, observation):
+            fast = observation.speed > 0.5
+            self.demand = np.where((observation.slip > 0.15) & fast, 0.0, self.demand)
+            self.demand = np.where((observation.slip < 0.10) | (not fast), self.p_max, self.demand)
+            return self.demand
+
+    ours = rg.run(scenario.changed({"controller.kind": "slip_two_state", "limits.horizon": "3 s"}), engine="python")
+    theirs = rg.run(scenario.changed({"limits.horizon": "3 s"}), controller=TwoState)
+    assert np.count_nonzero(np.diff(ours.trace["demand"], axis=0)) > 4
+    for name in ("distance", "slip", "demand", "command"):
+        assert ours.trace[name].values.tobytes() == theirs.trace[name].values.tobytes()
+
+
+def test_own_parties_are_named_in_the_result(scenario, tmp_path):
+    stop = rg.run(scenario, controller=BangBang(0.12), estimator=Drag, sensors=Gps)
+    stop.write(tmp_path)
+    kept = json.loads((tmp_path / "stop.json").read_text())
+    assert kept["classes"]["controller"]["class"] == f"{__name__}:BangBang"
+    assert kept["classes"]["controller"]["parameters"] == {"level": 0.12}
+    assert len(kept["classes"]["sensors"]["source_sha256"]) == 64
+    assert kept["scenario"]["controller"]["kind"] == f"{__name__}:BangBang"
+
+
+def test_what_an_estimator_lacks_is_absent(scenario):
+    shown = []
+
+    class Spy(BangBang):
+        def decide(self, observation):
+            shown.append(observation)
+            return super().decide(observation)
+
+    stop = rg.run(scenario, controller=Spy, estimator=Drag)
+    assert {name for name in stop.trace if str(name).startswith("estimate_")} == {"estimate_adhesion"}
+    assert stop.metrics.adhesion_rmse is not None
+    assert stop.metrics.adhesion_nees is stop.metrics.nis_ratio is None
+    assert shown[-1].pad_friction is None
+    assert not shown[-1].slip_is_estimated
+    assert shown[-1].adhesion == pytest.approx(np.full(4, -shown[-1].acceleration / 9.81))
+    assert shown[-1].wheelset_speed.shape == (4,)
+
+
+def test_a_law_is_refused_that_needs_what_nobody_estimates(scenario):
+    with pytest.raises(ScenarioError, match=r"'adhesion_based' needs estimates of pad_friction, .* provides adhesion"):
+        rg.run(scenario, estimator=Drag)
+
+    class Needs(BangBang):
+        needs = ("adhesion",)
+
+    with pytest.raises(ScenarioError, match="needs estimates of adhesion"):
+        rg.run(scenario.changed({"estimator.kind": "none", "controller.kind": "full_brake"}), controller=Needs)
+
+
+def law(decide):
+    return type("Law", (BangBang,), {"decide": decide})
+
+
+@pytest.mark.parametrize(
+    ("decide", "words"),
+    [
+        (lambda self, observation: 1 / 0, r"Law\.decide failed in .*test_api\.py, line \d+: ZeroDivisionError"),
+        (
+            lambda self, observation: [1.0, 2.0],
+            r"Law\.decide \(.*\) returned numbers of shape \(2,\), not the demanded",
+        ),
+        (lambda self, observation: np.full(4, np.nan), r"returned \[nan, nan, nan, nan\], not"),
+        (lambda self, observation: "full", "returned str 'full', not"),
+        (lambda self: None, r"Law\.decide \(.*test_api\.py, line \d+\) failed: TypeError"),
+        (lambda self, observation: observation.slip.fill(0.0), "ValueError: assignment destination is read-only"),
+    ],
+)
+def test_a_mistake_in_a_controller_is_an_outcome_and_a_sentence(scenario, decide, words):
+    stop = rg.run(scenario, controller=law(decide))
+    assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
+    assert re.search(words, stop.reason)
+    assert stop.reason.endswith("At 0.000 s.")
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        (lambda self, observation: {}["a"], "KeyError"),
+        (lambda self, observation: 3, "returned int 3, not an Estimate"),
+        (lambda self, observation: rg.Estimate(adhesion=0.1), r"gave adhesion as numbers of shape \(\)"),
+        (lambda self, observation: rg.Estimate(slip=np.zeros(4)), "gave slip; it provides adhesion"),
+        (lambda self, observation: rg.Estimate(adhesion=np.full(4, np.inf)), r"gave adhesion as \[inf"),
+    ],
+)
+def test_a_mistake_in_an_estimator_is_an_outcome_and_a_sentence(scenario, step, words):
+    stop = rg.run(scenario, controller=BangBang, estimator=type("Mine", (Drag,), {"step": step}))
+    assert stop.outcome is rg.Outcome.DIVERGED
+    assert re.search(rf"Mine\.step.*{words}", stop.reason)
+
+
+@pytest.mark.parametrize(
+    ("read", "words"),
+    [
+        (lambda self, time, truth: truth["sped"], "KeyError"),
+        (lambda self, time, truth: {"sped": 1.0}, "not readings of speed, wheelset_speed"),
+        (lambda self, time, truth: {"speed": [1.0, 2.0]}, r"gave speed as numbers of shape \(2,\)"),
+        (lambda self, time, truth: truth["slip"].fill(0.0), "read-only"),
+    ],
+)
+def test_a_mistake_in_sensors_is_an_outcome_and_a_sentence(scenario, read, words):
+    stop = rg.run(scenario, controller=BangBang, sensors=type("Mine", (Gps,), {"read": read}))
+    assert stop.outcome.value == "sensors_failed"
+    assert re.search(rf"Mine\.read.*{words}", stop.reason)
+
+
+def test_a_class_that_is_none_of_them_is_refused(scenario):
+    with pytest.raises(ScenarioError, match="object: has no method start and decide"):
+        rg.run(scenario, controller=object)
+    with pytest.raises(ScenarioError, match="`provides` is 'adhesion'"):
+        rg.run(scenario, controller=BangBang, estimator=type("Mine", (Drag,), {"provides": "adhesion"}))
+
+
+def test_noise_of_own_sensors_is_the_seeds(scenario):
+    one, same, other = (
+        rg.run(scenario.changed({"seed": seed}), controller=BangBang, sensors=Gps).trace["reading_speed"].values
+        for seed in (1, 1, 2)
+    )
+    assert one.tobytes() == same.tobytes()
+    assert not np.array_equal(one, other)
+
+
+def test_the_demand_is_recorded_with_units(scenario):
+    """Row k holds what was demanded before it; ideal actuation sends it on as it is, a pressure."""
+    trace = rg.run(scenario, controller=BangBang).trace
+    assert trace["demand"].attrs["units"] == trace["command"].attrs["units"] == "Pa"
+    assert trace["demand"].values[0].tolist() == [0.0] * 4
+    assert np.array_equal(trace["demand"], trace["command"])
+
+
+def test_a_stop_by_hand_is_the_stop_of_the_loop(scenario):
+    class Full:
+        def start(self, formation):
+            pass
+
+        def decide(self, observation):
+            return np.full(4, 2e5)
+
+    ours = rg.run(scenario, controller=Full)
+    with rg.open(scenario) as bench:
+        for _ in range(2):
+            observation = bench.reset()
+            assert observation.time == 0.0
+            while not bench.ended:
+                observation = bench.step(np.full(4, 2e5))
+            assert bench.stop.trace["distance"].values.tobytes() == ours.trace["distance"].values.tobytes()
+        with pytest.raises(ScenarioError, match=r"reset\(\) comes before step\(\)"):
+            bench.step(np.full(4, 2e5))
+        bench.reset()
+        with pytest.raises(ScenarioError, match=r"got numbers of shape \(3,\)"):
+            bench.step([1.0, 2.0, 3.0])
+        with pytest.raises(ScenarioError, match="no stop before it has ended"):
+            _ = bench.stop
+
+
+def test_a_sweep_of_fifty_stops_is_a_table_in_order(scenario):
+    axes = {"start.speed": ["30 km/h", "40 km/h"], "seed": range(25)}
+    sweep = rg.sweep(scenario.changed({"limits.horizon": "100 ms"}), axes, controller=BangBang, workers=2)
+    table = sweep.to_pandas()
+    assert len(table) == 50
+    assert table["start.speed"].tolist() == ["30 km/h"] * 25 + ["40 km/h"] * 25
+    assert table["seed"].tolist() == [*range(25), *range(25)]
+    assert set(table["outcome"]) == {"horizon"}
+    assert (table["distance"][25:].to_numpy() > table["distance"][:25].to_numpy()).all()
+    grid = sweep.to_xarray()
+    assert grid["distance"].dims == ("start.speed", "seed")
+    assert grid["longest_lock"].dims == ("start.speed", "seed", "group")
+    assert grid["distance"].attrs["units"] == "m"
+
+
+def test_a_sweep_of_what_is_no_scenario_runs_nothing(scenario):
+    with pytest.raises(ScenarioError, match="start"):
+        rg.sweep(scenario, {"start.speed": ["30 km/h", "fast"]})
+    with pytest.raises(ScenarioError, match="the axis 'seed' has no value"):
+        rg.sweep(scenario, {"seed": []})
+
+
+def test_a_scenario_may_name_a_class(scenario, tmp_path):
+    (tmp_path / "my_laws.py").write_text(
+        "import numpy as np\n"
+        "class Soft:\n"
+        "    def __init__(self, share): self.share = share\n"
+        "    def start(self, formation): self.demand = self.share * formation.pressure_max\n"
+        "    def decide(self, observation): return self.demand\n"
+    )
+    named = scenario.changed({"controller.kind": "my_laws:Soft", "controller.parameters.share": 0.5})
+    stop = rg.run(named, import_from=[tmp_path])
+    assert stop.classes["controller"]["parameters"] == {"share": 0.5}
+    assert stop.trace["demand"].values[-1].tolist() == [1.7e5, 1e5, 1e5, 1.7e5]  # half of 3.4 and 2 bar
+    with pytest.raises(ScenarioError, match="has no class Hard"):
+        rg.run(named.changed({"controller.kind": "my_laws:Hard"}), import_from=[tmp_path])
+    with pytest.raises(ScenarioError, match=r"Soft cannot be made with parameters \{\}: TypeError"):
+        rg.run(scenario.changed({"controller.kind": "my_laws:Soft"}), import_from=[tmp_path])
+
+
+def test_a_folder_one_stands_in_runs_no_code_by_itself(tmp_path):
+    (tmp_path / "trap.py").write_text("open('sprung', 'w')\nclass Law:\n    pass\n")
+    set_ = ["--set", "controller.kind=trap:Law", "--set", "limits.horizon=0.1 s"]
+    command = [sys.executable, "-m", "railgrip", "run", "trapezoid", *set_]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "the module trap cannot be imported" in done.stderr
+    assert "--import-from DIR" in done.stderr
+    assert not (tmp_path / "sprung").exists()
+    done = subprocess.run([*command, "--import-from", "."], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (tmp_path / "sprung").exists()
+    assert "Law: has no method start and decide" in done.stderr
+
+
+def test_an_estimate_of_a_recording():
+    from railgrip.estimation.sources import recording_of_estimation
+    from railgrip.estimation.spec import LIBRARY, load_specification
+
+    recording = recording_of_estimation(load_specification(LIBRARY / "wagon.toml")).isel(time=slice(0, 400))
+    estimated = rg.estimate(recording, "wagon")
+    assert estimated["mean"].sizes["time"] == 400
+    assert rg.estimate(recording, LIBRARY / "wagon.toml").equals(estimated)
