@@ -371,7 +371,11 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _runner(engine: Engine = Engine.AUTO, import_from: Sequence[Path] = ()) -> "Runner":
     # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
-    from railgrip.assemble import OwnParties, run_stop
+    from railgrip.assemble import run_stop
+
+    if not import_from:
+        return partial(run_stop, engine=engine)
+    from railgrip.assemble import OwnParties
 
     return partial(run_stop, engine=engine, own=OwnParties(folders=tuple(import_from)))
 
