@@ -137,7 +137,7 @@ def _here(scenarios: Sequence[Scenario], own: OwnParties) -> Iterator[tuple[int,
 
 
 def _in_processes(scenarios: Sequence[Scenario], own: OwnParties, workers: int) -> Iterator[tuple[int, Result]]:
-    with processes(min(workers, len(scenarios))) as pool:
+    with processes(min(workers, len(scenarios)), main=False) as pool:
         running = {pool.submit(_result, scenario, own): number for number, scenario in enumerate(scenarios)}
         for future in as_completed(running):
             try:
