@@ -1,0 +1,135 @@
+"""The contracts that `railgrip.testing` holds users to: ours keep them, and what breaks one is told so."""
+
+import numpy as np
+import pytest
+
+import railgrip as rg
+from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
+from railgrip.controllers.full_brake import FullBrake
+from railgrip.controllers.slip_based import SlipBased
+from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER
+from railgrip.testing import ContractBroken, check_controller, check_estimator, check_sensors
+
+
+class Ours:
+    """A law of this project, which is made for its brakes, behind the protocol."""
+
+    def __init__(self, make, needs=()):
+        self.make, self.needs = make, needs
+
+    def start(self, formation):
+        self.law = self.make(formation.brakes)
+
+    def decide(self, observation):
+        return self.law.decide(observation)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        FullBrake,
+        lambda brakes: SlipBased(brakes, PAPER_LEVELS),
+        lambda brakes: LiteralAdhesionBased(brakes, SEEKER["ideal"]),
+        lambda brakes: AdhesionBased(brakes, SEEKER["ideal"]),
+    ],
+)
+def test_laws_of_ours_keep_the_contract(make):
+    adhesion_based = make([next(rg.testing.formations()).brakes[0]]).needs
+    check_controller(lambda: Ours(make, adhesion_based))
+
+
+class Good:
+    def start(self, formation):
+        self.demand = formation.pressure_max / 2
+
+    def decide(self, observation):
+        return self.demand
+
+
+class Forgetful(Good):
+    def start(self, formation):
+        if not hasattr(self, "calls"):
+            self.calls = 0
+        self.p_max = formation.pressure_max
+
+    def decide(self, observation):
+        self.calls += 1
+        return self.p_max / self.calls
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        (Forgetful, "something else after a second start"),
+        (type("FourGroups", (Good,), {"decide": lambda self, seen: np.zeros(4)}), r"shape \(4,\)"),
+        (
+            type("Beyond", (Good,), {"decide": lambda self, seen: 3 * self.demand}),
+            "demands 570000 Pa; a cylinder takes",
+        ),
+        (type("Unread", (Good,), {"decide": lambda self, seen: seen.slip}), "nan"),
+        (type("Writes", (Good,), {"decide": lambda self, seen: seen.pressure.sort()}), "read-only"),
+        (type("Sure", (Good,), {"decide": lambda self, seen: self.demand * (seen.adhesion > 0)}), "TypeError"),
+        (object, "has no method start and decide"),
+    ],
+)
+def test_a_broken_controller_is_told_so(broken, words):
+    check_controller(Good)
+    with pytest.raises(ContractBroken, match=words):
+        check_controller(broken)
+
+
+class Reckoned:
+    provides = ("adhesion", "adhesion_sd")
+
+    def start(self, first, formation):
+        self.n = formation.groups
+
+    def step(self, observation):
+        adhesion = np.full(self.n, -observation.acceleration / 9.81)
+        return rg.Estimate(adhesion=adhesion, adhesion_sd=0.1 * adhesion)
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        (type("Less", (Reckoned,), {"step": lambda self, seen: rg.Estimate(adhesion=np.zeros(self.n))}), "it provides"),
+        (
+            type(
+                "Sign",
+                (Reckoned,),
+                {"step": lambda self, seen: rg.Estimate(adhesion=seen.slip, adhesion_sd=-seen.slip)},
+            ),
+            "negative adhesion_sd",
+        ),
+        (type("Silent", (Reckoned,), {"provides": ()}), "`provides` is"),
+    ],
+)
+def test_a_broken_estimator_is_told_so(broken, words):
+    check_estimator(Reckoned)
+    with pytest.raises(ContractBroken, match=words):
+        check_estimator(broken)
+
+
+class Exact:
+    def start(self, formation, random):
+        self.random = random
+
+    def read(self, time, truth):
+        return {name: truth[name] for name in ("speed", "wheelset_speed", "acceleration", "cylinder_pressure")}
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        (type("Blind", (Exact,), {"read": lambda self, time, truth: {}}), "no reading at all"),
+        (
+            type("Own", (Exact,), {"read": lambda self, time, truth: {"speed": np.random.rand()}}),
+            "something else after",
+        ),
+        (type("Two", (Exact,), {"read": lambda self, time, truth: {"speed": np.ones(2)}}), r"shape \(2,\)"),
+    ],
+)
+def test_broken_sensors_are_told_so(broken, words):
+    check_sensors(Exact)
+    with pytest.raises(ContractBroken, match=words):
+        check_sensors(broken)
