@@ -94,12 +94,13 @@ class Law(Sampled):
             ValueError: The observation lacks an estimate that the law needs.
         """
         _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure = observation
-        for name in self.needs:
-            if getattr(observation, name) is None:
-                raise ValueError(f"{self.formula.name}: needs an estimator of {name}; nobody provides it.")
         given = self.given
         given[0], given[1] = speed, acceleration
         given[self._slip], given[self._pressure] = slip, pressure
+        if adhesion is None or pad_friction is None:
+            missing = [name for name in self.needs if getattr(observation, name) is None]
+            if missing:
+                raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; nobody provides it.")
         given[self._adhesion] = NOT_SEEN if adhesion is None else adhesion
         given[self._pad_friction] = NOT_SEEN if pad_friction is None else pad_friction
         return self.evaluate()
