@@ -61,7 +61,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import Nudge
 from railgrip.signals import DEMANDED, ESTIMATES, PLANT, READINGS, Layout, layout_of, places, sent
-from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, units_of_nominal_data
+from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit
 
@@ -420,7 +420,8 @@ def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
         return brake_groups_of(nominal, formation)
     units = units_of_nominal_data(formation)
     written = {name: value for name, value in scenario.controller.parameters.items() if name in units}
-    return brake_groups_of(nominal | in_units("[controller.parameters]", written, units), formation)
+    written = in_units("[controller.parameters]", written, units)
+    return brake_groups_of(spread(nominal, formation) | spread(written, formation), formation)
 
 
 def formation_of(scenario: Scenario, plant: Description) -> Formation:
@@ -454,9 +455,8 @@ def nominal_parameters(scenario: Scenario, plant: Description) -> dict[str, floa
     """
     if not isinstance(scenario.vehicle.plant, NamedFile):
         return parameters_of(plant)
-    catalogue = description_of(recipe_file(CATALOGUE))
-    alike = formation_of(scenario, plant) == formation_of(scenario, catalogue)
-    return parameters_of(catalogue) if alike else {}
+    catalogue = parameters_of(description_of(recipe_file(CATALOGUE)))
+    return catalogue if formation_of(scenario, plant) == Formation(_counts(catalogue)) else {}
 
 
 def _units_of(description: Description) -> dict[str, Unit | str]:
