@@ -407,7 +407,7 @@ def parameters_of(description: Description) -> dict[str, float]:
 def catalogue_brakes(groups: int) -> tuple[BrakeGroup, ...]:
     """Return brakes as the catalogue train has them, for a plant of so many groups that says nothing of its own."""
     nominal = parameters_of(description_of(recipe_file(CATALOGUE)))
-    known = brake_groups_of(nominal, Formation(_counts(nominal)))
+    known = brake_groups_of(nominal, Formation(counts_of(nominal)))
     return tuple(known[g % len(known)] for g in range(groups))
 
 
@@ -432,17 +432,18 @@ def formation_of(scenario: Scenario, plant: Description) -> Formation:
     Raises:
         ScenarioError: FMU and table disagree.
     """
-    own, table = _counts(parameters_of(plant)), scenario.vehicle.formation
+    own, table = counts_of(parameters_of(plant)), scenario.vehicle.formation
     written = table.wheelsets_per_group if table is not None else ()
     if own and written and own != written:
         raise ScenarioError(
             f"{scenario.name}: [vehicle.formation] {_FORMATION} is {list(written)}, {plant.file.name} has {list(own)}; "
             "leave the table out"
         )
-    return Formation(own or written or _counts(parameters_of(description_of(recipe_file(CATALOGUE)))))
+    return Formation(own or written or counts_of(parameters_of(description_of(recipe_file(CATALOGUE)))))
 
 
-def _counts(parameters: Mapping[str, float]) -> tuple[int, ...]:
+def counts_of(parameters: Mapping[str, float]) -> tuple[int, ...]:
+    """Return the number of wheelsets of each group that an FMU says it has; empty where it does not."""
     names = (f"{_FORMATION}[{g}]" for g in count(1))
     return tuple(int(parameters[name]) for name in takewhile(parameters.__contains__, names))
 
@@ -456,7 +457,7 @@ def nominal_parameters(scenario: Scenario, plant: Description) -> dict[str, floa
     if not isinstance(scenario.vehicle.plant, NamedFile):
         return parameters_of(plant)
     catalogue = parameters_of(description_of(recipe_file(CATALOGUE)))
-    return catalogue if formation_of(scenario, plant) == Formation(_counts(catalogue)) else {}
+    return catalogue if formation_of(scenario, plant) == Formation(counts_of(catalogue)) else {}
 
 
 def _units_of(description: Description) -> dict[str, Unit | str]:

@@ -11,7 +11,9 @@ from PIL import Image
 
 from railgrip.assemble import controlled_groups, run_stop
 from railgrip.engine import Engine
+from railgrip.export import controller_fmu
 from railgrip.fmus.build import build_class
+from railgrip.fmus.native.package import pack
 from railgrip.record.metrics import Metrics
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop, write_stop
@@ -124,6 +126,19 @@ def test_one_value_for_all_is_overridden_by_that_of_a_group():
     assert [group.units for group in groups] == [2.0, 1.0]
     alike = controlled_groups(load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"]))
     assert [group.friction_radius for group in alike] == [0.2] * 4
+
+
+def test_an_exported_law_brakes_sixteen_groups_as_the_law_does(tmp_path: Path):
+    """Commands over two seconds; a last digit of slip may differ between C and Python."""
+    short = ["limits.horizon=2 s", "periods.trace=1 ms"]
+    law = load(Path(FREIGHT), short)
+    pack(controller_fmu(law), tmp_path / "law.fmu")
+    exported = f"controller={{kind='fmu', file='{tmp_path / 'law.fmu'}', trust=true}}"
+    stops = [run_stop(scenario) for scenario in (law, load(Path(FREIGHT), [*short, exported]))]
+    commands = [stop.trace["command"].values for stop in stops]
+    assert commands[0].shape == (2001, 16)
+    assert commands[0].min(axis=0).max() == 0.0, "every group was released once"
+    np.testing.assert_allclose(commands[1], commands[0], atol=0.34)
 
 
 WAGON = [
