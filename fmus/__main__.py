@@ -1,14 +1,16 @@
 """Command line: python -m railgrip.fmus build | list | check."""
 
+import shutil
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from railgrip.fmus.build import OUTPUT, Compiler, build, choose, translate
-from railgrip.fmus.errors import FmuError
+from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, choose, translate
+from railgrip.fmus.errors import FmuError, WrongQuestion
 from railgrip.fmus.recipe import read_recipes
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
@@ -26,8 +28,27 @@ def _compiler(text: str) -> Compiler:
 
 
 @app.command("build")
-def build_command(names: Names = None, compiler: Choice = "auto") -> None:
-    """Bring FMUs up to date and leave copies in build/fmus."""
+def build_command(
+    names: Names = None,
+    compiler: Choice = "auto",
+    library: Annotated[
+        Path | None,
+        typer.Option(help="folder, package.mo or .mo file of a class of your own, named in place of FMUs"),
+    ] = None,
+    output: Annotated[Path | None, typer.Option("--out", help="file for its FMU; CLASS.fmu when absent")] = None,
+) -> None:
+    """Bring FMUs up to date and leave copies in build/fmus, or build the plant of a class of your own."""
+    if library is not None:
+        if names is None or len(names) != 1:
+            raise WrongQuestion("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
+        built = build_class(names[0], library, compiler=_compiler(compiler))
+        file = Path(f"{built.name}.fmu") if output is None else output
+        file.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(built.path, file)
+        out.print(f"{file}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)
+        return
+    if output is not None:
+        raise WrongQuestion("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
     with err.status("building"):
         for built in build(names or (), _compiler(compiler)):
             out.print(f"{built.path}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)

@@ -15,7 +15,7 @@ from railgrip.fmus import cache, openmodelica
 from railgrip.fmus.errors import CompilerMissing, FmuError, WrongQuestion
 from railgrip.fmus.native import toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import library_digest
+from railgrip.fmus.native.library import library_of, sources_digest
 from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 
 if TYPE_CHECKING:
@@ -81,10 +81,48 @@ def build_one(
     Only the user's cache is ever taken for up to date; `directory` gets a copy.
     """
     recipe = (read_recipes() if book is None else book)[name]
-    order = _Order(
-        name=name, recipe=recipe, library=library or recipe.library, compiler=choose(compiler), directory=directory
+    return _up_to_date(
+        _Order(
+            name=name, recipe=recipe, library=library or recipe.library, compiler=choose(compiler), directory=directory
+        )
     )
-    inputs = _inputs_digest(recipe, order.compiler, library_digest(order.library))
+
+
+def build_class(
+    class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto",
+    directory: Path | None = None,
+) -> Built:  # fmt: skip
+    """Bring the FMU of a class of the user's own up to date; it is named after the last part of the class's name.
+
+    Args:
+        class_name: Full name, such as `MyLib.MyTrain`.
+        library: A library's folder or its `package.mo`, or a single `.mo` file. It may use RailBraking.
+        interface: cs for a plant, me for a prediction.
+        compiler: As for recipes.
+        directory: Gets a copy.
+
+    Raises:
+        WrongQuestion: There is no such library or class, or it does not compile.
+        FmuError: A compiler is missing or fails.
+    """
+    whole = library_of(library.absolute())
+    if not (whole / "package.mo" if whole.is_dir() else whole).is_file():
+        raise WrongQuestion(
+            f"{class_name}: there is no Modelica library {library}; give its package.mo, its folder or a .mo file."
+        )
+    return _up_to_date(
+        _Order(
+            name=class_name.rpartition(".")[2],
+            recipe=Recipe.own(class_name, interface),
+            library=whole,
+            compiler=choose(compiler),
+            directory=directory,
+        )
+    )
+
+
+def _up_to_date(order: "_Order") -> Built:
+    inputs = _inputs_digest(order.recipe, order.compiler, sources_digest(order.library))
     return _current(order, inputs) or _made(order, inputs, _translated(order))
 
 
@@ -121,7 +159,7 @@ def build(
     book = read_recipes()
     wanted = list(names) or list(book.recipes)
     chosen = choose(compiler)
-    read = lru_cache(library_digest)
+    read = lru_cache(sources_digest)
     orders = [
         _Order(name=name, recipe=book[name], library=book[name].library, compiler=chosen, directory=directory)
         for name in wanted

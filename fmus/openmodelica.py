@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from railgrip.fmus.errors import BuildFailed, CompilerMissing
+from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 
 TOLERANCE = 1e-8
@@ -38,7 +39,9 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
         library: Folder of the Modelica library, or its only file.
         derivatives: Ask for directional derivatives.
     """
-    package = library / "package.mo" if library.is_dir() else library
+    packages = [library / "package.mo" if library.is_dir() else library]
+    if library != LIBRARY:
+        packages.insert(0, LIBRARY / "package.mo")  # which any library may use
     prefix = recipe.class_name.replace(".", "_")
     kind, options, also = "me", [], []
     if "cs" in recipe.interfaces:
@@ -50,7 +53,7 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     lines = [
         *(f'setCommandLineOptions("{option}");' for option in options),
         "getErrorString();",
-        f'loadFile("{_escaped(str(package.resolve()))}");',
+        *(f'loadFile("{_escaped(str(package.resolve()))}");' for package in packages),
         *also,
         "getErrorString();",
         f'buildModelFMU({recipe.class_name}, version="2.0", fmuType="{kind}", fileNamePrefix="{prefix}", '

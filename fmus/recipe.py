@@ -34,6 +34,13 @@ class Recipe(BaseModel):
     tolerance: float = Field(gt=0, lt=1)
     step: float = Field(gt=0)
 
+    @classmethod
+    def own(cls, class_name: str, interface: Literal["me", "cs"]) -> "Recipe":
+        """Return how a class of the user's own is made: a plant (cs) or a prediction (me), as ours are."""
+        solver, tolerance = ("rodas3", 1e-5) if interface == "cs" else ("rodas4", 1e-6)
+        table = {"class": class_name, "interfaces": (interface,), "solver": solver, "tolerance": tolerance}
+        return cls.model_validate(table | {"step": 1e-3})
+
     @property
     def library(self) -> Path:
         """Folder of the Modelica library that the class belongs to."""

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from itertools import count, takewhile
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,9 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
-from railgrip.fmus.build import fmu
+from railgrip.fmus.build import build_class, choose, fmu
 from railgrip.fmus.native import Model, lower
+from railgrip.fmus.native.library import library_of
 from railgrip.foreign_controller import foreign_controller
 from railgrip.formation import Formation
 from railgrip.importing import Origin, origin_of, party_of, table_of
@@ -59,8 +60,8 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import Nudge
-from railgrip.signals import DEMANDED, ESTIMATES, PLANT, READINGS, Layout, layout_of, sent
-from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, units_of_nominal_data
+from railgrip.signals import DEMANDED, ESTIMATES, PLANT, READINGS, Layout, layout_of, places, sent
+from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit
 
@@ -362,12 +363,36 @@ def recipe_file(name: str) -> Path:
     return fmu(name)
 
 
+@cache
+def _class_file(class_name: str, library: Path, digest: str, interface: Literal["me", "cs"]) -> Path:  # pyright: ignore[reportUnusedParameter]
+    return build_class(class_name, library, interface).path
+
+
+def class_file(class_name: str, library: NamedFile, interface: Literal["me", "cs"]) -> Path:
+    """Return the FMU of a class of the user's own, built when it is not up to date."""
+    return _class_file(class_name, library.path, library.digest(), interface)
+
+
 def plant_description(scenario: Scenario) -> Description:
     """Return the description of the plant FMU of a scenario."""
-    plant = scenario.vehicle.plant
-    if isinstance(plant, NamedFile):
-        return description_of(plant.path, scenario.limits.fmu.limits())
-    return description_of(recipe_file(plant))
+    vehicle = scenario.vehicle
+    if vehicle.model is not None and vehicle.library is not None:
+        return description_of(class_file(vehicle.model, vehicle.library, "cs"))
+    if isinstance(vehicle.plant, NamedFile):
+        return description_of(vehicle.plant.path, scenario.limits.fmu.limits())
+    assert vehicle.plant is not None  # or there is a model
+    return description_of(recipe_file(vehicle.plant))
+
+
+def is_trusted(scenario: Scenario) -> bool:
+    """Say whether the plant may be loaded into this process.
+
+    What the built-in compiler makes calls nothing from outside, for it refuses external functions; what OpenModelica
+    makes may.
+    """
+    vehicle = scenario.vehicle
+    own = vehicle.recipe is not None or (vehicle.model is not None and choose("auto") == "native")
+    return own or vehicle.trust
 
 
 def parameters_of(description: Description) -> dict[str, float]:
@@ -382,7 +407,7 @@ def parameters_of(description: Description) -> dict[str, float]:
 def catalogue_brakes(groups: int) -> tuple[BrakeGroup, ...]:
     """Return brakes as the catalogue train has them, for a plant of so many groups that says nothing of its own."""
     nominal = parameters_of(description_of(recipe_file(CATALOGUE)))
-    known = brake_groups_of(nominal, Formation(_counts(nominal)))
+    known = brake_groups_of(nominal, Formation(counts_of(nominal)))
     return tuple(known[g % len(known)] for g in range(groups))
 
 
@@ -395,7 +420,8 @@ def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
         return brake_groups_of(nominal, formation)
     units = units_of_nominal_data(formation)
     written = {name: value for name, value in scenario.controller.parameters.items() if name in units}
-    return brake_groups_of(nominal | in_units("[controller.parameters]", written, units), formation)
+    written = in_units("[controller.parameters]", written, units)
+    return brake_groups_of(spread(nominal, formation) | spread(written, formation), formation)
 
 
 def formation_of(scenario: Scenario, plant: Description) -> Formation:
@@ -406,17 +432,18 @@ def formation_of(scenario: Scenario, plant: Description) -> Formation:
     Raises:
         ScenarioError: FMU and table disagree.
     """
-    own, table = _counts(parameters_of(plant)), scenario.vehicle.formation
+    own, table = counts_of(parameters_of(plant)), scenario.vehicle.formation
     written = table.wheelsets_per_group if table is not None else ()
     if own and written and own != written:
         raise ScenarioError(
             f"{scenario.name}: [vehicle.formation] {_FORMATION} is {list(written)}, {plant.file.name} has {list(own)}; "
             "leave the table out"
         )
-    return Formation(own or written or _counts(parameters_of(description_of(recipe_file(CATALOGUE)))))
+    return Formation(own or written or counts_of(parameters_of(description_of(recipe_file(CATALOGUE)))))
 
 
-def _counts(parameters: Mapping[str, float]) -> tuple[int, ...]:
+def counts_of(parameters: Mapping[str, float]) -> tuple[int, ...]:
+    """Return the number of wheelsets of each group that an FMU says it has; empty where it does not."""
     names = (f"{_FORMATION}[{g}]" for g in count(1))
     return tuple(int(parameters[name]) for name in takewhile(parameters.__contains__, names))
 
@@ -424,14 +451,13 @@ def _counts(parameters: Mapping[str, float]) -> tuple[int, ...]:
 def nominal_parameters(scenario: Scenario, plant: Description) -> dict[str, float]:
     """Return the data that a controller may know of a plant: its own, or those of the catalogue train if it is alike.
 
-    A plant from outside has names of its own; one of another formation than the catalogue train leaves all data to
+    An FMU from outside has names of its own; one of another formation than the catalogue train leaves all data to
     [controller.parameters].
     """
     if not isinstance(scenario.vehicle.plant, NamedFile):
         return parameters_of(plant)
-    catalogue = description_of(recipe_file(CATALOGUE))
-    alike = formation_of(scenario, plant) == formation_of(scenario, catalogue)
-    return parameters_of(catalogue) if alike else {}
+    catalogue = parameters_of(description_of(recipe_file(CATALOGUE)))
+    return catalogue if formation_of(scenario, plant) == Formation(counts_of(catalogue)) else {}
 
 
 def _units_of(description: Description) -> dict[str, Unit | str]:
@@ -529,7 +555,7 @@ def _plant(
     """Open the plant of a scenario, bound to the vectors of the loop."""
     vehicle, formation = scenario.vehicle, layout.formation
     _track_fits(scenario, description, formation)
-    own = not isinstance(vehicle.plant, NamedFile)
+    own = vehicle.recipe is not None
     inputs, outputs, start = plant_signals(
         formation,
         pneumatic=scenario.actuation.kind == "pneumatic",
@@ -554,7 +580,7 @@ def _plant(
         binding,
         period=scenario.periods.communication,
         parameters=values if vehicle.nudge is None else values | _nudged(values, description, vehicle.nudge),
-        trusted=own or vehicle.trust,
+        trusted=is_trusted(scenario),
         limits=scenario.limits.fmu.limits(),
     )
     if not own:
@@ -620,6 +646,42 @@ def lowered(class_name: str) -> Model:
     return lower(class_name)
 
 
+def _predicted(table: KalmanFilter, formation: Formation) -> Model:
+    """Return the model inside a filter, one of ours or of the user's own.
+
+    Raises:
+        ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
+    """
+    own = table.library
+    model = lowered(f"RailBraking.FMUs.{table.model}") if own is None else lower(table.model, library_of(own.path))
+    where = f"[estimator] model '{table.model}'"
+    states, groups = [variable.name for variable in model.states], formation.groups
+    predicted = sum(name.startswith("w[") for name in states)
+    if predicted != groups:
+        raise ScenarioError(f"{where} is for {predicted} groups, the vehicle has {groups}")
+    each = [f"{name}[{g + 1}]" for name in ("w", "mu_b", "alpha") for g in range(groups)]
+    wanted = {
+        "state": (["v", *each], states),
+        "parameter": (
+            [*_PREDICTION_DATA, *(f"{name}_start[{g + 1}]" for name in ("mu_b", "alpha") for g in range(groups))],
+            [variable.name for variable in model.parameters],
+        ),
+    }
+    for kind, (names, offered) in wanted.items():
+        if missing := [name for name in names if name not in offered]:
+            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(offered)}")
+    pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
+    if inputs[:groups] != pressures:
+        raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
+    shown = {name.removeprefix("reading_") for name in places(READINGS, formation)}
+    if unread := [variable.name for variable in model.outputs if variable.name.partition("[")[0] not in shown]:
+        raise ScenarioError(
+            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(shown))}"
+        )
+    return model
+
+
+_PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
 _NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"}
 
 
@@ -630,16 +692,16 @@ def _believer(scenario: Scenario, layout: Layout, fmus: dict[str, Description]) 
     assert isinstance(table, KalmanFilter)
     noise = _noise(table)
     period = scenario.periods.estimator
-    model = lowered(f"RailBraking.FMUs.{table.model}")
+    model = _predicted(table, layout.formation)
     groups = layout.formation.groups
-    predicted = sum(variable.name.startswith("w[") for variable in model.states)
-    if predicted != groups:
-        raise ScenarioError(f"[estimator] model '{table.model}' is for {predicted} groups, the vehicle has {groups}")
     changed = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | changed
     with ExitStack() as stack:
         if table.kind == "fmu":
-            description = description_of(recipe_file(table.model))
+            own = table.library
+            description = description_of(
+                recipe_file(table.model) if own is None else class_file(table.model, own, "me")
+            )
             fmus[description.file.name] = description
             prediction = stack.enter_context(
                 FmuPrediction(
@@ -696,7 +758,8 @@ def _element(name: str) -> int:
 
 
 def _noise(table: KalmanFilter) -> NoiseSet:
-    wanted = f"{_NOISE_PREFIX.get(table.model, table.model)}_{table.noise}"
+    prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(table.model, table.model)}_"
+    wanted = f"{prefix}{table.noise}"
     if wanted not in NOISE_SETS:
         raise ScenarioError(
             f"[estimator] has no noise set '{table.noise}' for model '{table.model}'; there are "

@@ -84,10 +84,10 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
 
 
 def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
-    plant = stop.scenario.vehicle.plant
-    if choose("auto") == _OTHER or isinstance(plant, NamedFile):
+    recipe = stop.scenario.vehicle.recipe
+    if choose("auto") == _OTHER or recipe is None:
         return
-    path = fmu(plant, _OTHER)
+    path = fmu(recipe, _OTHER)
     changed = {"plant": NamedFile(written=str(path), path=path), "trust": True}
     yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **changed)
 

@@ -20,12 +20,12 @@ def add_to(app: typer.Typer) -> None:
         speed: Annotated[float, typer.Option(min=1, max=150, help="Of the short run at its start [m/s].")] = 20.0,
         per_group: Annotated[
             list[int] | None,
-            typer.Option("--wheelsets-of-group", min=1, help="Of each group, leading first; 2, 1, 1, 2 if not given."),
+            typer.Option("--wheelsets-of-group", min=1, help="Of each group, leading first; as the FMU says."),
         ] = None,
         period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of it [s].")] = 1e-3,
     ) -> None:
         """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
-        from railgrip.assemble import catalogue_brakes, plant_signals
+        from railgrip.assemble import catalogue_brakes, counts_of, parameters_of, plant_signals
         from railgrip.draft import drafted
         from railgrip.fmu import PlantFailed, bind, describe, open_plant
         from railgrip.formation import Formation
@@ -33,7 +33,7 @@ def add_to(app: typer.Typer) -> None:
         from railgrip.trial import findings, tried
 
         description = describe(file)
-        formation = Formation(tuple(per_group or (2, 1, 1, 2)))
+        formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or (2, 1, 1, 2)))
         inputs, outputs, start = plant_signals(formation, pneumatic=False, track_force=False)
         wanted: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
         wanted |= {s.name: (s, "output") for s in outputs}

@@ -23,11 +23,18 @@ _MASS = "m_wheelset"
 
 
 def units_of_nominal_data(formation: Formation) -> dict[str, str]:
-    """Return parameter name → unit of all nominal data of a vehicle."""
-    units = dict(_OF_ALL)
+    """Return parameter name → unit of all nominal data of a vehicle; a bare name is one value for all."""
+    units = {**_OF_ALL, **_OF_GROUPS, _MASS: "kg", "m": "kg"}
     for name, unit in _OF_GROUPS.items():
         units |= {f"{name}[{g + 1}]": unit for g in range(formation.groups)}
     return units | {f"{_MASS}[{i + 1}]": "kg" for i in range(formation.wheelsets)}
+
+
+def spread(parameters: Mapping[str, float], formation: Formation) -> dict[str, float]:
+    """Return nominal data with one value for all given to each group or wheelset that has none of its own."""
+    counts = dict.fromkeys(_OF_GROUPS, formation.groups) | {_MASS: formation.wheelsets}
+    each = {f"{name}[{i + 1}]": parameters[name] for name, n in counts.items() if name in parameters for i in range(n)}
+    return each | {name: value for name, value in parameters.items() if name not in counts}
 
 
 def masses_of(parameters: Mapping[str, float], formation: Formation) -> NDArray[np.float64]:

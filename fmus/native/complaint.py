@@ -10,20 +10,32 @@ _MOST = 3
 """Places worth reading."""
 
 
-def places(said: str, path: Path) -> tuple[str, ...]:
+def places(said: str, path: Path, class_name: str) -> tuple[str, ...]:
     """Return `file.mo:line: what stands there` for an error of the front end, as far as it can be found.
 
     Args:
         said: The front end's words.
         path: The file that was read: `package.mo` stands for all files of its library.
+        class_name: The class that was wanted.
     """
     files = sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]
     texts = {_short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in files}
     syntax = [place for name, text in texts.items() for place in _syntax(name, text)]
     if syntax:
         return tuple(syntax[:_MOST])
+    name = class_name.rpartition(".")[2]
+    if not any(re.search(rf"\b(?:model|block|class)\s+{name}\b", text) for text in texts.values()):
+        return (f"no file of it declares {name}",)
     words = re.findall(r"unresolved[^']*'([^']+)'", said)
-    return tuple(_written(words, texts))[:_MOST]
+    return (*_silent_use(path, texts), *tuple(_written(words, texts))[:_MOST])
+
+
+def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
+    """Yield what a library must say before classes of RailBraking are found for it."""
+    own = texts[_short(path, path)]
+    foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
+    if foreign and "RailBraking" not in own and any("RailBraking." in text for text in texts.values()):
+        yield f"{_short(path, path)}: to use RailBraking it must say annotation(uses(RailBraking))"
 
 
 def _syntax(name: str, text: str) -> Iterator[str]:

@@ -13,7 +13,7 @@ import rumoca
 
 from railgrip.fmus.errors import Refused, WrongQuestion
 from railgrip.fmus.native.complaint import places
-from railgrip.fmus.native.library import LIBRARY, library_digest
+from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 FRONT = Path(__file__).parent / "front"
 SCHEMA = ("rumoca.checked-dae-template", 6)
@@ -112,7 +112,8 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
 
     Args:
         class_name: Full name, such as `RailBraking.FMUs.TwoPartTrain`.
-        modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent.
+        modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent. It may use
+            classes of RailBraking; a library says so with `annotation(uses(RailBraking))` in its `package.mo`.
 
     Raises:
         WrongQuestion: The file or class is missing, or Modelica has an error; carries rumoca's words.
@@ -128,13 +129,13 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         if path.name == "package.mo":
             model = _session(path.parent).load(str(path), model=class_name)
         else:
-            model = rumoca.Session().loads(path.read_text(), model=class_name, filename=alias)
+            model = rumoca.Session(roots=[str(LIBRARY)]).loads(path.read_text(), model=class_name, filename=alias)
         printed = model.codegen(str(FRONT)).files[0].content
         flat = model.to_dict("flat")["variables"]
         files = model.to_dict("dae")["source_map"]["files"]
     except rumoca.RumocaError as error:
         said = str(error).replace(alias, str(path))
-        found_at = "".join(f"\n  {place}" for place in places(said, path))
+        found_at = "".join(f"\n  {place}" for place in places(said, path, class_name))
         raise WrongQuestion(f"{class_name} does not compile ({path}): {said}{found_at}") from error
     content = json.loads(printed)
     found = (content["schema"]["name"], content["schema"]["version"])
@@ -159,10 +160,11 @@ def _session(library: Path) -> rumoca.Session:
     """Return a session that knows a library as it is on disk now.
 
     Reading a library takes longer than flattening most of its classes, and a session does not look at a file twice.
+    What else lies beside the library is not read.
     """
-    state = (library, library_digest(library))
+    state = (library, sources_digest(library))
     if getattr(_kept, "state", None) != state:
-        _kept.state, _kept.session = state, rumoca.Session(roots=[str(library.parent)])
+        _kept.state, _kept.session = state, rumoca.Session(roots=[str(LIBRARY)])
     return _kept.session
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from railgrip.fmus import cache
 from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import LIBRARY, library_digest
+from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -69,10 +69,10 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
         Refused: The class has events, discrete variables, nonlinear loops, or what is not translated.
     """
     library = LIBRARY if modelica_path is None else Path(modelica_path)
-    if not library.is_dir():
-        return _lowered(class_name, library)
+    if not library.exists():
+        return _lowered(class_name, library)  # which says so
     # Kept once it is lowered: every process of a campaign needs it.
-    key = digest([class_name, library_digest(library), compiler_digest()])
+    key = digest([class_name, sources_digest(library), compiler_digest()])
     file = cache.find("models", key, f"{class_name}.json")
     # Also the first time what was written is read, so that every process computes with the same functions.
     return _read(file or _keep(key, _lowered(class_name, library)))

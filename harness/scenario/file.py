@@ -1,6 +1,5 @@
 """A file that a scenario names: kept as written, found from the scenario's folder, known by its content."""
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -8,6 +7,7 @@ from typing import Any, cast
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from railgrip.fmus.native.library import library_digest, library_of
 from railgrip.units import cut, place, short
 
 DIRECTORY = "directory"
@@ -36,8 +36,8 @@ class NamedFile:
     path: Path
 
     def digest(self) -> str:
-        """Return the SHA-256 of the content."""
-        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+        """Return the SHA-256 of the content; a `package.mo` stands for all Modelica files of its library."""
+        return library_digest(library_of(self.path))
 
     @classmethod
     def find(cls, written: object, info: ValidationInfo) -> "NamedFile":

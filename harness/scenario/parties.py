@@ -34,7 +34,12 @@ class KalmanFilter(Table):
 
     kind: Literal["fmu", "python", "compiled"]
     model: str = Field(description="prediction class, such as TrainPrediction or TrainPredictionReduced")
-    noise: str = Field(description="name of the noise set")
+    library: NamedFile | None = Field(
+        default=None,
+        exclude_if=lambda file: file is None,
+        description="for a model of one's own: the package.mo of its library, or the .mo file it stands in",
+    )
+    noise: str = Field(description="name of the noise set; with a library its full name, such as train_ideal")
     parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
 
     _flat = field_validator("parameters", mode="before")(scalars)

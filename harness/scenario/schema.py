@@ -13,7 +13,7 @@ from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, Limits, Periods
+from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
 from railgrip.scenario.profile import Adhesion, Constant, FromTable
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken
@@ -51,7 +51,7 @@ class Scenario(Table):
             raise broken("adhesion runs over distance: [vehicle] must give wheelset_offsets, how far behind the first")
         if self.controller.kind in ("adhesion_based", "adhesion_literal") and self.estimator.kind == "none":
             raise broken("[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'")
-        if self.actuation.kind == "pneumatic" and isinstance(self.vehicle.plant, str):
+        if self.actuation.kind == "pneumatic" and self.vehicle.recipe:
             try:
                 off_the_samples(self.periods.communication)
             except PydanticCustomError as refusal:
@@ -86,9 +86,10 @@ class Scenario(Table):
     def files(self) -> tuple[NamedFile, ...]:
         """Return the files beside the scenario that decide the stop, too."""
         table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
-        plant = (self.vehicle.plant,) if isinstance(self.vehicle.plant, NamedFile) else ()
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
-        return (*plant, *table, *controller)
+        prediction = self.estimator.library if isinstance(self.estimator, KalmanFilter) else None
+        named = (self.vehicle.plant, self.vehicle.library, *table, *controller, prediction)
+        return tuple(file for file in named if isinstance(file, NamedFile))
 
     def resolved(self) -> dict[str, Any]:
         """Return the scenario as plain values in SI units with all defaults; it loads to the same one."""

@@ -27,6 +27,8 @@ Length = Annotated[float, Unit("m", at_least=0, at_most=1e5, because="no braking
 Mass = Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
 Deviation = Annotated[float, Unit("1", at_least=0, below=1)]
 Parameters = dict[str, Magnitude]
+ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
+"""Full name of a class."""
 
 
 def broken(words: str) -> PydanticCustomError:

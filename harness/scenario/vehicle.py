@@ -1,13 +1,13 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator
+from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, Parameters, Speed, Table, broken, scalars
+from railgrip.scenario.table import Length, ModelicaClass, Parameters, Speed, Table, broken, scalars
 
 
 class FormationTable(Table):
@@ -29,11 +29,23 @@ class Nudge(Table):
     seed: Annotated[StrictInt, Field(ge=0)]
 
 
+def _absent(value: object) -> bool:
+    return value is None
+
+
 class Vehicle(Table):
     """The plant."""
 
-    plant: str | NamedFile = Field(
-        description="an FMU recipe of this project, or the path of an .fmu from the scenario's folder"
+    plant: str | NamedFile | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="an FMU recipe of this project, or the path of an .fmu from the scenario's folder",
+    )
+    model: ModelicaClass | None = Field(
+        default=None, exclude_if=_absent, description="in place of `plant`: a Modelica class of one's own, full name"
+    )
+    library: NamedFile | None = Field(
+        default=None, exclude_if=_absent, description="the package.mo of its library, or the .mo file it stands in"
     )
     parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
     map: dict[str, MapEntry] = Field(
@@ -56,7 +68,9 @@ class Vehicle(Table):
 
     @field_validator("plant", mode="plain")
     @classmethod
-    def _recipe_or_file(cls, written: Any, info: ValidationInfo) -> str | NamedFile:
+    def _recipe_or_file(cls, written: Any, info: ValidationInfo) -> str | NamedFile | None:
+        if written is None:
+            return None
         if isinstance(written, NamedFile) or (isinstance(written, str) and written.endswith(".fmu")):
             return NamedFile.find(written, info)
         if not isinstance(written, str) or not written.isidentifier():
@@ -64,8 +78,22 @@ class Vehicle(Table):
         return written
 
     @field_serializer("plant")
-    def _as_written(self, plant: str | NamedFile) -> str:
+    def _as_written(self, plant: str | NamedFile | None) -> str | None:
         return plant.written if isinstance(plant, NamedFile) else plant
+
+    @model_validator(mode="after")
+    def _one_plant(self) -> Self:
+        if (self.model is None) != (self.library is None):
+            raise broken("a class of one's own wants both, 'model' and the 'library' it is in")
+        if (self.plant is None) == (self.model is None):
+            wrong = "has no plant" if self.plant is None else "has two plants"
+            raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own")
+        return self
+
+    @property
+    def recipe(self) -> str | None:
+        """Name of this project's FMU recipe, None where the plant is somebody else's."""
+        return self.plant if isinstance(self.plant, str) else None
 
     @field_validator("wheelset_offsets")
     @classmethod

@@ -1,7 +1,7 @@
 """Figures over a campaign: the friction of its scenarios, the adhesion that was used, the distances."""
 
 from collections.abc import Sequence
-from math import isfinite
+from math import ceil, isfinite
 
 import numpy as np
 import xarray
@@ -30,6 +30,9 @@ _CONTROLLER_COLOURS = {
 
 
 _STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
+
+_MOST_COLUMNS = 8
+"""Groups side by side whose panels are still wide enough to read; those of a longer train follow below."""
 
 _MOST_BARS = 9
 """Scenarios side by side, whose bars still have room for a number."""
@@ -158,6 +161,8 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
 def stop_figure(stop: Result) -> Figure:
     """Return what an engineer asks of one stop: a column for each group, rows from speed to pressure.
 
+    A train of many groups goes on below, in bands with the same axes.
+
     Speeds of train and wheelset; slip and the slip of greatest adhesion; adhesion with its estimate ±2σ and the
     greatest possible; the same of the pad friction; cylinder pressure. What a plant from outside hides, and nobody
     estimates, has no row.
@@ -168,9 +173,7 @@ def stop_figure(stop: Result) -> Figure:
         quantity: draw for quantity, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[quantity])
     }
     outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
-    height = 1.3 + 1.94 * len(rows)
-    made = style.figure(14, height, {**_STOP_MARGINS, "bottom": 0.5 / height, "top": 1 - 0.77 / height})
-    panels = made.subplots(len(rows), trace.sizes["group"], sharex=True, sharey="row", squeeze=False)
+    made, panels = _columns(trace.sizes["group"], len(rows))
     for row, (quantity, draw) in zip(panels, rows.items(), strict=True):
         for group, panel in enumerate(row):
             draw(panel, time, trace, group)
@@ -180,12 +183,18 @@ def stop_figure(stop: Result) -> Figure:
                            va="top", fontsize=8)  # fmt: skip
             panel.grid(visible=True, color="#DDDDDD", linewidth=0.6)
             panel.spines[["top", "right"]].set_visible(False)
-        row[0].set_ylabel(quantity)
-        row[-1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+            if panel.get_subplotspec().is_first_col():
+                panel.set_ylabel(quantity)
+        if quantity in _FROM_ZERO:
+            # The limits of a panel stay where they were once set: not before all are drawn.
+            top = max(panel.get_ylim()[1] for panel in row)
+            for panel in row:
+                panel.set_ylim(0, top)
+        row[_wide(len(row)) - 1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     for group in range(trace.sizes["group"]):
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
         panels[-1, group].set_xlabel("time [s]")
-    panels[0, 0].set_xlim(0, time[-1])
+        panels[0, group].set_xlim(0, time[-1])
     scenario = stop.record.scenario
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
@@ -193,9 +202,31 @@ def stop_figure(stop: Result) -> Figure:
         f"{_title(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
         f"{metrics.duration:.1f} s{used}{consistency}",
-        x=0.01, ha="left", fontsize=11,
+        x=0.01, y=1 - 0.22 / made.get_figheight(), ha="left", fontsize=11,
     )  # fmt: skip
     return made
+
+
+def _wide(groups: int) -> int:
+    return ceil(groups / ceil(groups / _MOST_COLUMNS))
+
+
+def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
+    """Return a figure and its panels, shape (rows, groups), in as many bands as their width wants."""
+    bands = ceil(groups / _MOST_COLUMNS)
+    wide = _wide(groups)
+    above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches
+    height = above + bands * block + (bands - 1) * between + below
+    made = style.figure(14, height, _STOP_MARGINS)
+    parts: list[np.ndarray] = []
+    for band in range(bands):
+        top = above + band * (block + between)
+        grid = made.add_gridspec(rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS)
+        panels = grid.subplots(sharex=True, sharey="row", squeeze=False)
+        for unused in panels[:, groups - band * wide :].flat:
+            unused.remove()
+        parts.append(panels[:, : groups - band * wide])
+    return made, np.hstack(parts)
 
 
 def _title(stop: Result) -> str:
@@ -235,7 +266,6 @@ def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
         best = trace["peak_adhesion"].values[:, group]
         panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
     _draw_true_and_believed(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
-    panel.set_ylim(0, None)
 
 
 def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
@@ -247,7 +277,6 @@ def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
 def _draw_pressure(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     pressure = trace["cylinder_pressure"].values[:, group] / 1e5
     panel.plot(time, pressure, color=style.BLUE, linewidth=0.9, label="cylinder")
-    panel.set_ylim(0, None)
 
 
 def _draw_true_and_believed(
@@ -266,6 +295,8 @@ _ROWS = {
     "pad friction": _draw_friction,
     "cylinder pressure [bar]": _draw_pressure,
 }
+
+_FROM_ZERO = {"adhesion", "cylinder pressure [bar]"}
 
 _SIGNALS = {
     "speed [km/h]": ("speed",),

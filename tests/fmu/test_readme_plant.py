@@ -72,7 +72,7 @@ def test_the_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Those that stop a train; at 20 km/h, to be short. What builds is under test with the builder."""
     monkeypatch.chdir(ROOT)
     commands = re.findall(r"^    \.venv/bin/railgrip (run .*)$", README, re.MULTILINE)
-    assert len(commands) == 2
+    assert len(commands) == 3
     for k, command in enumerate(commands):
         folder = tmp_path / str(k)
         with pytest.raises(SystemExit) as end:

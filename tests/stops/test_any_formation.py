@@ -1,13 +1,145 @@
-"""Stops of vehicles that are no two-part train: both engines, to the same bytes."""
+"""Trains of any number of wheelsets and groups run from their scenario to metrics and figures, with both engines."""
 
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
 import pytest
-from synthetic import LIBRARY
+import xarray
+from PIL import Image
 
-from railgrip.assemble import run_stop
+from railgrip.assemble import controlled_groups, run_stop
 from railgrip.engine import Engine
-from railgrip.record.stop import write_stop
+from railgrip.export import controller_fmu
+from railgrip.fmus.build import build_class
+from railgrip.fmus.native.package import pack
+from railgrip.record.metrics import Metrics
+from railgrip.record.outcome import Outcome
+from railgrip.record.stop import read_stop, write_stop
 from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load
+
+ROOT = Path(__file__).parents[2]
+LIBRARY = ROOT / "harness" / "scenario" / "library"
+FREIGHT = str(ROOT / "docs" / "examples" / "freight_train.toml")
+SLOW = ("start.speed=25 km/h",)
+
+TROLLEY = """
+name = "trolley"
+seed = 1
+
+[vehicle]
+plant = "Vehicle.fmu"
+trust = true
+
+[vehicle.formation]
+wheelsets_per_group = [2, 1]
+
+[vehicle.map]
+pressure_command = "air[{i}]"
+mu0 = { variable = "rail[{i}]" }
+speed = "v_kmh"
+distance = "way"
+acceleration = "-braking"
+wheelset_speed = "turns[{i}]"
+cylinder_pressure = "cylinder[{i}]"
+slip = "slide[{i}]"
+adhesion = "used[{i}]"
+group_adhesion = ["used[1]", "used[3]"]
+speed_start = "v0"
+
+[controller]
+kind = "slip_two_state"
+
+[controller.parameters]
+p_max = ["3 bar", "3 bar"]
+n_units = [4, 2]
+r_friction = 0.25
+r_wheel = 0.4
+J = ["200 kg.m2", "100 kg.m2"]
+A_piston = 0.02
+i_rigging = 5.0
+eta_rigging = 0.95
+F_spring = 500.0
+m = "24 t"
+"""
+
+# Formation that comes out, what is run: wheelsets of each group, to scenario and overrides.
+TRAINS = {
+    "wagon": ((1, 1), (str(LIBRARY / "wagon.toml"), *SLOW)),
+    "two-part train": ((2, 1, 1, 2), ("trapezoid", *SLOW)),
+    "car": ((1,) * 4, (FREIGHT, "vehicle.model=SimpleTrain.Car", *SLOW)),
+    "freight train": ((1,) * 16, (FREIGHT, *SLOW)),
+    "trolley": ((2, 1), ("trolley.toml", *SLOW)),
+}
+
+
+def railgrip(folder: Path, *arguments: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "railgrip", *arguments], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", TRAINS)
+def test_a_train_runs_to_metrics_and_figures_and_engines_agree_to_the_byte(tmp_path: Path, name: str):
+    counts, (scenario, *overrides) = TRAINS[name]
+    if name == "trolley":
+        build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo"), directory=tmp_path)
+        rest = (LIBRARY / "foreign_train.toml").read_text()
+        rest = rest[rest.index("[start]") : rest.index("[controller]")] + rest[rest.index("[periods]") :]
+        (tmp_path / scenario).write_text(f"{TROLLEY}\n{rest}")
+    changes = [text for override in overrides for text in ("--set", override)]
+    for engine in ("python", "compiled"):
+        railgrip(tmp_path, "run", scenario, *changes, "--engine", engine, "--out", engine)
+    one, other = (tmp_path / engine / "trace.nc" for engine in ("python", "compiled"))
+    assert one.read_bytes() == other.read_bytes()
+
+    record = read_stop(tmp_path / "compiled")
+    assert record.outcome is Outcome.STANDSTILL
+    _sensible(record.metrics, groups=len(counts))
+    with xarray.open_dataset(other) as trace:
+        assert (trace.sizes["group"], trace.sizes["wheelset"]) == (len(counts), sum(counts))
+        # Wheelsets of a group turn as one, and every group braked.
+        assert bool((trace["cylinder_pressure"].max("time") > 1e5).all())
+        distance = np.trapezoid(trace["speed"], trace["time"])
+    assert record.metrics.distance == pytest.approx(distance, rel=1e-3)
+
+    railgrip(tmp_path, "report", "compiled")
+    with Image.open(tmp_path / "compiled" / "stop.png") as figure:
+        assert figure.width == 2100
+    assert "<img" in (tmp_path / "compiled" / "index.html").read_text()
+
+
+def _sensible(metrics: Metrics, groups: int) -> None:
+    """Between the whole way sliding on 5 % and braking on 20 %, in time and distance of a constant retardation."""
+    speed = 25 / 3.6
+    assert speed**2 / 2 / (0.2 * 9.81) < metrics.distance < speed**2 / 2 / (0.04 * 9.81)
+    assert speed / (0.2 * 9.81) < metrics.duration < speed / (0.04 * 9.81)
+    assert len(metrics.longest_lock) == groups
+
+
+def test_one_value_for_all_is_overridden_by_that_of_a_group():
+    """Also where the plant, as the wagon does, has one number of brake units for both wheelsets."""
+    groups = controlled_groups(load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"]))
+    assert [group.units for group in groups] == [2.0, 1.0]
+    alike = controlled_groups(load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"]))
+    assert [group.friction_radius for group in alike] == [0.2] * 4
+
+
+def test_an_exported_law_brakes_sixteen_groups_as_the_law_does(tmp_path: Path):
+    """Commands over two seconds; a last digit of slip may differ between C and Python."""
+    short = ["limits.horizon=2 s", "periods.trace=1 ms"]
+    law = load(Path(FREIGHT), short)
+    pack(controller_fmu(law), tmp_path / "law.fmu")
+    exported = f"controller={{kind='fmu', file='{tmp_path / 'law.fmu'}', trust=true}}"
+    stops = [run_stop(scenario) for scenario in (law, load(Path(FREIGHT), [*short, exported]))]
+    commands = [stop.trace["command"].values for stop in stops]
+    assert commands[0].shape == (2001, 16)
+    assert commands[0].min(axis=0).max() == 0.0, "every group was released once"
+    np.testing.assert_allclose(commands[1], commands[0], atol=0.34)
+
 
 WAGON = [
     "name=wagon", "vehicle.plant=Wagon", "vehicle.wheelset_offsets=[]", "estimator.kind=none",

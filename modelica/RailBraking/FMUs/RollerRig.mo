@@ -1,107 +1,14 @@
 within RailBraking.FMUs;
 block RollerRig "One braked wheelset on a roller that stands for the rail and for the wagon"
-  parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed of the roller's surface at the start"
-    annotation(Dialog(group="Start"));
-  parameter Types.Mass m_imitated = 20e3 "Mass that roller and drive imitate together" annotation(Dialog(group="Rig"));
-  parameter Types.Force load = 98.1e3 "Mean load of the wheelset on the roller" annotation(Dialog(group="Rig"));
-  parameter Types.Ratio load_ripple(min=0, max=0.2) = 0.01
-    "Amplitude of the load once each turn of the roller, relative" annotation(Dialog(group="Rig"));
-  parameter Types.Length r_roller = 1.0 "Radius of the roller" annotation(Dialog(group="Rig"));
-  parameter Types.Inertia J_roller = 6e3 "Inertia of the roller itself" annotation(Dialog(group="Rig"));
-  parameter Types.Inertia J = 130 "Inertia of the wheelset with its discs about its axle"
-    annotation(Dialog(group="Rig"));
-  parameter Types.Length r_wheel = 0.46 "Rolling radius of the wheelset" annotation(Dialog(group="Rig"));
-  parameter Types.Ratio n_units = 2 "Number of brake units of the wheelset" annotation(Dialog(group="Brake"));
-  parameter Types.Length r_friction = 0.25 "Radius at which the pads rub" annotation(Dialog(group="Brake"));
-  parameter Types.Pressure p_max = 3.0e5 "Largest cylinder pressure" annotation(Dialog(group="Brake"));
-  parameter Types.Area A_piston = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio i_rigging = 6 "Force of both pads over force of the piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio eta_rigging = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
-  parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster" annotation(Dialog(group="Brake"));
-  parameter Types.Volume V_cylinder = 3e-3 "Volume of cylinder and hose of one unit" annotation(Dialog(group="Brake"));
+  extends Vehicles.PartialRollerRig;
   parameter Types.Time T_fill = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));
   parameter Types.Time T_vent = 0.2 "Time constant of venting" annotation(Dialog(group="Brake"));
   parameter Types.Time dead_fill(min=0, max=0.126) = 0.05 "Dead time of the fill valve"
     annotation(Dialog(group="Brake"));
   parameter Types.Time dead_vent(min=0, max=0.126) = 0.04 "Dead time of the vent valve"
     annotation(Dialog(group="Brake"));
-  parameter Types.Ratio mu_b_nominal = 0.35 "Pad friction at nominal speed, pressure and temperature"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start" annotation(Dialog(group="Start"));
-  parameter Types.Ratio speed_effect = 0.12 "Rise of pad friction from nominal speed to standstill, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Velocity pad_speed_nominal = 13 "Sliding speed at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio temperature_effect = 0.10 "Rise of pad friction over the temperature range, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio force_effect = 0.08 "Loss of pad friction at twice the nominal pad force, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Force pad_force_nominal = 56e3 "Pad force at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which pad friction settles"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle = 3 "Time in which pad friction settles at little power"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start"
-    annotation(Dialog(group="Start"));
-  parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Ratio k_S = 0.1 "Polach: reduction of the creep stiffness in the area of slip"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite slip speed over maximum friction"
-    annotation(Dialog(group="Contact"));
-  parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with slip speed"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Length r_rail = 0.30 "Radius of the rail head, here of the roller, across the track"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Modulus E_steel = 2.1e11 "Young's modulus of wheel and rail" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio nu_steel = 0.28 "Poisson's ratio of wheel and rail" annotation(Dialog(group="Contact"));
-  parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings"
-    annotation(Dialog(group="Resistance"));
-  parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings" annotation(Dialog(group="Resistance"));
-  parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance"
-    annotation(Dialog(group="Resistance"));
-  parameter Types.Ratio c_drag = 0.9 "Drag coefficient that the drive imitates" annotation(Dialog(group="Resistance"));
-  parameter Types.Area A_drag = 5 "Frontal area that the drive imitates" annotation(Dialog(group="Resistance"));
-  parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
-
   Interfaces.RealInput valve_command(final unit="1", start=0) "Valves: -1 vent, 0 hold, 1 fill";
-  Interfaces.RealInput mu0(final unit="1", start=0) "Maximum friction coefficient between wheel and roller";
-
-  Interfaces.RealOutput distance(final unit="m") "Distance that the wagon would have travelled";
-  Interfaces.RealOutput speed(final unit="m/s") "Speed of the roller's surface: of the wagon";
-  Interfaces.RealOutput acceleration(final unit="m/s2") "Its acceleration";
-  Interfaces.RealOutput wheelset_speed(final unit="rad/s") "Angular velocity of the wheelset";
-  Interfaces.RealOutput slip(final unit="1") "Slip, 0 rolling, 1 locked";
-  Interfaces.RealOutput adhesion(final unit="1") "Adhesion used, positive in braking";
-  Interfaces.RealOutput contact_force(final unit="N")
-    "Force of the roller on the wheelset along the track, positive in braking";
-  Interfaces.RealOutput wheelset_load(final unit="N") "Load of the wheelset on the roller";
-  Interfaces.RealOutput cylinder_pressure(final unit="Pa") "Pressure in the cylinders";
-  Interfaces.RealOutput pad_force(final unit="N") "Normal force of both pads of one unit";
-  Interfaces.RealOutput pad_friction(final unit="1") "Friction coefficient of the pads";
-  Interfaces.RealOutput disc_temperature(final unit="K") "Temperature of the bulk of the discs";
-  Interfaces.RealOutput brake_torque(final unit="N.m") "Torque that the brake exerts";
-  Interfaces.RealOutput drive_torque(final unit="N.m") "Torque of the roller's drive, driving positive";
-  Interfaces.BooleanOutput locked "= true, if the wheelset does not turn";
-  Interfaces.BooleanOutput standstill "= true, if the roller stands";
 protected
-  Components.TrainBody body(m=m_imitated, c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_start=speed_start)
-    "Roller and drive: the wagon";
-  Components.Wheelsets wheelset(
-    final n=1, J=J, r=r_wheel, r_rail=r_rail, curvature_rail=1/r_roller, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S,
-    A=A_falling,
-    B=B_falling, v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling,
-    w_start=speed_start/r_wheel)
-    "Wheelset on the roller";
-  Components.GroupBrake brake(
-    n_units=n_units, r_friction=r_friction,
-    pad(
-      mu_nominal=mu_b_nominal, mu_start=mu_b_start, speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal,
-      temperature_effect=temperature_effect, force_effect=force_effect, pad_force_nominal=pad_force_nominal,
-      E_settle=E_settle, T_settle=T_settle),
-    disc(T_start=T_disc_start)) "Brake units";
   Pneumatics.ValveCylinder cylinder(
     p_max=p_max, V=n_units*V_cylinder, T_fill=T_fill, T_vent=T_vent, dead_fill=dead_fill,
     dead_vent=dead_vent) "Cylinders";
@@ -109,50 +16,8 @@ equation
   cylinder.command = valve_command;
   cylinder_pressure = cylinder.pressure;
   pad_force = Pneumatics.padForce(cylinder_pressure, A_piston, i_rigging, eta_rigging, F_spring);
-  brake.pad_force = pad_force;
-  brake.w = wheelset_speed;
-  brake.speed = speed;
-  pad_friction = brake.pad.mu;
-  disc_temperature = brake.disc.temperature;
-
-  wheelset_load = load*(1 + load_ripple*sin(distance/r_roller));
-  wheelset.v = speed;
-  wheelset.load = {wheelset_load};
-  wheelset.mu0 = {mu0};
-  wheelset.brake_torque = brake.torque;
-  wheelset.standstill = standstill;
-  wheelset_speed = wheelset.w;
-  slip = wheelset.contact[1].slip;
-  contact_force = wheelset.F[1];
-  adhesion = contact_force/wheelset_load;
-  brake_torque = wheelset.torque;
-  locked = wheelset.locked;
-
-  body.F = contact_force;
-  body.track_force = 0;
-  body.capacity = wheelset.capacity;
-  distance = body.s;
-  speed = body.v;
-  acceleration = body.a;
-  standstill = body.standstill;
-  drive_torque = J_roller*acceleration/r_roller + r_roller*contact_force;
   annotation (Documentation(info="<html>
-<p>
-The rig of Schwarz and Keck (2020, section 3): the wheelset turns and slides on a roller whose drive makes up for
-what the
-roller lacks of a wagon's mass and drag. The defaults imitate 20 t on a load of 10 t, as equation (5) of that paper
-has it
-(one of two wheelsets brakes the wagon): der(v) = -adhesion g/2 - drag/m.
-</p>
-<p>
-The contact is Polach's on the ellipse of a wheel on a roller. The load swings once each turn of the roller by
-<code>load_ripple</code>: rollers are not round, and load cells see it.
-</p>
 <h4>Limitations</h4>
-<p>
-The drive imitates without lag or limit; <code>drive_torque</code> tells what it would have to do. The data of the
-rig are not published: mass,
-load, inertias and brake are estimates of the size of a mainline wheelset.
-</p>
+<p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialRollerRig\">PartialRollerRig</a>.</p>
 </html>"));
 end RollerRig;

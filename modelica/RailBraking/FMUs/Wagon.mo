@@ -1,155 +1,20 @@
 within RailBraking.FMUs;
 block Wagon "Wagon of two braked wheelsets whose cylinders follow pressure commands"
-  parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start"
-    annotation(Dialog(group="Start"));
-  parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
-    "Number of wheelsets that turn as one, leading group first; a description, no value to change"
-    annotation(Dialog(group="Formation"));
-  parameter Types.Mass m = 40e3 "Mass of the wagon" annotation(Dialog(group="Wagon"));
-  parameter Types.Inertia J[2] = {130, 130} "Inertia of each wheelset about its axle" annotation(Dialog(group="Wagon"));
-  parameter Types.Length r_wheel[2] = {0.46, 0.46} "Rolling radius of each wheelset" annotation(Dialog(group="Wagon"));
-  parameter Types.Length h_mass = 1.5 "Height of the centre of mass over the rail" annotation(Dialog(group="Wagon"));
-  parameter Types.Length wheelbase = 9 "Distance of the wheelsets" annotation(Dialog(group="Wagon"));
-  parameter Types.Time T_pitch = 0.2 "Time in which the suspension hands on a change of load"
-    annotation(Dialog(group="Wagon"));
-  parameter Types.Ratio n_units = 2 "Number of brake units of each wheelset" annotation(Dialog(group="Brake"));
-  parameter Types.Length r_friction = 0.25 "Radius at which the pads rub" annotation(Dialog(group="Brake"));
-  parameter Types.Pressure p_max = 3.0e5 "Largest cylinder pressure" annotation(Dialog(group="Brake"));
-  parameter Types.Area A_piston = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio i_rigging = 6 "Force of both pads over force of the piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio eta_rigging = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
-  parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster" annotation(Dialog(group="Brake"));
-  parameter Types.Volume V_cylinder = 3e-3 "Volume of cylinder and hose of one unit" annotation(Dialog(group="Brake"));
+  extends Vehicles.PartialWagon;
   parameter Types.Time T_pressure = 0.05 "Time constant of the cylinder pressure" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio mu_b_nominal[2] = {0.35, 0.35} "Pad friction at nominal speed, pressure and temperature"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio mu_b_start[2] = {0.35, 0.35} "Pad friction at the start" annotation(Dialog(group="Start"));
-  parameter Types.Ratio speed_effect = 0.12 "Rise of pad friction from nominal speed to standstill, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Velocity pad_speed_nominal = 13 "Sliding speed at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio temperature_effect = 0.10 "Rise of pad friction over the temperature range, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio force_effect = 0.08 "Loss of pad friction at twice the nominal pad force, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Force pad_force_nominal = 56e3 "Pad force at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which pad friction settles"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle = 3 "Time in which pad friction settles at little power"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start"
-    annotation(Dialog(group="Start"));
-  parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Ratio k_S = 0.1 "Polach: reduction of the creep stiffness in the area of slip"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite slip speed over maximum friction"
-    annotation(Dialog(group="Contact"));
-  parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with slip speed"
-    annotation(Dialog(group="Contact"));
-  parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track" annotation(Dialog(group="Contact"));
-  parameter Types.Modulus E_steel = 2.1e11 "Young's modulus of wheel and rail" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio nu_steel = 0.28 "Poisson's ratio of wheel and rail" annotation(Dialog(group="Contact"));
-  parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised" annotation(Dialog(group="Contact"));
-  parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings"
-    annotation(Dialog(group="Resistance"));
-  parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings" annotation(Dialog(group="Resistance"));
-  parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance"
-    annotation(Dialog(group="Resistance"));
-  parameter Types.Ratio c_drag = 0.9 "Drag coefficient" annotation(Dialog(group="Resistance"));
-  parameter Types.Area A_drag = 10 "Frontal area" annotation(Dialog(group="Resistance"));
-  parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
-
   Interfaces.RealInput pressure_command[2](each final unit="Pa", each start=0)
     "Pressure that the cylinders of each wheelset shall have";
-  Interfaces.RealInput mu0[2](each final unit="1", each start=0)
-    "Maximum friction coefficient of the rail at each wheelset";
-  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward";
-
-  Interfaces.RealOutput distance(final unit="m") "Distance travelled";
-  Interfaces.RealOutput speed(final unit="m/s") "Speed of the wagon";
-  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the wagon";
-  Interfaces.RealOutput wheelset_speed[2](each final unit="rad/s") "Angular velocity of each wheelset";
-  Interfaces.RealOutput slip[2](each final unit="1") "Slip of each wheelset, 0 rolling, 1 locked";
-  Interfaces.RealOutput adhesion[2](each final unit="1") "Adhesion used by each wheelset, positive in braking";
-  Interfaces.RealOutput wheelset_load[2](each final unit="N") "Load of each wheelset on the rail";
-  Interfaces.RealOutput cylinder_pressure[2](each final unit="Pa") "Pressure in the cylinders of each wheelset";
-  Interfaces.RealOutput pad_force[2](each final unit="N") "Normal force of both pads of one unit of each wheelset";
-  Interfaces.RealOutput pad_friction[2](each final unit="1") "Friction coefficient of the pads";
-  Interfaces.RealOutput disc_temperature[2](each final unit="K") "Temperature of the bulk of the discs";
-  Interfaces.RealOutput resistance_torque[2](each final unit="N.m")
-    "Torque of bearing and rolling resistance on each wheelset";
-  Interfaces.BooleanOutput locked[2] "= true, if the wheelset does not turn";
-  Interfaces.BooleanOutput standstill "= true, if the wagon stands";
 protected
-  Components.TrainBody body(m=m, c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_start=speed_start)
-    "Mass along the track";
-  Components.Wheelsets front(
-    final n=1, J=J[1], r=r_wheel[1], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling,
-    B=B_falling, v_small=v_small,
-    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[1]) "Front wheelset";
-  Components.Wheelsets rear(
-    final n=1, J=J[2], r=r_wheel[2], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling,
-    B=B_falling, v_small=v_small,
-    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[2]) "Rear wheelset";
-  Components.GroupBrake brake[2](
-    each n_units=n_units, each r_friction=r_friction,
-    pad(
-      mu_nominal=mu_b_nominal, mu_start=mu_b_start, each speed_effect=speed_effect,
-      each pad_speed_nominal=pad_speed_nominal,
-      each temperature_effect=temperature_effect, each force_effect=force_effect,
-      each pad_force_nominal=pad_force_nominal,
-      each E_settle=E_settle, each T_settle=T_settle),
-    disc(each T_start=T_disc_start)) "Brake units of each wheelset";
   Pneumatics.IdealCylinder cylinder[2](each T=T_pressure, each p_max=p_max, each V=n_units*V_cylinder)
     "Cylinders of each wheelset";
-  Types.Force transfer(start=0, fixed=true) "Load that has moved from the rear to the front wheelset";
 equation
-  T_pitch*der(transfer) = -h_mass/wheelbase*m*acceleration - transfer;
-  wheelset_load = {m*g/2 + transfer, m*g/2 - transfer};
   for i in 1:2 loop
     cylinder[i].command = pressure_command[i];
     cylinder_pressure[i] = cylinder[i].pressure;
     pad_force[i] = Pneumatics.padForce(cylinder_pressure[i], A_piston, i_rigging, eta_rigging, F_spring);
-    brake[i].pad_force = pad_force[i];
-    brake[i].w = wheelset_speed[i];
-    brake[i].speed = speed;
-    pad_friction[i] = brake[i].pad.mu;
-    disc_temperature[i] = brake[i].disc.temperature;
   end for;
-  front.v = speed;
-  front.load = {wheelset_load[1]};
-  front.mu0 = {mu0[1]};
-  front.brake_torque = brake[1].torque;
-  front.standstill = standstill;
-  rear.v = speed;
-  rear.load = {wheelset_load[2]};
-  rear.mu0 = {mu0[2]};
-  rear.brake_torque = brake[2].torque;
-  rear.standstill = standstill;
-  wheelset_speed = {front.w, rear.w};
-  slip = {front.contact[1].slip, rear.contact[1].slip};
-  adhesion = {front.F[1]/wheelset_load[1], rear.F[1]/wheelset_load[2]};
-  resistance_torque = {(r_wheel[1]*front.f_bearing + e_rolling)*wheelset_load[1],
-    (r_wheel[2]*rear.f_bearing + e_rolling)*wheelset_load[2]};
-  locked = {front.locked, rear.locked};
-  body.F = front.F[1] + rear.F[1];
-  body.track_force = track_force;
-  body.capacity = front.capacity + rear.capacity;
-  distance = body.s;
-  speed = body.v;
-  acceleration = body.a;
-  standstill = body.standstill;
   annotation (Documentation(info="<html>
-<p>
-The generic wagon of Schwarz and Keck (2020, figure 1) with Polach's contact under each wheelset. In braking the
-front wheelset gains
--m der(v) h_mass/wheelbase, with the lag <code>T_pitch</code> of a suspension.
-</p>
 <h4>Limitations</h4>
-<p>
-The wagon body pitches only in so far as loads change; drag acts at the height of the rail. Forward motion only.
-</p>
+<p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialWagon\">PartialWagon</a>.</p>
 </html>"));
 end Wagon;

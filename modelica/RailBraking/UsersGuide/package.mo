@@ -9,6 +9,7 @@ package UsersGuide "User's Guide"
 <li><a href=\"modelica://RailBraking.UsersGuide.Conventions\">Conventions</a>: signs, names, units</li>
 <li><a href=\"modelica://RailBraking.UsersGuide.Events\">Events</a>: lock, release and rest</li>
 <li><a href=\"modelica://RailBraking.UsersGuide.References\">References</a></li>
+<li><a href=\"modelica://RailBraking.UsersGuide.ReleaseNotes\">Release Notes</a></li>
 </ul>
 </html>"));
 end UsersGuide;

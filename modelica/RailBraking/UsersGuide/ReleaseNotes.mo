@@ -1,0 +1,14 @@
+within RailBraking.UsersGuide;
+class ReleaseNotes "Release notes"
+  annotation (
+    DocumentationClass=true,
+    Documentation(info="<html>
+<h4>Version 0.1.0, not yet released</h4>
+<ul>
+<li>Two-part train with ideal cylinders or valves, and its prediction models.</li>
+<li>Wagon, roller rig, wheelset with lateral motion and instrumented car.</li>
+<li>Plants say which of their wheelsets turn as one: <code>wheelsets_per_group</code>.</li>
+<li>Physics of all vehicles in <code>Vehicles</code>; blocks of <code>FMUs</code> add the actuation.</li>
+</ul>
+</html>"));
+end ReleaseNotes;

@@ -1,0 +1,155 @@
+within RailBraking.Vehicles;
+block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed on irregular track"
+  parameter Types.Velocity speed_set = 17.88 "Speed to hold, and speed at the start";
+  parameter Types.Mass m_body = 39000 "Mass of the car body";
+  parameter Types.Mass m_frame = 2600 "Mass of a bogie frame";
+  parameter Types.Mass m_unsprung = 1400 "Mass of a wheelset";
+  parameter Types.Inertia I_body[3] = {6.0e4, 1.2e6, 1.2e6} "Inertia of the body in roll, pitch and yaw";
+  parameter Types.Inertia I_frame[3] = {1722, 1476, 3067} "Inertia of a frame in roll, pitch and yaw";
+  parameter Types.Inertia I_wheelset = 810 "Inertia of a wheelset in yaw";
+  parameter Types.Inertia J[4] = {112, 160, 160, 112} "Inertia of the wheelsets about their axles, drive included";
+  parameter Types.Length r_wheel[4] = {0.42, 0.42, 0.42, 0.42} "Rolling radius of the wheelsets";
+  parameter Types.Length pivots = 14.2 "Distance of the bogie pivots";
+  parameter Types.Length wheelbase = 2.1 "Distance of the wheelsets of a bogie";
+  parameter Types.Ratio conicity = 0.15 "Equivalent conicity";
+  parameter Types.Stiffness k_primary[3] = {4e6, 5e6, 1.22e6} "Stiffness of one axle box along, across, vertical";
+  parameter Types.Damping c_primary[3] = {3e4, 3e4, 1.2e4} "Damping of one axle box along, across, vertical";
+  parameter Types.Stiffness k_secondary[2] = {6e5, 4.3e5} "Stiffness of one secondary spring across, vertical";
+  parameter Types.Damping c_secondary[2] = {1e5, 3e4}
+    "Damping of one side of the secondary suspension across, vertical";
+  parameter Types.Damping c_yaw = 1.5e6 "Damping of one yaw damper between frame and body";
+  parameter Types.Stiffness k_track = 5e7 "Stiffness of the track under one wheel";
+  parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
+  parameter Types.Ratio k_S = 0.1 "Polach: reduction of the creep stiffness in the area of slip";
+  parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite slip speed over maximum friction";
+  parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with slip speed";
+  parameter Types.Ratio drive_share[4] = {0, 0.5, 0.5, 0} "Share of each wheelset in the driving torque";
+  parameter Types.Force resistance_rolling = 1200 "Resistance that does not depend on speed";
+  parameter Real resistance_drag(final unit="N.s2/m2", min=0) = 7.0 "Drag over squared speed";
+  parameter Types.Length b_box = 1.0 "Half the distance of the axle boxes";
+  parameter Types.Damping gain_speed = 2e4 "Driving force over speed error";
+  parameter Types.Time T_speed = 4 "Integration time of the speed controller";
+  parameter Types.Time T_drive = 0.3 "Time constant of the drive";
+  Interfaces.RealInput alignment[4](each final unit="m", each start=0)
+    "Lateral irregularity under each wheelset, to the left";
+  Interfaces.RealInput vertical[4](each final unit="m", each start=0)
+    "Vertical irregularity under each wheelset, upwards";
+  Interfaces.RealInput cross_level[4](each final unit="m", each start=0)
+    "Left rail above right rail under each wheelset";
+  Interfaces.RealInput gauge[4](each final unit="m", each start=0) "Widening of the gauge under each wheelset";
+  Interfaces.RealInput mu0[4](each final unit="1", each start=0.3) "Maximum friction coefficient at each wheelset";
+  Interfaces.RealOutput longitudinal_left[4](each final unit="m/s2")
+    "Acceleration of the left axle boxes along the track";
+  Interfaces.RealOutput longitudinal_right[4](each final unit="m/s2")
+    "Acceleration of the right axle boxes along the track";
+  Interfaces.RealOutput lateral[4](each final unit="m/s2")
+    "Acceleration of the axle boxes across the track, to the left";
+  Interfaces.RealOutput vertical_acceleration[4](each final unit="m/s2") "Acceleration of the wheelsets, upwards";
+  Interfaces.RealOutput speed(final unit="m/s") "Speed of the car body";
+  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") "Angular velocity of the wheelsets";
+  Interfaces.RealOutput creep[4](each final unit="1") "Total creepage of the left wheels";
+  Interfaces.RealOutput offset[4](each final unit="m") "Lateral position of the wheelsets on the track, to the left";
+  Interfaces.RealOutput tractive_force(final unit="N") "Force of the drive at the rims";
+protected
+  final parameter Types.Length b = 0.75 "Half the distance of the contacts";
+  final parameter Types.Force load_nominal = g*((m_body + 2*m_frame)/4 + m_unsprung) "Load of each wheelset at rest";
+  final parameter Types.Force drag_start = resistance_rolling + resistance_drag*speed_set^2
+    "Resistance at the set speed";
+  Components.GuidedBody body(
+    m=m_body, I_roll=I_body[1], I_pitch=I_body[2], I_yaw=I_body[3], pivots=pivots, h=0.9, h_frame=0.3, b_secondary=1.0,
+    k_rod=5e6, c_rod=5e4, k_y=k_secondary[1], k_z=k_secondary[2], c_y=c_secondary[1], c_z=c_secondary[2], c_yaw=c_yaw)
+      "Car body";
+  Components.GuidedFrame frame[2](
+    each m=m_frame, each I_roll=I_frame[1], each I_pitch=I_frame[2], each I_yaw=I_frame[3], each wheelbase=wheelbase,
+    each h=0.15, each b_primary=b_box, each k_x=k_primary[1], each k_y=k_primary[2], each k_z=k_primary[3],
+    each c_x=c_primary[1], each c_y=c_primary[2], each c_z=c_primary[3]) "Bogie frames";
+  Components.GuidedWheelset wheelset[4](
+    each m=m_unsprung, each I_yaw=I_wheelset, J=J, r=r_wheel, each conicity=conicity, each b=b, each k_track=k_track,
+    each load_nominal=load_nominal, each k_A=k_A, each k_S=k_S, each A=A_falling, each B=B_falling,
+    each v_start=speed_set) "Wheelsets";
+  Types.Force drive(start=drag_start, fixed=true, nominal=1e3) "Force of the drive at the rims";
+  Types.Force integral(start=drag_start, fixed=true, nominal=1e3) "Integral part of the speed controller";
+equation
+  for i in 1:4 loop
+    wheelset[i].alignment = alignment[i];
+    wheelset[i].vertical = vertical[i];
+    wheelset[i].cross_level = cross_level[i];
+    wheelset[i].gauge = gauge[i];
+    wheelset[i].mu0 = mu0[i];
+    wheelset[i].tau = drive*drive_share[i]*r_wheel[i];
+    longitudinal_left[i] = wheelset[i].a - b_box*wheelset[i].a_yaw;
+    longitudinal_right[i] = wheelset[i].a + b_box*wheelset[i].a_yaw;
+    lateral[i] = wheelset[i].ay;
+    vertical_acceleration[i] = wheelset[i].az;
+    wheelset_speed[i] = wheelset[i].w;
+    creep[i] = sqrt(wheelset[i].creep_x[1]^2 + wheelset[i].creep_y^2);
+    offset[i] = wheelset[i].offset;
+  end for;
+  for k in 1:2 loop
+    for j in 1:2 loop
+      frame[k].wheelset_position[j, 1] = wheelset[2*k - 2 + j].x;
+      frame[k].wheelset_velocity[j, 1] = wheelset[2*k - 2 + j].dv;
+      frame[k].wheelset_position[j, 2] = wheelset[2*k - 2 + j].y;
+      frame[k].wheelset_velocity[j, 2] = wheelset[2*k - 2 + j].vy;
+      frame[k].wheelset_yaw[j] = wheelset[2*k - 2 + j].psi;
+      frame[k].wheelset_rate[j] = wheelset[2*k - 2 + j].wz;
+      frame[k].wheelset_position[j, 3] = wheelset[2*k - 2 + j].z;
+      frame[k].wheelset_velocity[j, 3] = wheelset[2*k - 2 + j].vz;
+      frame[k].roll_track[j] = cross_level[2*k - 2 + j]/(2*b);
+      wheelset[2*k - 2 + j].X = frame[k].X[j];
+      wheelset[2*k - 2 + j].Y = frame[k].Y[j];
+      wheelset[2*k - 2 + j].N = frame[k].N[j];
+      wheelset[2*k - 2 + j].M_yaw = frame[k].M_yaw[j];
+      wheelset[2*k - 2 + j].M_roll = frame[k].M_roll[j];
+    end for;
+    frame[k].F[1] = body.F[k, 1];
+    frame[k].F[2] = body.F[k, 2];
+    frame[k].F[3] = body.F[k, 3];
+    frame[k].M[1] = body.M[k, 1];
+    // The drive stands on the frame: what turns the axles forward lifts the nose.
+    frame[k].M[2] = body.M[k, 2] - wheelset[2*k - 1].tau - wheelset[2*k].tau;
+    frame[k].M[3] = body.M[k, 3];
+    body.frame_position[k, 1] = frame[k].x;
+    body.frame_velocity[k, 1] = frame[k].dv;
+    body.frame_position[k, 2] = frame[k].y;
+    body.frame_velocity[k, 2] = frame[k].vy;
+    body.frame_position[k, 3] = frame[k].z;
+    body.frame_velocity[k, 3] = frame[k].vz;
+    body.frame_angle[k, 1] = frame[k].phi;
+    body.frame_rate[k, 1] = frame[k].wx;
+    body.frame_angle[k, 2] = frame[k].theta;
+    body.frame_rate[k, 2] = frame[k].wy;
+    body.frame_angle[k, 3] = frame[k].psi;
+    body.frame_rate[k, 3] = frame[k].wz;
+  end for;
+  body.resistance = resistance_rolling + resistance_drag*speed^2;
+  der(integral) = -gain_speed/T_speed*body.dv;
+  T_drive*der(drive) = integral - gain_speed*body.dv - drive;
+  speed = speed_set + body.dv;
+  tractive_force = drive;
+  annotation (Documentation(info="<html>
+<p>
+The powered car of a multi-purpose vehicle as it ran over a friction-modified track (Abduraxman et al., 2024), for
+estimators of
+friction that listen to axle boxes. Inner wheelsets are driven, (1A)(A1); a PI controller holds the speed. Each
+wheelset moves along,
+across, about the vertical and about its axle, and bounces on the track; frames and body have six motions each.
+</p>
+<h4>Limitations</h4>
+<p>
+Masses are estimates, inertias of the running gear those of the ERRI coach; longitudinal primary, lateral secondary
+and yaw damping
+are chosen so that the car runs stably (all modes damped by 8 % and more) from 7 to 30 m/s on dry and on contaminated
+rail: data of
+the vehicle itself are not published. The second
+car is left out. Those of <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>: cones for
+wheels, a simple flange.
+</p>
+<h4>Notes</h4>
+<p>
+k_A, k_S, A_falling and B_falling hold for the whole run, <code>mu0</code> may change along the track. Below 1 Hz and
+at constant speed
+little of friction is left in the longitudinal accelerations.
+</p>
+</html>"));
+end MultiPurposeVehicle;

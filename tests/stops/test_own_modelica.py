@@ -1,0 +1,191 @@
+"""A plant or prediction of the user's own Modelica: compiled on the way, kept by content, refused in a sentence."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from railgrip.assemble import is_trusted, plant_description, run_stop
+from railgrip.fmus.build import build_class
+from railgrip.fmus.errors import WrongQuestion
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.error import ScenarioError
+from railgrip.scenario.load import load, scenario_of
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "docs" / "examples"
+SHORT = ("limits.horizon=1 s", "vehicle.model=SimpleTrain.Car")
+
+PREDICTION = """within SimpleTrain;
+block CarPrediction "The train of the catalogue as an estimator believes it to be, under a name of one's own"
+  extends RailBraking.FMUs.TrainPredictionReduced;
+end CarPrediction;
+"""
+
+
+@pytest.fixture
+def mine(tmp_path: Path) -> Path:
+    """Return a copy of the example that may be changed: a scenario with its library beside it."""
+    shutil.copytree(EXAMPLES, tmp_path / "mine")
+    return tmp_path / "mine" / "freight_train.toml"
+
+
+def test_it_is_compiled_on_the_way_and_again_when_a_file_of_its_library_changes(mine, own_cache):
+    first = load(mine, SHORT)
+    before = plant_description(first)
+    assert before.file.is_relative_to(own_cache.resolve())
+    assert is_trusted(first)
+    assert plant_description(first).file == before.file
+    digest, distance = first.digest(), run_stop(first).metrics.distance
+
+    # Not the class itself, but what it is made of.
+    axle = mine.parent / "SimpleTrain" / "Axle.mo"
+    axle.write_text(axle.read_text().replace('F[1] "Braking', 'F[1]*(1 - 1e-3) "Braking'))
+    second = load(mine, SHORT)
+    assert second.digest() != digest
+    assert plant_description(second).digest != before.digest
+    assert distance < run_stop(second).metrics.distance < distance + 0.1
+
+
+def test_its_scenario_says_the_library_as_written_and_loads_again(mine):
+    scenario = load(mine, SHORT)
+    resolved = scenario.resolved()
+    assert resolved["vehicle"]["model"] == "SimpleTrain.Car"
+    assert resolved["vehicle"]["library"] == "SimpleTrain/package.mo"
+    assert "plant" not in resolved["vehicle"]
+    assert scenario_of(resolved, directory=mine.parent, origin="again").digest() == scenario.digest()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "sentence"),
+    [
+        (["vehicle.plant=Wagon"], "[vehicle] has two plants; give 'plant', or 'model' and 'library'"),
+        (["vehicle.library=Nowhere/package.mo"], "[vehicle] library names 'Nowhere/package.mo', but there is no file"),
+        (["vehicle.model=no class"], "[vehicle] model is 'no class'"),
+    ],
+)
+def test_a_table_that_names_no_class_is_refused(mine, overrides, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        load(mine, overrides)
+    assert str(refusal.value).startswith(f"freight_train.toml: {sentence}")
+
+
+def test_a_model_wants_its_library(mine):
+    mine.write_text(mine.read_text().replace("library =", "# library ="))
+    with pytest.raises(ScenarioError, match=r"\[vehicle\] .*wants both, 'model' and the 'library' it is in"):
+        load(mine)
+
+
+MISTAKES = {
+    "SimpleTrain/Axle.mo:42: brake.w = omega;": ("Axle.mo", "brake.w = w;", "brake.w = omega;"),
+    "SimpleTrain/Axle.mo:42: unexpected": ("Axle.mo", "brake.w = w;", "brake.w = ;"),
+    "must say annotation(uses(RailBraking))": ("package.mo", "RailBraking", "SomethingElse"),
+}
+
+
+@pytest.mark.parametrize("sentence", MISTAKES)
+def test_a_class_that_does_not_compile_is_told_with_file_and_line(mine, own_cache, sentence):
+    name, right, wrong = MISTAKES[sentence]
+    file = mine.parent / "SimpleTrain" / name
+    assert right in file.read_text()
+    file.write_text(file.read_text().replace(right, wrong))
+    command = [sys.executable, "-m", "railgrip", "run", mine.name]
+    done = subprocess.run(command, cwd=mine.parent, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "SimpleTrain.FreightTrain does not compile" in done.stderr
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_class_that_is_not_there_is_told(mine, own_cache):
+    with pytest.raises(WrongQuestion, match=r"SimpleTrain\.Tram does not compile .*\n.*no file of it declares Tram"):
+        run_stop(load(mine, ["vehicle.model=SimpleTrain.Tram"]))
+
+
+def test_a_class_without_the_inputs_of_a_plant_is_told(mine, own_cache):
+    train = mine.parent / "SimpleTrain" / "Train.mo"
+    train.write_text(train.read_text().replace("pressure_command[", "demand["))
+    with pytest.raises(Exception, match=r"no input 'pressure_command\[1\]'.*demand\[1\]") as refusal:
+        run_stop(load(mine, SHORT))
+    assert "freight_train: [vehicle.map]" in str(refusal.value)
+
+
+def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp_path, own_cache):
+    file = tmp_path / "Wild.mo"
+    file.write_text(
+        "package Wild\nfunction system input Real x; output Real y;\n"
+        'external "C" y = system(x); end system;\n'
+        "block Train input Real u; output Real y;\nequation\n y = system(u);\nend Train;\nend Wild;\n"
+    )
+    with pytest.raises(WrongQuestion, match=r"Wild\.mo:6: .*external function system is not supported"):
+        build_class("Wild.Train", file, compiler="native")
+
+
+def test_the_command_builds_one_class_into_a_file(tmp_path, own_cache):
+    def build(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "railgrip.fmus", "build", *arguments]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+
+    library = ("--library", str(EXAMPLES / "SimpleTrain"))
+    done = build(*library, "SimpleTrain.Car", "--out", "here/MyCar.fmu")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("here/MyCar.fmu  built")
+    assert (tmp_path / "here" / "MyCar.fmu").is_file()
+    assert "current" in build(*library, "SimpleTrain.Car").stdout
+    assert (tmp_path / "Car.fmu").is_file()
+    for wrong, sentence in (
+        (library, "--library is for one class"),
+        (("--library", "Nowhere", "X"), "X: there is no Modelica library Nowhere"),
+        (("--out", "x.fmu", "Wagon"), "--out is for a class"),
+    ):
+        refused = build(*wrong)
+        assert refused.returncode == 2
+        assert sentence in refused.stderr
+
+
+@pytest.mark.parametrize("kind", ["compiled", "fmu"])
+def test_a_prediction_of_ones_own_estimates_as_the_class_that_it_extends(mine, kind):
+    """Equal equations under another name: estimates are equal, too."""
+    (mine.parent / "SimpleTrain" / "CarPrediction.mo").write_text(PREDICTION)
+    text = (ROOT / "harness" / "scenario" / "library" / "trapezoid.toml").read_text()
+    scenario = mine.parent / "trapezoid.toml"
+    table = f'[estimator]\nkind = "{kind}"\nmodel = "SimpleTrain.CarPrediction"\nlibrary = "SimpleTrain/package.mo"\n'
+    scenario.write_text(text.replace('[estimator]\nkind = "compiled"\nmodel = "TrainPrediction"\n', table))
+    short = ["limits.horizon=500 ms", "estimator.noise=reduced_ideal"]
+    own = load(scenario, short)
+    ours = load(Path("trapezoid"), ["limits.horizon=500 ms", "estimator.model=TrainPredictionReduced"])
+    own_trace, our_trace = run_stop(own).trace, run_stop(ours).trace
+    assert float(abs(own_trace["estimate_adhesion"] - our_trace["estimate_adhesion"]).max()) < 1e-9
+    assert float(our_trace["estimate_adhesion"].max()) > 0.01
+    assert own.files()[0].path.name == "package.mo"
+
+
+def test_a_prediction_that_lacks_what_the_loop_asks_is_told(mine):
+    lacking = """within SimpleTrain;
+block Lean
+  parameter Real r_wheel = 0.4;
+  input Real cylinder_pressure[4];
+  output Real speed = v;
+  Real w[4](each start=1, each fixed=true);
+  Real v(start=1, fixed=true);
+equation
+  der(v) = -1e-5*cylinder_pressure[1];
+  for i in 1:4 loop
+    der(w[i]) = -1;
+  end for;
+end Lean;
+"""
+    (mine.parent / "SimpleTrain" / "Lean.mo").write_text(lacking)
+    estimator = (
+        "estimator={kind='python', model='SimpleTrain.Lean', library='SimpleTrain/package.mo', noise='train_ideal'}"
+    )
+    with pytest.raises(ScenarioError, match=r"\[estimator\] model 'SimpleTrain\.Lean' has no state mu_b\[1\]"):
+        run_stop(load(mine, [*SHORT, estimator]))
+
+
+def test_a_short_stop_of_it_brakes(mine):
+    stop = run_stop(load(mine, SHORT))
+    assert stop.outcome is Outcome.HORIZON
+    assert stop.metrics.distance is not None
