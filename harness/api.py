@@ -50,6 +50,13 @@ class Scenario(schema.Scenario):
         """Return the scenario with other values; see `load`."""
         return self._of(merged(self.resolved(), _tree(changes)), self._directory, self.name)
 
+    def with_plant(self, plant: Path) -> Self:
+        """Return the scenario with a recipe or an .fmu as its plant, whatever it had before."""
+        table = self.resolved()
+        before = {key: value for key, value in table["vehicle"].items() if key not in ("model", "library")}
+        table["vehicle"] = before | {"plant": str(plant.resolve() if plant.suffix == ".fmu" else plant)}
+        return self._of(table, self._directory, self.name)
+
     @classmethod
     def _of(cls, table: Mapping[str, Any], directory: Path, origin: str) -> Self:
         scenario = validated(cls, table, directory=directory, origin=origin)
@@ -169,8 +176,7 @@ def _asked(scenario: Asked, plant: str | Path | None) -> schema.Scenario:
     if plant is None:
         return asked
     whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
-    file = Path(plant)
-    return whole.changed({"vehicle.plant": str(file.resolve()) if file.suffix == ".fmu" else str(plant)})
+    return whole.with_plant(Path(plant))
 
 
 def _own(controller: Any, estimator: Any, sensors: Any, folders: Iterable[str | Path]) -> "OwnParties":

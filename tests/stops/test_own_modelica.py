@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import railgrip
 from railgrip.assemble import is_trusted, plant_description, run_stop
 from railgrip.fmus.build import build_class
 from railgrip.fmus.errors import WrongQuestion
@@ -189,3 +190,11 @@ def test_a_short_stop_of_it_brakes(mine):
     stop = run_stop(load(mine, SHORT))
     assert stop.outcome is Outcome.HORIZON
     assert stop.metrics.distance is not None
+
+
+def test_another_plant_takes_its_place_from_python(mine):
+    """`plant=` of the API stands for whatever the scenario's plant was."""
+    scenario = railgrip.Scenario.load(mine, {"limits.horizon": "1 s"})
+    assert scenario.vehicle.model is not None
+    other = scenario.with_plant(Path("Wagon"))
+    assert (other.vehicle.plant, other.vehicle.model, other.vehicle.library) == ("Wagon", None, None)
