@@ -452,7 +452,9 @@ def _print_rows(rows: "Sequence[Row]") -> None:
         _print_table("", [{name: text[name] for name in text if name not in _NOT_ON_SCREEN} for text in single])
 
 
-_NOT_ON_SCREEN = frozenset({"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS"})
+_NOT_ON_SCREEN = frozenset(
+    {"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS", "outside ±2σ"}
+)
 """Columns of the table that a screen has no room for."""
 
 

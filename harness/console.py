@@ -21,7 +21,7 @@ def _console(**settings: Any) -> Console:
 
 
 # Where nobody watches, a table is not cut to a screen that is not there.
-_out = _console(width=None if sys.stdout.isatty() else 140)
+_out = _console(width=None if sys.stdout.isatty() else 180)
 _err = _console(stderr=True)
 
 
@@ -52,7 +52,9 @@ def show_table(rows: Sequence[Mapping[str, str]], *, title: str = "", right: Col
 
     table = Table(title=title or None, box=None, title_justify="left", header_style="bold")
     for column in rows[0]:
-        table.add_column(column, justify="right" if column in right else "left", no_wrap=True)
+        # A number is never cut; where the screen is narrow, texts take more lines.
+        number = column in right
+        table.add_column(column, justify="right" if number else "left", no_wrap=number, overflow="fold")
     for row in rows:
         table.add_row(*row.values())
     _out.print(table)
