@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
-from synthetic import TWO_PART_TRAIN
+from synthetic import LAYOUT, TWO_PART_TRAIN
 
 import railgrip.scenario
 from railgrip.estimation.recorded.read import recorded
@@ -125,7 +125,7 @@ def test_a_mutated_scenario_is_asked_about_or_refused(data):
         scenario.digest()
         profile_of(scenario, TWO_PART_TRAIN)
         track_force_of(scenario.track)
-        sensors_of(scenario, 0.38)
+        sensors_of(scenario, LAYOUT, 0.38)
 
     answered(question)
 
