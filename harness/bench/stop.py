@@ -3,6 +3,8 @@
 import os
 import resource
 import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -16,6 +18,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.fmus.cache import VARIABLE
 from railgrip.scenario.load import load
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
@@ -129,12 +132,12 @@ class BuildCost:
 
 
 def build_cost() -> BuildCost:
-    """Build every recipe into an empty folder."""
+    """Build every recipe into an empty folder, with nothing in the user's cache."""
     from railgrip.fmus.build import build
     from railgrip.fmus.recipe import read_recipes
 
     names = list(read_recipes().recipes)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, _empty_cache(Path(folder) / "cache"):
         before = _processor()
         begun = perf_counter()
         for _ in build(names, "native", Path(folder)):
@@ -142,6 +145,19 @@ def build_cost() -> BuildCost:
         wall = perf_counter() - begun
         cpu = _processor() - before
     return BuildCost(recipes=len(names), wall=wall, cpu=cpu)
+
+
+@contextmanager
+def _empty_cache(folder: Path) -> Generator[None]:
+    """Let FMUs and C libraries be looked for and kept in a folder that has none."""
+    before = os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = str(folder)
+    try:
+        yield
+    finally:
+        os.environ.pop(VARIABLE)
+        if before is not None:
+            os.environ[VARIABLE] = before
 
 
 def _processor() -> float:
