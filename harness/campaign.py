@@ -19,12 +19,12 @@ from railgrip.record.atomic import PARTIAL, write_text
 from railgrip.record.error import RecordError
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop
+from railgrip.report.compilers import OURS, makers
+from railgrip.report.results import CAMPAIGN_FILE
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.custom import Custom
 from railgrip.sources import sources_digest
-from railgrip.verdict.compilers import OURS, makers
-from railgrip.verdict.results import CAMPAIGN_FILE
 
 State = Literal["found", "done", "ended_badly", "refused", "failed"]
 

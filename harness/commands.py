@@ -17,21 +17,21 @@ from railgrip.console import complain, progress, remark, say, show_table
 from railgrip.engine import Engine
 from railgrip.estimation.command import add_to as add_estimate
 from railgrip.map_command import add_to as add_map
+from railgrip.report.panels import Panels
 from railgrip.scenario.error import ScenarioError
 from railgrip.studies.field.command import add_to as add_field
 from railgrip.studies.lateral.command import add_to as add_lateral
 from railgrip.studies.learn.command import add_to as add_learn
 from railgrip.studies.monitor.command import add_to as add_monitor
-from railgrip.verdict.panels import Panels
 
 if TYPE_CHECKING:
     # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
     from railgrip.campaign import Asked
     from railgrip.controllers.tuning import SlipSource
     from railgrip.one_stop import Runner
+    from railgrip.report.baseline import Baseline, Findings
+    from railgrip.report.table import Row
     from railgrip.tune_control import Found
-    from railgrip.verdict.baseline import Baseline, Findings
-    from railgrip.verdict.table import Row
 
 WRONG_QUESTION = 2
 RUN_FAILED = 3
@@ -138,10 +138,10 @@ def campaign(
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
     from railgrip.campaign import Asked
+    from railgrip.report.pages import write_report
+    from railgrip.report.results import read_results
+    from railgrip.report.table import rows_of
     from railgrip.scenario.campaign import load_campaign
-    from railgrip.verdict.report import write_report
-    from railgrip.verdict.results import read_results
-    from railgrip.verdict.table import rows_of
 
     planned = [load_campaign(file, overrides or []) for file in files]
     own = out if out is not None and len(files) == 1 else None
@@ -209,7 +209,7 @@ def report(
     panels: DrawnPanels = Panels.ALL,
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
-    from railgrip.verdict.report import write_report
+    from railgrip.report.pages import write_report
 
     with progress("report") as shown:
         page = write_report(directory, panels=panels, tell=lambda what: shown.update(doing=f"drawing {what}"))
@@ -226,7 +226,7 @@ def regress(
     ] = False,
 ) -> None:
     """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
-    from railgrip.verdict.baseline import compare, comparison_rows, load_baseline
+    from railgrip.report.baseline import compare, comparison_rows, load_baseline
 
     problem = 0
     for path in _baseline_files(baselines):
@@ -258,7 +258,7 @@ def accept(
     out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
 ) -> None:
     """Move the baselines to the results of the last regress, for a reason."""
-    from railgrip.verdict.baseline import (
+    from railgrip.report.baseline import (
         accepted,
         compare,
         comparison_rows,
@@ -267,7 +267,7 @@ def accept(
         read_findings,
         write_baseline,
     )
-    from railgrip.verdict.results import read_results
+    from railgrip.report.results import read_results
 
     for path in _baseline_files(baselines):
         baseline, folder = load_baseline(path), out / path.stem
@@ -335,9 +335,9 @@ def readme(
     baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
 ) -> None:
     """Write the accepted braking distances into README's table."""
+    from railgrip.report.baseline import load_baseline
+    from railgrip.report.readme import write_readme
     from railgrip.scenario.campaign import load_campaign
-    from railgrip.verdict.baseline import load_baseline
-    from railgrip.verdict.readme import write_readme
 
     accepted = load_baseline(baseline)
     if accepted.campaign is None:
@@ -418,9 +418,9 @@ def _run_campaigns(
 def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
     from railgrip.campaign import Asked
+    from railgrip.report.baseline import findings_of, write_findings
+    from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign
-    from railgrip.verdict.baseline import findings_of, write_findings
-    from railgrip.verdict.results import read_results
 
     if baseline.campaign is not None:
         asked = [Asked(load_campaign(path.parent / baseline.campaign), out)]
@@ -442,8 +442,8 @@ def _baseline_files(folder: Path) -> list[Path]:
 
 
 def _print_rows(rows: "Sequence[Row]") -> None:
-    from railgrip.verdict.distribution import distribution_texts, distributions_of
-    from railgrip.verdict.table import row_texts
+    from railgrip.report.distribution import distribution_texts, distributions_of
+    from railgrip.report.table import row_texts
 
     drawn, single = distribution_texts(distributions_of(rows)), row_texts(rows)
     if drawn:
@@ -459,7 +459,7 @@ _NOT_ON_SCREEN = frozenset(
 
 
 def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
-    from railgrip.verdict.text import TEXT_COLUMNS
+    from railgrip.report.text import TEXT_COLUMNS
 
     if not rows:
         say(f"{title}: nothing changed" if title else "no results")

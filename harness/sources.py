@@ -12,7 +12,7 @@ from railgrip.fmus.recipe import MODELICA
 
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".jinja"}
 _UNCONCERNED = (
-    "railgrip/verdict/",
+    "railgrip/report/",
     "railgrip/studies/",
     "railgrip/scenario/library/",
     "railgrip/scenario/campaigns/",

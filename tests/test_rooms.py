@@ -27,7 +27,7 @@ ALLOWED = {
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
     "railgrip.record": ("railgrip.record", "railgrip.scenario", "railgrip.formation", "railgrip.signals",
                         "railgrip.estimators.consistency"),
-    "railgrip.verdict": ("railgrip.verdict", "railgrip.record", "railgrip.scenario", "railgrip.units"),
+    "railgrip.report": ("railgrip.report", "railgrip.record", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
                      "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction", "railgrip.loop.compiled.Calls",
@@ -79,7 +79,7 @@ def test_only_assembly_names_concrete_laws_and_filters(name, path):
     concrete = ("railgrip.controllers.full_brake", "railgrip.controllers.slip_based",
                 "railgrip.controllers.adhesion_based", "railgrip.estimators.ekf",
                 "railgrip.estimators.compiled")  # fmt: skip
-    if inside(name, "railgrip.loop") or inside(name, "railgrip.verdict") or inside(name, "railgrip.record"):
+    if inside(name, "railgrip.loop") or inside(name, "railgrip.report") or inside(name, "railgrip.record"):
         assert not any(inside(other, part) for other in imported(path) for part in concrete)
 
 

@@ -43,7 +43,7 @@ def observability(
     from railgrip.estimation.observable import observe, with_estimates_as_truth
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import load_specification, prediction_for
-    from railgrip.verdict.observability import information
+    from railgrip.report.observability import information
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
@@ -86,7 +86,7 @@ def estimate(
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
     from railgrip.record.atomic import write_bytes
-    from railgrip.verdict.estimated import estimated
+    from railgrip.report.estimated import estimated
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name

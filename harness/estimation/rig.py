@@ -19,9 +19,9 @@ from railgrip.estimation.spec import (
     settings_for,
 )
 from railgrip.record.atomic import replacing, write_text
+from railgrip.report.rig import over_slip, rig_run, tunings
 from railgrip.twins.rig_scenario import RigScenario, rig_scenario
 from railgrip.twins.roller_rig import run_rig
-from railgrip.verdict.rig import over_slip, rig_run, tunings
 
 FILTERS = ("rig_paper", "rig_own")
 SCENARIOS = ("slide", "sand")

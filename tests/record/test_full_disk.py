@@ -21,9 +21,9 @@ from railgrip.failure import sentence_of
 from railgrip.record.atomic import Unwritten, replacing, write_text
 from railgrip.record.stop import read_stop, write_stop
 from railgrip.record.trace import write_trace
+from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
-from railgrip.verdict.style import save
 
 ROOT = Path(__file__).parents[2]
 WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"

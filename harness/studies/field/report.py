@@ -8,6 +8,7 @@ import numpy as np
 from railgrip.estimation.error import EstimationError
 from railgrip.estimation.recording import truth_of
 from railgrip.record.atomic import write_text
+from railgrip.report import style
 from railgrip.scenario.track import CurveLaw, curve_coefficient
 from railgrip.studies.field.degeneracy import Sweep, common_factor, readings_trusted
 from railgrip.studies.field.figures import (
@@ -25,7 +26,6 @@ from railgrip.studies.field.score import Score, TrackScore, score, track_score
 from railgrip.studies.field.seeds import SEEDS, Spread, over_seeds
 from railgrip.track.braking import Braking
 from railgrip.twins.field_scenario import FieldScenario
-from railgrip.verdict import style
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 PHYSICAL_NAME = "sensors and physics"

@@ -5,11 +5,11 @@ from typing import Final
 import numpy as np
 from matplotlib.figure import Figure
 
+from railgrip.report import style
 from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import QUANTITIES, beliefs_about
 from railgrip.studies.lateral.run import Trace
 from railgrip.studies.lateral.tables import PLANT_TITLES, TITLES
-from railgrip.verdict import style
 
 COLOURS: Final = {"literal": style.VERMILION, "known_track": style.BLUE, "unknown_track": style.GREEN}
 LABELS: Final = {

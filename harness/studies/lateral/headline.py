@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Any, Final
 
+from railgrip.report.baseline import Finding
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate
 from railgrip.twins.lateral import CONDITIONS, TESTS
-from railgrip.verdict.baseline import Finding
 from railgrip.workers import workers
 
 SPEED: Final = 25.0

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from railgrip.record.atomic import write_text
+from railgrip.report.style import save
 from railgrip.studies.lateral.figures import test_figure
 from railgrip.studies.lateral.judge import DETECTOR, FRICTION_TOLERANCE, SHARE_TOLERANCE, WINDOW
 from railgrip.studies.lateral.run import Case, simulate
@@ -19,7 +20,6 @@ from railgrip.studies.lateral.tables import (
     write_csv,
 )
 from railgrip.twins.lateral import PLANTS, SERVICE_SENSORS
-from railgrip.verdict.style import save
 
 
 def write_report(

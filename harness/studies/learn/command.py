@@ -56,8 +56,8 @@ def ride(
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
     from railgrip.record.atomic import write_bytes
+    from railgrip.report.style import save
     from railgrip.studies.learn.ride import read_ride, ride_beside, ride_figure
-    from railgrip.verdict.style import save
 
     asked = read_ride(file)
     folder = out or Path("build/rides") / asked.name

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from railgrip.estimators.learned.preprocessing import BLOCKS
+from railgrip.report.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
 from railgrip.studies.learn.evaluate import exchanged, parts_of
 from railgrip.studies.learn.gather import spectral_features
 from railgrip.studies.learn.reduction import CHANNELS
 from railgrip.studies.learn.study import PUBLISHED, Study, over_speeds
 from railgrip.twins.accelerometer import RATE
-from railgrip.verdict.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
 
 
 def draw(made: Study, folder: Path) -> list[Path]:

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.report.baseline import Finding
 from railgrip.studies.learn.evaluate import Recipe, within_exchanged, within_runs, without_each
 from railgrip.studies.learn.gather import spectral_features
 from railgrip.studies.learn.measured import readings
@@ -14,7 +15,6 @@ from railgrip.studies.learn.reduction import CHANNELS, SPECTRAL, Run, reduce
 from railgrip.studies.learn.runs import campaign
 from railgrip.studies.learn.study import FULL, dry_or_not, passes
 from railgrip.twins.instrumented_car import MPH, Pass
-from railgrip.verdict.baseline import Finding
 from railgrip.workers import workers
 
 SPEED: Final = 60

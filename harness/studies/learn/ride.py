@@ -33,6 +33,7 @@ from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import Said, Trained, load
 from railgrip.loop.beside import Watched, watch
+from railgrip.report.style import GREEN, dress, figure
 from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
@@ -40,7 +41,6 @@ from railgrip.studies.learn.parties import AxleBoxes, in_casadi, in_fmu
 from railgrip.twins.accelerometer import RATE
 from railgrip.twins.instrumented_car import SURFACES, Pass, car_of
 from railgrip.twins.irregularity import TRACKS
-from railgrip.verdict.style import GREEN, dress, figure
 
 Array = NDArray[np.float64]
 

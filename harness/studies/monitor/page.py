@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from railgrip.report.style import BLUE, GREY, VERMILION, dress, figure, save
 from railgrip.studies.monitor.evidence import GROUPS
 from railgrip.studies.monitor.watch import Design, History
-from railgrip.verdict.style import BLUE, GREY, VERMILION, dress, figure, save
 
 GROUP_NAMES = ("motor bogie 1", "Jacobs wheelset 3", "Jacobs wheelset 4", "motor bogie 2")
 

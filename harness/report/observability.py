@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from railgrip.verdict.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, figure, readable, save
+from railgrip.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, figure, readable, save
 
 _COLORS = (BLUE, BLACK, VERMILION, GREEN, ORANGE, PURPLE, SKY)
 _DASHES = ("-", "--", ":", "-.")

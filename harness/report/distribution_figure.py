@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from railgrip.verdict import style
-from railgrip.verdict.distribution import Distribution, Paired
+from railgrip.report import style
+from railgrip.report.distribution import Distribution, Paired
 
 _JITTER = 0.26  # of the height of a row, to either side
 

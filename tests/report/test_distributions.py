@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from railgrip.verdict.distribution import distribution_texts, distributions_of, paired
-from railgrip.verdict.distribution_figure import distribution_figure
-from railgrip.verdict.report import write_report
-from railgrip.verdict.results import read_results
-from railgrip.verdict.row import Row
-from railgrip.verdict.table import rows_of, write_table
+from railgrip.report.distribution import distribution_texts, distributions_of, paired
+from railgrip.report.distribution_figure import distribution_figure
+from railgrip.report.pages import write_report
+from railgrip.report.results import read_results
+from railgrip.report.row import Row
+from railgrip.report.table import rows_of, write_table
 
 DRAWS = """
 name = "drawn"
@@ -137,7 +137,7 @@ def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(fol
 def test_the_published_thresholds_are_those_of_the_law():
     """The name of a law without parameters of its own says 10/15 %, and `vs SBC` is against it."""
     from railgrip.controllers.tuning import PAPER_LEVELS
-    from railgrip.verdict.reference import PUBLISHED
+    from railgrip.report.reference import PUBLISHED
 
     assert (PAPER_LEVELS.low, PAPER_LEVELS.high) == PUBLISHED
 

@@ -13,17 +13,17 @@ from railgrip.record.error import RecordError
 from railgrip.record.metrics import meanings
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import STOP_FILE, read_stop
+from railgrip.report import style
+from railgrip.report.compilers import from_elsewhere
+from railgrip.report.distribution import distribution_texts, distributions_of
+from railgrip.report.distribution_figure import distribution_figure
+from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.report.panels import Panels
+from railgrip.report.reference import is_published
+from railgrip.report.results import CAMPAIGN_FILE, Result, Results, read_results
+from railgrip.report.table import row_texts, rows_of, write_table
+from railgrip.report.text import html_table, names
 from railgrip.scenario.campaign import DRAW
-from railgrip.verdict import style
-from railgrip.verdict.compilers import from_elsewhere
-from railgrip.verdict.distribution import distribution_texts, distributions_of
-from railgrip.verdict.distribution_figure import distribution_figure
-from railgrip.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
-from railgrip.verdict.panels import Panels
-from railgrip.verdict.reference import is_published
-from railgrip.verdict.results import CAMPAIGN_FILE, Result, Results, read_results
-from railgrip.verdict.table import row_texts, rows_of, write_table
-from railgrip.verdict.text import html_table, names
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 75rem; padding: 0 1rem; color: #1b1b1b }

@@ -1,6 +1,6 @@
 """The table of braking distances: one row a stop, as JSON for machines and texts for people.
 
-Stops that differ only in their draw are shown as distributions, by `railgrip.verdict.distribution`.
+Stops that differ only in their draw are shown as distributions, by `railgrip.report.distribution`.
 """
 
 import json
@@ -12,14 +12,14 @@ from typing import Any
 
 from railgrip.record.atomic import write_text
 from railgrip.record.outcome import Outcome
+from railgrip.report.compilers import from_elsewhere, makers
+from railgrip.report.conditioning import spread_text
+from railgrip.report.distribution import distribution_texts, distributions_of
+from railgrip.report.reference import best, controller_of, is_published, is_tuned, label, law_of
+from railgrip.report.results import Result, Results
+from railgrip.report.row import Row
+from railgrip.report.text import Texts, filled, markdown_table, names, number, percent
 from railgrip.scenario.campaign import DRAW
-from railgrip.verdict.compilers import from_elsewhere, makers
-from railgrip.verdict.conditioning import spread_text
-from railgrip.verdict.distribution import distribution_texts, distributions_of
-from railgrip.verdict.reference import best, controller_of, is_published, is_tuned, label, law_of
-from railgrip.verdict.results import Result, Results
-from railgrip.verdict.row import Row
-from railgrip.verdict.text import Texts, filled, markdown_table, names, number, percent
 
 VALVES = "pneumatic"
 """The actuation that has valves; the ideal one has turns of the pressure command."""

@@ -8,10 +8,7 @@ import railgrip.scenario
 from railgrip.campaign import write_description
 from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
 from railgrip.record.stop import write_stop
-from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
-from railgrip.scenario.error import ScenarioError
-from railgrip.verdict.baseline import (
+from railgrip.report.baseline import (
     Accepted,
     Baseline,
     Finding,
@@ -21,9 +18,12 @@ from railgrip.verdict.baseline import (
     load_baseline,
     write_baseline,
 )
-from railgrip.verdict.conditioning import STALE, spread_text
-from railgrip.verdict.results import read_results
-from railgrip.verdict.table import rows_of
+from railgrip.report.conditioning import STALE, spread_text
+from railgrip.report.results import read_results
+from railgrip.report.table import rows_of
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
+from railgrip.scenario.error import ScenarioError
 
 CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
 CHAOTIC = Repeated(digest="d", distances=(280.0, 300.0, 324.0, None))

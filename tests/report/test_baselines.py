@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from railgrip.record.outcome import Outcome
-from railgrip.scenario.error import ScenarioError
-from railgrip.verdict.baseline import (
+from railgrip.report.baseline import (
     Accepted,
     AcceptedFigure,
     Baseline,
@@ -21,7 +20,8 @@ from railgrip.verdict.baseline import (
     write_baseline,
     write_findings,
 )
-from railgrip.verdict.results import read_results
+from railgrip.report.results import read_results
+from railgrip.scenario.error import ScenarioError
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
 SBC, FULL = "trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"

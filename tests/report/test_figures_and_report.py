@@ -8,12 +8,12 @@ import pytest
 
 from railgrip.record.error import RecordError
 from railgrip.record.trace import write_trace
-from railgrip.verdict import style
-from railgrip.verdict.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
-from railgrip.verdict.panels import Panels
-from railgrip.verdict.report import write_report
-from railgrip.verdict.results import read_results
-from railgrip.verdict.table import rows_of
+from railgrip.report import style
+from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.report.pages import write_report
+from railgrip.report.panels import Panels
+from railgrip.report.results import read_results
+from railgrip.report.table import rows_of
 
 KEPT = {"slip_two_state", "adhesion_based"}
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from railgrip.estimation.error import EstimationError
+from railgrip.report.baseline import load_baseline
 from railgrip.studies.headlines import STUDIES, headlines
-from railgrip.verdict.baseline import load_baseline
 
 BASELINES = Path(__file__).parents[1] / "baselines"
 

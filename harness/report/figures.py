@@ -8,12 +8,12 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from railgrip.verdict import style
-from railgrip.verdict.distribution import distributions_of, over_cases
-from railgrip.verdict.distribution_figure import distribution_figure
-from railgrip.verdict.reference import label
-from railgrip.verdict.results import Result
-from railgrip.verdict.row import Row
+from railgrip.report import style
+from railgrip.report.distribution import distributions_of, over_cases
+from railgrip.report.distribution_figure import distribution_figure
+from railgrip.report.reference import label
+from railgrip.report.results import Result
+from railgrip.report.row import Row
 
 _CONTROLLER_COLOURS = {
     "full_brake": style.GREY,

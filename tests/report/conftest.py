@@ -1,4 +1,4 @@
-"""Results on disk for every verdict."""
+"""Results on disk for every report."""
 
 from pathlib import Path
 

@@ -14,8 +14,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.verdict.row import Row
-from railgrip.verdict.text import Texts, filled, number, percent
+from railgrip.report.row import Row
+from railgrip.report.text import Texts, filled, number, percent
 
 CONFIDENCE = 0.95
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from railgrip.record.atomic import write_text
 from railgrip.record.error import RecordError
+from railgrip.report.baseline import Accepted, Baseline
+from railgrip.report.reference import best, is_published, is_tuned, label, law_of
+from railgrip.report.text import markdown_table, number, percent
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.verdict.baseline import Accepted, Baseline
-from railgrip.verdict.reference import best, is_published, is_tuned, label, law_of
-from railgrip.verdict.text import markdown_table, number, percent
 
 BEGIN = "<!-- distances: written by `make readme` -->"
 END = "<!-- end of distances -->"

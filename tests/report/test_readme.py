@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from railgrip.record.error import RecordError
+from railgrip.report.baseline import Accepted, Baseline, load_baseline
+from railgrip.report.readme import BEGIN, END, table, write_readme
 from railgrip.scenario.campaign import load_campaign
-from railgrip.verdict.baseline import Accepted, Baseline, load_baseline
-from railgrip.verdict.readme import BEGIN, END, table, write_readme
 
 ROOT = Path(__file__).parents[2]
 BASELINE = ROOT / "tests" / "baselines" / "table1.toml"

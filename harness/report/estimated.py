@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 
-from railgrip.verdict.style import (
+from railgrip.report.style import (
     BLACK,
     BLUE,
     GREEN,

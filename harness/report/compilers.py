@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from railgrip.verdict.results import Result
+from railgrip.report.results import Result
 
 OURS = "railgrip"
 """How the built-in compiler's name begins, in FMUs and results."""

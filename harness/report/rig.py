@@ -8,7 +8,7 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from railgrip.verdict.style import BLACK, BLUE, GREEN, GREY, KMH, ORANGE, SKY, VERMILION, dress, figure, save
+from railgrip.report.style import BLACK, BLUE, GREEN, GREY, KMH, ORANGE, SKY, VERMILION, dress, figure, save
 
 RADIUS = 0.46  # m, of the rig's wheelset
 
