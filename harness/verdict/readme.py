@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from railgrip.errors import RecordError
 from railgrip.record.atomic import write_text
-from railgrip.record.error import RecordError
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.verdict.baseline import Accepted, Baseline
 from railgrip.verdict.reference import best, is_published, is_tuned, label, law_of

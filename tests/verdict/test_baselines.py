@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from railgrip.errors import ScenarioError
 from railgrip.record.outcome import Outcome
-from railgrip.scenario.error import ScenarioError
 from railgrip.verdict.baseline import (
     Accepted,
     AcceptedFigure,

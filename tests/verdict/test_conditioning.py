@@ -7,10 +7,10 @@ import pytest
 import railgrip.scenario
 from railgrip.campaign import write_description
 from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.errors import ScenarioError
 from railgrip.record.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
-from railgrip.scenario.error import ScenarioError
 from railgrip.verdict.baseline import (
     Accepted,
     Baseline,

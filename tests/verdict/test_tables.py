@@ -9,7 +9,7 @@ import pytest
 from synthetic_runner import DECELERATION
 
 import railgrip.scenario
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError
 from railgrip.verdict.reference import CONTROLLERS
 from railgrip.verdict.results import read_results
 from railgrip.verdict.table import rows_of, write_table
