@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
 from railgrip.estimators.design import Design
 from railgrip.estimators.discretisation import ORDER, Order
-from railgrip.estimators.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.generated import generate
 from railgrip.estimators.prediction import CasadiPrediction
@@ -68,7 +68,7 @@ class CompiledFilter:
 
     Raises:
         EstimatorError: The parts do not fit each other.
-        railgrip.fmus.errors.CompilerMissing: There is no C compiler on this machine.
+        railgrip.errors.CompilerMissing: There is no C compiler on this machine.
     """
 
     def __init__(

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Vector
-from railgrip.estimators.errors import EstimatorError
 
 UNDECIDED = -1
 """Label while no condition has been probable enough for long enough yet."""

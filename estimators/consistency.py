@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Estimate, Vector
 from railgrip.estimators.design import positive_definite
-from railgrip.estimators.errors import EstimatorError
 
 
 def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None) -> float:

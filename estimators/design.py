@@ -7,9 +7,9 @@ from typing import Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
 from railgrip.estimators.discretisation import Order
-from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import Prediction
 

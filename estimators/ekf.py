@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
+from railgrip.errors import FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
 from railgrip.estimators.design import Design
 from railgrip.estimators.discretisation import ORDER, Order, advanced, transition
-from railgrip.estimators.errors import FilterDiverged
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import Prediction
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,10 +14,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.design import noise_matrix, positive_definite
 from railgrip.estimators.discretisation import transition
-from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.prediction import CasadiPrediction, Prediction
 
 ROUNDING = 1e-11

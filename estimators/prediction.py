@@ -6,8 +6,8 @@ from typing import Protocol, runtime_checkable
 import casadi as ca
 import numpy as np
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
-from railgrip.estimators.errors import EstimatorError
 
 
 @runtime_checkable

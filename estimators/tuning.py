@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Vector
-from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.gate import Gate
 
 

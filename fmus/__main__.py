@@ -9,8 +9,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from railgrip.errors import InputError, RailgripError
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, choose, translate
-from railgrip.fmus.errors import FmuError, WrongQuestion
 from railgrip.fmus.recipe import read_recipes
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
@@ -40,7 +40,7 @@ def build_command(
     """Bring FMUs up to date and leave copies in build/fmus, or build the plant of a class of your own."""
     if library is not None:
         if names is None or len(names) != 1:
-            raise WrongQuestion("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
+            raise InputError("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
         built = build_class(names[0], library, compiler=_compiler(compiler))
         file = Path(f"{built.name}.fmu") if output is None else output
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -48,7 +48,7 @@ def build_command(
         out.print(f"{file}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)
         return
     if output is not None:
-        raise WrongQuestion("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
+        raise InputError("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
     with err.status("building"):
         for built in build(names or (), _compiler(compiler)):
             out.print(f"{built.path}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)
@@ -111,7 +111,7 @@ def main() -> None:
     """Run the command line; an error of ours ends in its sentence and its exit code."""
     try:
         app()
-    except FmuError as error:
+    except RailgripError as error:
         err.print(str(error), highlight=False, markup=False, soft_wrap=True)
         sys.exit(error.exit_code)
 

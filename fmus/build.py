@@ -11,8 +11,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from railgrip.errors import CompilerMissing, InputError, RailgripError
 from railgrip.fmus import cache, openmodelica
-from railgrip.fmus.errors import CompilerMissing, FmuError, WrongQuestion
 from railgrip.fmus.native import toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
 from railgrip.fmus.native.library import library_of, sources_digest
@@ -66,8 +66,8 @@ def fmu(name: str, compiler: Compiler = "auto") -> Path:
     """Return the FMU of a recipe in the user's cache, built if it is not there.
 
     Raises:
-        WrongQuestion: No such recipe, or the class does not compile.
-        FmuError: A compiler is missing or fails.
+        InputError: No such recipe, or the class does not compile.
+        RailgripError: A compiler is missing or fails.
     """
     return build_one(name, compiler).path
 
@@ -102,12 +102,12 @@ def build_class(
         directory: Gets a copy.
 
     Raises:
-        WrongQuestion: There is no such library or class, or it does not compile.
-        FmuError: A compiler is missing or fails.
+        InputError: There is no such library or class, or it does not compile.
+        RailgripError: A compiler is missing or fails.
     """
     whole = library_of(library.absolute())
     if not (whole / "package.mo" if whole.is_dir() else whole).is_file():
-        raise WrongQuestion(
+        raise InputError(
             f"{class_name}: there is no Modelica library {library}; give its package.mo, its folder or a .mo file."
         )
     return _up_to_date(
@@ -154,7 +154,7 @@ def build(
     work on what is translated. So the library is read once and CasADi loaded once.
 
     Raises:
-        FmuError: The first one that could not be built; those begun before it still finish.
+        RailgripError: The first one that could not be built; those begun before it still finish.
     """
     book = read_recipes()
     wanted = list(names) or list(book.recipes)
@@ -181,7 +181,7 @@ def build(
                     yield done.result()
             for done in as_completed(running):
                 yield done.result()
-        except FmuError:
+        except RailgripError:
             pool.shutdown(cancel_futures=True)
             raise
 
@@ -259,7 +259,7 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
 
     Raises:
         CompilerMissing: OpenModelica was asked for and is not there.
-        WrongQuestion: There is no compiler of that name.
+        InputError: There is no compiler of that name.
     """
     present = shutil.which("omc") is not None
     if compiler == "openmodelica" and not present:
@@ -269,7 +269,7 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
     if compiler == "auto":
         return "openmodelica" if present else "native"
     if compiler not in ("openmodelica", "native"):
-        raise WrongQuestion(f"there is no compiler '{compiler}'; use auto, openmodelica or native.")
+        raise InputError(f"there is no compiler '{compiler}'; use auto, openmodelica or native.")
     return compiler
 
 

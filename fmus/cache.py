@@ -14,7 +14,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from railgrip.fmus.errors import WrongQuestion
+from railgrip.errors import InputError
 
 VARIABLE = "RAILGRIP_CACHE"
 """Environment variable with another folder, absolute."""
@@ -26,12 +26,12 @@ def folder() -> Path:
     """Return the folder of the cache, which need not exist.
 
     Raises:
-        WrongQuestion: It is relative: a folder somebody sent could then bring what is loaded.
+        InputError: It is relative: a folder somebody sent could then bring what is loaded.
     """
     named = os.environ.get(VARIABLE)
     chosen = Path(named) if named else user_cache_path("railgrip", appauthor=False)
     if not chosen.is_absolute():
-        raise WrongQuestion(f"the cache folder must be an absolute path, got '{chosen}'; correct {VARIABLE}.")
+        raise InputError(f"the cache folder must be an absolute path, got '{chosen}'; correct {VARIABLE}.")
     return chosen.resolve()
 
 
@@ -39,7 +39,7 @@ def find(kind: str, key: str, name: str) -> Path | None:
     """Return a kept file, or None where there is none that is whole and this user's own.
 
     Raises:
-        WrongQuestion: Others can write in the cache.
+        InputError: Others can write in the cache.
     """
     place = folder() / kind / key
     if not place.is_dir():
@@ -56,7 +56,7 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
     """Keep a file and return where; safe for processes that keep the same at once.
 
     Raises:
-        WrongQuestion: The cache cannot be written, or others can write in it.
+        InputError: The cache cannot be written, or others can write in it.
     """
     place = folder() / kind / key / _digest(content)
     try:
@@ -74,7 +74,7 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
             Path(half).unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise WrongQuestion(
+        raise InputError(
             f"{place}: the cache cannot be written ({error.strerror}); make room or name another folder in {VARIABLE}."
         ) from error
     return place / name
@@ -87,7 +87,7 @@ def _down_to(place: Path) -> tuple[Path, ...]:
 
 def _require_private(place: Path) -> None:
     if not _is_private(place, stat.S_ISDIR):
-        raise WrongQuestion(
+        raise InputError(
             f"{place}: compiled code is kept here, but the folder is not yours or others can write in it; "
             f"remove it, or name another folder in {VARIABLE}."
         )

@@ -8,7 +8,7 @@ import warnings
 from functools import lru_cache
 from pathlib import Path
 
-from railgrip.fmus.errors import BuildFailed, CompilerMissing
+from railgrip.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 

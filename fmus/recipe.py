@@ -9,7 +9,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from railgrip.fmus.errors import WrongQuestion
+from railgrip.errors import InputError
 
 RECIPES = Path(__file__).with_name("recipes.toml")
 MODELICA = Path(__file__).parents[1] / "modelica"
@@ -58,12 +58,12 @@ class Cookbook:
         """Return a recipe.
 
         Raises:
-            WrongQuestion: There is none of that name.
+            InputError: There is none of that name.
         """
         if name not in self.recipes:
             near = get_close_matches(name, self.recipes, n=1)
             hint = f"; did you mean {near[0]}?" if near else f"; it has {', '.join(self.recipes)}."
-            raise WrongQuestion(f"{self.file} has no FMU named '{name}'{hint}")
+            raise InputError(f"{self.file} has no FMU named '{name}'{hint}")
         return self.recipes[name]
 
 
@@ -71,24 +71,24 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
     """Return the recipes of a file.
 
     Raises:
-        WrongQuestion: The file is missing, is not TOML, or holds an unknown key or impossible value.
+        InputError: The file is missing, is not TOML, or holds an unknown key or impossible value.
     """
     try:
         tables = tomllib.loads(file.read_text())
     except FileNotFoundError as error:
-        raise WrongQuestion(f"there is no file {file}.") from error
+        raise InputError(f"there is no file {file}.") from error
     except tomllib.TOMLDecodeError as error:
-        raise WrongQuestion(f"{file} is not TOML: {error}.") from error
+        raise InputError(f"{file} is not TOML: {error}.") from error
     recipes: dict[str, Recipe] = {}
     keys = [field.alias or key for key, field in Recipe.model_fields.items()]
     for name, table in tables.items():
         for key in table if isinstance(table, dict) else ():
             if key not in keys:
-                raise WrongQuestion(f"{file}: [{name}] has no key '{key}'; it has {', '.join(keys)}.")
+                raise InputError(f"{file}: [{name}] has no key '{key}'; it has {', '.join(keys)}.")
         try:
             recipes[name] = Recipe.model_validate(table)
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
-            raise WrongQuestion(f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}.") from error
+            raise InputError(f"{file}: [{name}] {where}: {first['msg']}, got {first['input']!r}.") from error
     return Cookbook(file=file, recipes=recipes)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from railgrip.api import Scenario, estimate, open, run, sweep
     from railgrip.controllers.observation import Observation
     from railgrip.custom import BrakedFormation, Controller, Estimate, Estimator, Sensors
+    from railgrip.errors import RailgripError
     from railgrip.record.outcome import Outcome
     from railgrip.record.stop import Stop
 
@@ -24,6 +25,7 @@ __all__ = [
     "Estimator",
     "Observation",
     "Outcome",
+    "RailgripError",
     "Scenario",
     "Sensors",
     "Stop",
@@ -38,6 +40,7 @@ _PLACES = {
     "railgrip.api": ("Scenario", "estimate", "open", "run", "sweep"),
     "railgrip.controllers.observation": ("Observation",),
     "railgrip.custom": ("BrakedFormation", "Controller", "Estimate", "Estimator", "Sensors"),
+    "railgrip.errors": ("RailgripError",),
     "railgrip.record.outcome": ("Outcome",),
     "railgrip.record.stop": ("Stop",),
 }

@@ -23,12 +23,13 @@ from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.engine import Engine
+from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
-from railgrip.fmu import Description, FmuPrediction, PlantFailed, Signal, bind, describe, open_plant
+from railgrip.fmu import Description, FmuPrediction, Signal, bind, describe, open_plant
 from railgrip.fmus.build import build_class, choose, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
@@ -52,7 +53,6 @@ from railgrip.record.recorder import Recorder
 from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.custom import Custom, Role
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
 from railgrip.scenario.quantity import in_units

@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike
 from railgrip.assemble import Assembled, OwnParties, assembled
 from railgrip.controllers.observation import Observation
 from railgrip.custom import BrakedFormation, problem_with
-from railgrip.fmu import PlantFailed
+from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.loop import cycle
 from railgrip.loop.ended import Ended
 from railgrip.record.stop import Stop
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.schema import Scenario
 
 

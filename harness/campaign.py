@@ -11,12 +11,11 @@ from typing import Literal
 import pebble
 
 from railgrip import workers as processes
-from railgrip.failure import sentence_of
+from railgrip.errors import InputError, RecordError, for_user
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.record.atomic import PARTIAL, write_text
-from railgrip.record.error import RecordError
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop
 from railgrip.report.compilers import OURS, makers
@@ -152,10 +151,10 @@ def _perform(planned: PlannedStop, directory: Path, runner: Runner) -> tuple[Sta
     try:
         stop = run(planned.scenario, directory, runner, keep_trace=planned.keep_trace)
     except Exception as problem:
-        sentence = sentence_of(problem)
-        if sentence is None:
+        message = for_user(problem)
+        if message is None:
             raise
-        return ("refused" if sentence.wrong_question else "failed"), sentence.text
+        return ("refused" if isinstance(message, InputError) else "failed"), str(message)
     return ("done" if stop.outcome is Outcome.STANDSTILL else "ended_badly"), stop.reason
 
 

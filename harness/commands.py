@@ -15,10 +15,10 @@ import typer
 from railgrip.bench.command import add_to as add_bench
 from railgrip.console import complain, progress, remark, say, show_table
 from railgrip.engine import Engine
+from railgrip.errors import ScenarioError, for_user
 from railgrip.estimation.command import add_to as add_estimate
 from railgrip.map_command import add_to as add_map
 from railgrip.report.panels import Panels
-from railgrip.scenario.error import ScenarioError
 from railgrip.studies.field.command import add_to as add_field
 from railgrip.studies.lateral.command import add_to as add_lateral
 from railgrip.studies.learn.command import add_to as add_learn
@@ -360,13 +360,11 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         app(arguments)
     except Exception as problem:
-        from railgrip.failure import sentence_of
-
-        sentence = sentence_of(problem)
-        if sentence is None:
+        message = for_user(problem)
+        if message is None:
             raise
-        complain(sentence.text)
-        sys.exit(WRONG_QUESTION if sentence.wrong_question else RUN_FAILED)
+        complain(str(message))
+        sys.exit(message.exit_code)
 
 
 def _runner(engine: Engine = Engine.AUTO, import_from: Sequence[Path] = ()) -> "Runner":

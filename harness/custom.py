@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
+from railgrip.errors import ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Extent, Formation
-from railgrip.loop.ports import ControllerFailed, EstimatorFailed, SensorsFailed
-from railgrip.scenario.error import ScenarioError
 from railgrip.signals import ESTIMATES, PLANT, READINGS, Layout
 
 Array = NDArray[np.float64]

@@ -8,7 +8,8 @@ from difflib import SequenceMatcher
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from railgrip.fmu import Description, FmuError, Signal
+from railgrip.errors import FmuError
+from railgrip.fmu import Description, Signal
 from railgrip.fmu.description import Causality, Variable
 from railgrip.units import unit
 

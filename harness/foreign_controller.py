@@ -6,8 +6,8 @@ from contextlib import contextmanager
 import numpy as np
 
 from railgrip.controllers.observation import Observation
-from railgrip.fmu import Binding, Description, FmuError, Plant, PlantFailed, Signal, bind, open_plant
-from railgrip.loop.ports import ControllerFailed
+from railgrip.errors import ControllerFailed, FmuError, PlantFailed
+from railgrip.fmu import Binding, Description, Plant, Signal, bind, open_plant
 from railgrip.scenario.parties import ControllerFmu
 from railgrip.scenario.schema import Scenario
 

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip import assemble
+from railgrip.errors import ScenarioError
 from railgrip.loop.ended import Ended
 from railgrip.record.bound import with_bound
 from railgrip.record.outcome import Outcome
 from railgrip.record.recorder import Recorder
 from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import track_force_of

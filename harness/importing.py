@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from railgrip.errors import ScenarioError
 from railgrip.scenario.custom import Custom, Role, installed_names
-from railgrip.scenario.error import ScenarioError
 from railgrip.units import cut
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from railgrip.errors import ScenarioError
 from railgrip.loop.ports import Sensors
 from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
 from railgrip.scenario.custom import Custom
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import IdealSensors as IdealTable

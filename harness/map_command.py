@@ -27,7 +27,8 @@ def add_to(app: typer.Typer) -> None:
         """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
         from railgrip.assemble import catalogue_brakes, counts_of, parameters_of, plant_signals
         from railgrip.draft import drafted
-        from railgrip.fmu import PlantFailed, bind, describe, open_plant
+        from railgrip.errors import PlantFailed
+        from railgrip.fmu import bind, describe, open_plant
         from railgrip.formation import Formation
         from railgrip.signals import layout_of
         from railgrip.trial import findings, tried

@@ -6,9 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError, ScenarioError
 from railgrip.record.stop import FILES, Stop, write_stop
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.schema import Scenario
 from railgrip.sources import sources_digest
 

@@ -15,9 +15,8 @@ import xarray
 
 from railgrip.assemble import OwnParties, run_stop
 from railgrip.console import progress
-from railgrip.failure import sentence_of
+from railgrip.errors import InputError, ScenarioError, for_user
 from railgrip.record.metrics import Metrics, meanings
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.schema import Scenario
 from railgrip.workers import workers as processes
 
@@ -163,10 +162,10 @@ def _result(scenario: Scenario, own: OwnParties) -> Result:
     try:
         stop = run_stop(scenario, own=own)
     except Exception as problem:
-        sentence = sentence_of(problem)
-        if sentence is None:
+        message = for_user(problem)
+        if message is None:
             raise
-        return Result("refused" if sentence.wrong_question else "failed", sentence.text, None)
+        return Result("refused" if isinstance(message, InputError) else "failed", str(message), None)
     return Result(stop.outcome.value, stop.reason, stop.metrics)
 
 

@@ -24,8 +24,7 @@ from railgrip.custom import (
     Estimator,
     Sensors,
 )
-from railgrip.loop.ports import ControllerFailed, EstimatorFailed, SensorsFailed
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
 from railgrip.signals import layout_of
 
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
@@ -35,10 +34,6 @@ _BRAKE = BrakeGroup(
     spring_force=1000.0, pressure_max=3.8e5,
 )  # fmt: skip
 """Of no train; a law that only works with one train's numbers is none."""
-
-
-class ContractBroken(AssertionError):
-    """A controller, estimator or sensor model does not keep its contract; the text says which part of it."""
 
 
 def check_controller(factory: Callable[[], Controller], *, estimates: bool = True) -> None:

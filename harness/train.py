@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.controllers.brake import BrakeGroup
+from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.record.bound import Brake
-from railgrip.scenario.error import ScenarioError
 
 GRAVITY = 9.81  # m/s2, as in RailBraking.Types
 

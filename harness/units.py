@@ -17,6 +17,8 @@ from typing import Any
 
 import pint
 
+from railgrip.errors import UnitError
+
 _DEFINITIONS = """
 nano- = 1e-9 = n-
 micro- = 1e-6 = u-
@@ -97,10 +99,6 @@ _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s
 _LONGEST = 200  # characters of a quantity; the longest unit in any file of ours has 20
 
 Exponents = tuple[int, int, int, int, int, int, int, int]
-
-
-class UnitError(ValueError):
-    """A text that is no unit or no quantity, or two units of different dimensions."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from synthetic import stop_of
 
+from railgrip.errors import ScenarioError
 from railgrip.record.outcome import Outcome
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.schema import Scenario
 
 DECELERATION = {

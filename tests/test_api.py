@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import railgrip as rg
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 
 PAGE = Path(__file__).parents[1] / "docs" / "api.md"
 SHORT = {"limits.horizon": "0.5 s", "start.speed": "30 km/h"}

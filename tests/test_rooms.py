@@ -10,8 +10,9 @@ ROOMS = ("fmus", "estimators", "controllers", "harness")
 
 # Room or module → what it may import of ours; the longest matching name decides.
 ALLOWED = {
+    "railgrip.errors": (),
     "railgrip.fmus": ("railgrip.fmus",),
-    "railgrip.estimators": ("railgrip.estimators", "railgrip.fmus.native", "railgrip.fmus.errors"),
+    "railgrip.estimators": ("railgrip.estimators", "railgrip.fmus.native"),
     "railgrip.controllers": ("railgrip.controllers",),
     "railgrip": ("railgrip",),
     # The loop knows protocols and the values that pass between parties, no party.
@@ -33,6 +34,9 @@ ALLOWED = {
                      "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction", "railgrip.loop.compiled.Calls",
                      "railgrip.loop.ports.Edge"),
 }  # fmt: skip
+
+GROUND = ("railgrip.errors",)
+"""What every room may import."""
 
 
 def modules():
@@ -60,7 +64,7 @@ def inside(name, package):
 
 @pytest.mark.parametrize(("name", "path"), list(modules()))
 def test_imports_point_one_way(name, path):
-    allowed = ALLOWED[max((room for room in ALLOWED if inside(name, room)), key=len)]
+    allowed = (*ALLOWED[max((room for room in ALLOWED if inside(name, room)), key=len)], *GROUND)
     for other in imported(path):
         top = other.split(".")[0]
         assert top not in ROOMS, f"{name} imports {other} by its folder; the package is railgrip"
@@ -88,6 +92,16 @@ def test_only_the_command_line_knows_studies(name, path):
     edge = ("railgrip.studies", "railgrip.commands", "railgrip.bench")
     if not any(inside(name, room) for room in edge):
         assert not [other for other in imported(path) if inside(other, "railgrip.studies")]
+
+
+@pytest.mark.parametrize(("name", "path"), list(modules()))
+def test_sentences_for_users_have_one_tree(name, path):
+    if name in {"railgrip.errors", "railgrip.interrupted"}:  # a signal is no error
+        return
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ClassDef):
+            parents = [ast.unparse(base) for base in node.bases]
+            assert not [base for base in parents if base.endswith(("Error", "Exception"))], f"{name}.{node.name}"
 
 
 def test_no_room_is_called_after_nothing():

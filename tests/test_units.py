@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.units import Unit, UnitError, conversion, to_si, unit
+from railgrip.errors import UnitError
+from railgrip.units import Unit, conversion, to_si, unit
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError
 from railgrip.estimators.learned.network import Network, train
 
 Array = NDArray[np.float64]

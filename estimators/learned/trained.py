@@ -9,7 +9,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError
 from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import COMBINATIONS, forwards, motions
 from railgrip.estimators.learned.ensemble import Ensemble

@@ -11,7 +11,7 @@ from typing import Any
 
 import rumoca
 
-from railgrip.fmus.errors import Refused, WrongQuestion
+from railgrip.errors import InputError, TranslationError
 from railgrip.fmus.native.complaint import places
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
@@ -93,9 +93,9 @@ class Dae:
         _, text = self.sources[span["source"]]
         return " ".join(text[span["start"] : span["end"]].decode(errors="replace").split())
 
-    def refuse(self, construct: str, provenance: Node | None) -> Refused:
+    def refuse(self, construct: str, provenance: Node | None) -> TranslationError:
         """Return the error for a construct that is not translated."""
-        return Refused(f"{self.where(provenance)}: {self.class_name}: {construct}")
+        return TranslationError(f"{self.where(provenance)}: {self.class_name}: {construct}")
 
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
@@ -116,13 +116,13 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
             classes of RailBraking; a library says so with `annotation(uses(RailBraking))` in its `package.mo`.
 
     Raises:
-        WrongQuestion: The file or class is missing, or Modelica has an error; carries rumoca's words.
+        InputError: The file or class is missing, or Modelica has an error; carries rumoca's words.
     """
     path = LIBRARY if modelica_path is None else Path(modelica_path)
     if path.is_dir():
         path = path / "package.mo"
     if not path.is_file():
-        raise WrongQuestion(f"{class_name}: there is no Modelica file {path}.")
+        raise InputError(f"{class_name}: there is no Modelica file {path}.")
     # A name that no folder has: for a real one rumoca also reads whatever else lies beside the file.
     alias = f"single-file/{path.name}"
     try:
@@ -136,11 +136,11 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     except rumoca.RumocaError as error:
         said = str(error).replace(alias, str(path))
         found_at = "".join(f"\n  {place}" for place in places(said, path, class_name))
-        raise WrongQuestion(f"{class_name} does not compile ({path}): {said}{found_at}") from error
+        raise InputError(f"{class_name} does not compile ({path}): {said}{found_at}") from error
     content = json.loads(printed)
     found = (content["schema"]["name"], content["schema"]["version"])
     if found != SCHEMA:
-        raise WrongQuestion(
+        raise InputError(
             f"rumoca {rumoca.version()} writes the DAE as {found}, this compiler reads {SCHEMA}; "
             "install the version pinned in pyproject.toml."
         )

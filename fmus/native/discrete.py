@@ -12,7 +12,7 @@ from importlib.metadata import version
 
 import casadi as ca
 
-from railgrip.fmus.errors import WrongQuestion
+from railgrip.errors import InputError
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.ctext import quoted, table
 from railgrip.fmus.native.description import Writer, attributes_text, unit_definitions
@@ -49,19 +49,19 @@ class Discrete:
     def __post_init__(self) -> None:
         """Refuse a period that is none and functions that do not fit."""
         if not self.period > 0:
-            raise WrongQuestion(f"{self.name}: the period is a positive time, got {self.period} s.")
+            raise InputError(f"{self.name}: the period is a positive time, got {self.period} s.")
         takes = [self.step.numel_in(i) for i in range(self.step.n_in())]
         gives = [self.step.numel_out(i) for i in range(self.step.n_out())]
         wanted = [len(self.states), len(self.inputs), len(self.parameters)]
         if takes + [0] * (3 - len(takes)) != wanted or gives != [len(self.states), len(self.outputs)]:
-            raise WrongQuestion(
+            raise InputError(
                 f"{self.name}: a step function takes (state, input, parameter) of {wanted} numbers and gives "
                 f"(state, output) of {[len(self.states), len(self.outputs)]}; this one takes {takes} and gives {gives}."
             )
         names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
-            raise WrongQuestion(f"{self.name}: more than one variable is named {', '.join(twice)}.")
+            raise InputError(f"{self.name}: more than one variable is named {', '.join(twice)}.")
 
 
 def sources(system: Discrete) -> Source:

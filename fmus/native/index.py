@@ -12,7 +12,7 @@ import casadi as ca
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-from railgrip.fmus.errors import Refused
+from railgrip.errors import TranslationError
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.structure import Equation
 
@@ -55,7 +55,7 @@ def reduce_index(
         states: With `derivatives`, one for one, and `cost`, what demoting each costs.
 
     Raises:
-        Refused: The system is singular, or an equation with an input would have to be differentiated.
+        TranslationError: The system is singular, or an equation with an input would have to be differentiated.
     """
     symbols = [*states, *derivatives, *algebraics]
     n = len(states)
@@ -103,7 +103,7 @@ def reduce_index(
     def differentiate(q: int) -> None:
         e = work[q]
         if inputs.numel() and ca.depends_on(e.residual, inputs):
-            raise Refused(
+            raise TranslationError(
                 f"{e.where}: {owner}: this equation must be differentiated to find the states, "
                 "but it contains an input."
             )
@@ -125,7 +125,7 @@ def reduce_index(
             if augment(e, seen_equations, seen_variables):
                 break
             if not seen_variables and not any(v in derivative_of for v in contains[e]):
-                raise Refused(f"{work[e].where}: {owner}: this equation has no unknown left to determine.")
+                raise TranslationError(f"{work[e].where}: {owner}: this equation has no unknown left to determine.")
             for v in sorted(seen_variables):
                 derivative_of[v] = len(symbols)
                 symbols.append(SX.sym(f"der({symbols[v].name()})"))
@@ -135,7 +135,9 @@ def reduce_index(
                 match[derivative_of[v]] = differentiated[match[v]]
             e = differentiated[e]
         else:
-            raise Refused(f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere.")
+            raise TranslationError(
+                f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
+            )
 
     # Highest derivatives and algebraics must be solved for; among the lower ones the cheapest are demoted.
     price = [1.0 + (cost[i] if i < n else 0.001) if i in derivative_of else 0.5 for i in range(len(symbols))]
@@ -144,11 +146,11 @@ def reduce_index(
     try:
         _, chosen = min_weight_full_bipartite_matching(weight)
     except ValueError as error:
-        raise Refused(f"{owner}: structurally singular after index reduction.") from error
+        raise TranslationError(f"{owner}: structurally singular after index reduction.") from error
     solved = set(chosen.tolist())
     missing = [symbols[v].name() for v in range(len(symbols)) if v not in derivative_of and v not in solved]
     if missing:
-        raise Refused(f"{owner}: structurally singular: no equation left for {', '.join(missing)}.")
+        raise TranslationError(f"{owner}: structurally singular: no equation left for {', '.join(missing)}.")
     kept = [v for v in range(len(symbols)) if v not in solved]
     return Reduced(
         equations=work,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import casadi as ca
 
-from railgrip.fmus.errors import Refused
+from railgrip.errors import TranslationError
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.model import Model, Variable
@@ -27,7 +27,7 @@ def _without_events(system: System) -> Model:
     }
     found = [f"{count} {what}" for what, count in hindrances.items() if count]
     if found:
-        raise Refused(f"{system.class_name} is not a plain differential equation: it has {', '.join(found)}.")
+        raise TranslationError(f"{system.class_name} is not a plain differential equation: it has {', '.join(found)}.")
     v = system.variables
     free = vector(v.free)
     arguments = [system.time, system.x, system.u, free]

@@ -65,8 +65,8 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
         modelica_path: A `.mo` file or a library's folder; RailBraking when absent.
 
     Raises:
-        WrongQuestion: No such file or class, or Modelica has an error.
-        Refused: The class has events, discrete variables, nonlinear loops, or what is not translated.
+        InputError: No such file or class, or Modelica has an error.
+        TranslationError: The class has events, discrete variables, nonlinear loops, or what is not translated.
     """
     library = LIBRARY if modelica_path is None else Path(modelica_path)
     if not library.exists():

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
-from railgrip.fmus.errors import Refused
+from railgrip.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, is_number
 
 LARGEST_LOOP = 24
@@ -60,11 +60,11 @@ def solve(
         owner: Class name for error messages.
 
     Raises:
-        Refused: The system is not square, structurally singular, or has too large a nonlinear loop.
+        TranslationError: The system is not square, structurally singular, or has too large a nonlinear loop.
     """
     n = len(unknowns)
     if len(equations) != n:
-        raise Refused(f"{owner}: {len(equations)} equations for {n} unknowns.")
+        raise TranslationError(f"{owner}: {len(equations)} equations for {n} unknowns.")
     if not n:
         return list(targets)
     residuals, columns = ca.vertcat(*[e.residual for e in equations]), ca.vertcat(*unknowns)
@@ -73,7 +73,7 @@ def solve(
     match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
     if (match < 0).any():
         left = sorted(set(range(n)) - set(match.tolist()))
-        raise Refused(
+        raise TranslationError(
             f"{owner}: structurally singular: no unknown left for the equation at "
             + ", ".join(equations[int(i)].where for i in np.flatnonzero(match < 0))
             + "; no equation left for "
@@ -198,7 +198,7 @@ def _core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX
     if not ca.depends_on(matrix, unknowns):
         return ca.densify(ca.solve(matrix, -ca.substitute(residuals, unknowns, SX.zeros(len(core))))), []
     if len(core) > LARGEST_LOOP:
-        raise Refused(
+        raise TranslationError(
             f"{owner}: a nonlinear loop of {len(core)} unknowns, at most {LARGEST_LOOP} are supported: "
             + ", ".join(f"{u.name()} ({e.where})" for e, u in core)
         )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from railgrip.fmus.errors import Refused
+from railgrip.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
 from railgrip.fmus.native.conditions import Conditions, Relations, find_relations
 from railgrip.fmus.native.dae import Dae, Node
@@ -119,7 +119,7 @@ def explicit(dae: Dae) -> System:
     """Return a flat class in explicit form.
 
     Raises:
-        Refused: It contains something that is not translated; names construct, file and line.
+        TranslationError: It contains something that is not translated; names construct, file and line.
     """
     _refuse_unsupported(dae)
     time = SX.sym("time")
@@ -179,7 +179,7 @@ def explicit(dae: Dae) -> System:
     ]
     through_events = [name for name in loops.guesses if name not in running]
     if through_events:
-        raise Refused(
+        raise TranslationError(
             f"{dae.class_name}: a nonlinear loop through discrete variables is not supported: "
             f"{', '.join(through_events)}; break it with pre()."
         )
@@ -307,7 +307,7 @@ def _start(
         return column(given), calculated
     free = [s for s in states if not s.fixed]
     if len(free) != len(initial):
-        raise Refused(
+        raise TranslationError(
             f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start"
             f" ({', '.join(s.name for s in free) or 'none'})."
         )

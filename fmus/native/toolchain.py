@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from railgrip.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.cache import find, keep
-from railgrip.fmus.errors import BuildFailed, CompilerMissing
 
 # -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine.
 FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
@@ -77,7 +77,7 @@ def shared_library(
     Raises:
         CompilerMissing: There is no C compiler.
         BuildFailed: The compiler reports an error; the message carries its first lines.
-        WrongQuestion: The cache cannot be used.
+        InputError: The cache cannot be used.
     """
     chosen, file = compiler(), name + SUFFIX
     options = _options(include, flags)

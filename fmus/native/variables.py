@@ -95,7 +95,7 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
     """Return scalars by variable id, and the symbols expressions refer to.
 
     Raises:
-        Refused: A String, an unknown type or role.
+        TranslationError: A String, an unknown type or role.
     """
     of_id: dict[int, list[Scalar]] = {}
     symbols: dict[tuple[str, int], Array] = {}

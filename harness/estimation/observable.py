@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recording import TRUTH, columns, period_of
 from railgrip.estimation.run import by_name, units_of
 from railgrip.estimation.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for

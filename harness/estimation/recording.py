@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 
 Vector = NDArray[np.float64]
 Signals = Mapping[str, tuple[ArrayLike, str]]

@@ -10,13 +10,12 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimation.recording import columns, period_of
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import FAR, lost_at, nis_ratio
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.errors import FilterDiverged
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
@@ -76,7 +75,7 @@ def prediction_of(model: str, parameters: Mapping[str, float] | None = None) -> 
 
     Raises:
         EstimationError: There is no such parameter.
-        railgrip.fmus.errors.WrongQuestion: There is no such class.
+        railgrip.errors.InputError: There is no such class.
     """
     lowered = model_of(model)
     given = dict(parameters or {})

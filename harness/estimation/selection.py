@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.run import model_of
 from railgrip.estimators.prediction import CasadiPrediction
 

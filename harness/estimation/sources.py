@@ -8,7 +8,7 @@ from pathlib import Path
 
 import xarray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.spec import SourceTable, Specification, check_mass
 

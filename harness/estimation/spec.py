@@ -37,7 +37,7 @@ from typing import Annotated, Any, Literal, Self
 import xarray
 from pydantic import Field, model_validator
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.table import DataTable
 from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimation.selection import prediction_seeing

@@ -8,7 +8,6 @@
 from railgrip.fmu.cosimulation import CoSimulation, Plant, Snapshot
 from railgrip.fmu.description import Description, Variable, describe
 from railgrip.fmu.exchange import FmuPrediction, ModelExchange
-from railgrip.fmu.failure import Failure, FmuError, PlantFailed
 from railgrip.fmu.isolation import IsolatedCoSimulation, open_plant
 from railgrip.fmu.mapping import Binding, Side, Signal, bind
 
@@ -16,13 +15,10 @@ __all__ = [
     "Binding",
     "CoSimulation",
     "Description",
-    "Failure",
-    "FmuError",
     "FmuPrediction",
     "IsolatedCoSimulation",
     "ModelExchange",
     "Plant",
-    "PlantFailed",
     "Side",
     "Signal",
     "Snapshot",

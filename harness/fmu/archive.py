@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.parsers import expat
 
-from railgrip.fmu.failure import FmuError
+from railgrip.errors import FmuError
 from railgrip.limits import MIB, FmuLimits
 
 DESCRIPTION = "modelDescription.xml"

@@ -16,9 +16,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu.cosimulation import CoSimulation, Snapshot
 from railgrip.fmu.description import Description
-from railgrip.fmu.failure import FmuError, PlantFailed
 from railgrip.fmu.mapping import Binding
 from railgrip.fmu.parameters import Values
 

@@ -10,9 +10,9 @@ import numpy as np
 from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 
+from railgrip.errors import FmuError
 from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description
-from railgrip.fmu.failure import FmuError
 from railgrip.fmu.instance import Instance, unpacked
 from railgrip.fmu.mapping import Binding, Channel
 from railgrip.fmus.native.toolchain import shared_library

@@ -16,9 +16,9 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu.crossing import Crossing, Outcome, outcome
 from railgrip.fmu.description import Description
-from railgrip.fmu.failure import FmuError, PlantFailed
 from railgrip.fmu.instance import Instance, unpacked
 from railgrip.fmu.mapping import Binding, Side
 from railgrip.fmu.parameters import Values, assignments

@@ -56,7 +56,7 @@ class Crossing:
         """Make the buffers; compile the step, once on a machine.
 
         Raises:
-            railgrip.fmus.errors.CompilerMissing: There is no C compiler.
+            railgrip.errors.CompilerMissing: There is no C compiler.
         """
         sending, receiving = binding.inputs, binding.outputs
         self.present = np.sort(np.concatenate([[], *(c.positions for c in receiving.channels)])).astype(np.intp)

@@ -10,10 +10,10 @@ from typing import Any, Literal, cast
 import fmpy
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
 
+from railgrip.errors import FmuError, UnitError
 from railgrip.fmu.archive import digest, members, outline
-from railgrip.fmu.failure import FmuError
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.units import BASE, Exponents, Unit, UnitError, unit
+from railgrip.units import BASE, Exponents, Unit, unit
 
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
 Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]

@@ -17,8 +17,8 @@ import numpy as np
 from fmpy.fmi2 import fmi2EventInfo
 from numpy.typing import NDArray
 
+from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu.description import Description, Variable
-from railgrip.fmu.failure import FmuError, PlantFailed
 from railgrip.fmu.instance import OK_OR_WARNING, Instance, unpacked
 from railgrip.fmu.parameters import Values, assignments
 

@@ -27,9 +27,9 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
+from railgrip.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.fmu.archive import digest
 from railgrip.fmu.description import Description, Interface
-from railgrip.fmu.failure import Failure, FmuError, PlantFailed, Reason
 from railgrip.fmu.parameters import Assignment
 from railgrip.scratch import scratch
 

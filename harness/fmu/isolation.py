@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
+from railgrip.errors import Failure, FmuError, PlantFailed
 from railgrip.fmu.child import ANSWER, FAILED, REFUSED, SNAPSHOT, Opening, Request, receive, send
 from railgrip.fmu.cosimulation import CoSimulation, Snapshot
 from railgrip.fmu.description import Description
-from railgrip.fmu.failure import Failure, FmuError, PlantFailed
 from railgrip.fmu.instance import unpacked
 from railgrip.fmu.keeper import REPORT
 from railgrip.fmu.mapping import Binding

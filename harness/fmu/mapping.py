@@ -22,9 +22,9 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import FmuError, UnitError
 from railgrip.fmu.description import Causality, Description, Variable
-from railgrip.fmu.failure import FmuError
-from railgrip.units import Unit, UnitError, conversion, turning_of, unit
+from railgrip.units import Unit, conversion, turning_of, unit
 
 Carrier = Literal["Real", "Integer", "Boolean"]
 """The FMI calls that carry a number; enumerations travel as integers."""

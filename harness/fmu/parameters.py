@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, cast
 
+from railgrip.errors import FmuError
 from railgrip.fmu.description import Description, Variable
-from railgrip.fmu.failure import FmuError
 
 Scalar = float | int | bool | str
 Values = Mapping[str, object]

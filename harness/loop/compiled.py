@@ -15,15 +15,12 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import LoopError
 from railgrip.fmus.native.toolchain import shared_library
 
 Array = NDArray[np.float64]
 
 KERNEL = files("railgrip.loop") / "kernel" / "run.c"
-
-
-class LoopError(ValueError):
-    """The question was wrong: tables, names or sources that do not fit each other."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

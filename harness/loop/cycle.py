@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from railgrip.controllers.observation import Observation
+from railgrip.errors import ControllerFailed, SensorsFailed
 from railgrip.loop.ended import (
     Clock,
     Ended,
@@ -19,16 +20,7 @@ from railgrip.loop.ended import (
     without_reading,
 )
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import (
-    Actuation,
-    Controller,
-    ControllerFailed,
-    DirectEstimator,
-    Plant,
-    Rail,
-    Sensors,
-    SensorsFailed,
-)
+from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Plant, Rail, Sensors
 from railgrip.loop.watch import Believer, watch_of
 from railgrip.record.recorder import Recorder
 from railgrip.signals import PLANT, READINGS, SENT, Layout

@@ -19,7 +19,7 @@ def kernel(layout: Layout) -> ctypes.CDLL:
     """Return the sensors, the checks of a plant and the cycle in C, for vectors of this layout.
 
     Raises:
-        railgrip.fmus.errors.CompilerMissing: There is no C compiler.
+        railgrip.errors.CompilerMissing: There is no C compiler.
     """
     sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in _PARTS}
     formation = layout.formation
@@ -42,7 +42,7 @@ def compiled(step: ca.Function) -> int:
     It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.
 
     Raises:
-        railgrip.fmus.errors.CompilerMissing: There is no C compiler.
+        railgrip.errors.CompilerMissing: There is no C compiler.
     """
     generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
     generator.add(step)

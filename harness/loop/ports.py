@@ -98,14 +98,6 @@ class Filter(Estimator, Protocol):
         ...
 
 
-class SensorsFailed(Exception):
-    """Sensors gave no reading, in a sentence; the stop ends with that."""
-
-
-class EstimatorFailed(Exception):
-    """An estimator could not go on, in a sentence; the stop ends with that."""
-
-
 @runtime_checkable
 class DirectEstimator(Protocol):
     """An estimator that gives quantities themselves, not states with a covariance.
@@ -119,10 +111,6 @@ class DirectEstimator(Protocol):
     def step(self, observation: Observation) -> Mapping[str, Vector]:
         """Return all that it provides, from what is read now; EstimatorFailed ends the stop."""
         ...
-
-
-class ControllerFailed(Exception):
-    """A controller could not decide, in a sentence; the stop ends with that."""
 
 
 @runtime_checkable

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from railgrip import signals
 from railgrip.controllers.observation import Observation
-from railgrip.loop.ports import DirectEstimator, EstimatorFailed, Filter
+from railgrip.errors import EstimatorFailed
+from railgrip.loop.ports import DirectEstimator, Filter
 from railgrip.record.recorder import Recorder
 from railgrip.signals import Layout
 

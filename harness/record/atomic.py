@@ -5,10 +5,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
-
-class Unwritten(Exception):
-    """A result could not be written; nothing of it was left, and what was there before is untouched."""
-
+from railgrip.errors import Unwritten
 
 PARTIAL = ".*.partial"
 """Pattern of what a process that was killed while writing leaves behind."""

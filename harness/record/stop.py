@@ -9,8 +9,8 @@ from typing import Any
 
 import xarray
 
-from railgrip.record.atomic import Unwritten, write_text
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError, Unwritten
+from railgrip.record.atomic import write_text
 from railgrip.record.metrics import Metrics
 from railgrip.record.outcome import Outcome
 from railgrip.record.trace import FILE_NAME as TRACE_FILE

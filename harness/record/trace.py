@@ -15,9 +15,9 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.errors import RecordError
 from railgrip.formation import Formation, formation_of
 from railgrip.record.atomic import write_bytes
-from railgrip.record.error import RecordError
 from railgrip.signals import Signal
 
 FILE_NAME = "trace.nc"

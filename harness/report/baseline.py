@@ -38,13 +38,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, NonNegativeInt, model_validator
 
+from railgrip.errors import RecordError, ScenarioError
 from railgrip.record.atomic import write_text
-from railgrip.record.error import RecordError
 from railgrip.report.results import Result, Results
 from railgrip.report.row import Row
 from railgrip.report.table import rows_of
 from railgrip.scenario.conditioning import Repeated
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table, broken

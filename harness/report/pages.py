@@ -8,8 +8,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from railgrip.errors import RecordError
 from railgrip.record.atomic import write_text
-from railgrip.record.error import RecordError
 from railgrip.record.metrics import meanings
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import STOP_FILE, read_stop

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError
 from railgrip.record.stop import STOP_FILE, StopRecord, read_stop
 from railgrip.scenario.conditioning import Repeated
 

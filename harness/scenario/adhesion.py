@@ -6,9 +6,9 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.scenario.curve import Curve
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator

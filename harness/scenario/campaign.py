@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 from railgrip.scenario.file import is_file
 from railgrip.scenario.load import demand_kind, installed, read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged, read_overrides

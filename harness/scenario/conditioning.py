@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field, NonNegativeFloat
 
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 from railgrip.scenario.load import validated
 from railgrip.scenario.table import Table
 

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from railgrip.errors import ScenarioError
 from railgrip.scenario.custom import CUSTOM, OURS
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.file import DIRECTORY, is_file
 from railgrip.scenario.merge import merged, parsed, read_overrides
 from railgrip.scenario.schema import Scenario

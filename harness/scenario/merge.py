@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
 
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 from railgrip.units import cut, short
 
 _DEEPEST = 12

@@ -10,7 +10,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip import units
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 from railgrip.units import quantity, short, to_si, unit
 
 

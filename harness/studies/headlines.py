@@ -7,7 +7,7 @@ largest of many errors. A changed law moves it further.
 
 from collections.abc import Callable
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.report.baseline import Finding, Findings
 
 Tell = Callable[[str], None]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import make_smoothing_spline
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Duration, Friction, Length, Mass, Name, Parameters, Seed, Speed, Table

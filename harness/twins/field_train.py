@@ -13,7 +13,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import force_along

@@ -136,7 +136,7 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
 
     Raises:
         PlantFailed: The FMU failed.
-        railgrip.fmus.errors.FmuError: It cannot be built.
+        railgrip.errors.FmuError: It cannot be built.
     """
     with car_of(run, rate=rate) as (car, inputs, skipped):
         seen = np.empty((len(inputs), SHOWN))

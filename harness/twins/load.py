@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.scenario.file import is_file
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit

@@ -27,7 +27,7 @@ def plant(
 
     Raises:
         railgrip.fmu.FmuError: A signal or parameter is not there.
-        railgrip.fmus.errors.FmuError: The FMU cannot be built.
+        railgrip.errors.FmuError: The FMU cannot be built.
     """
     description = described(name)
     binding = bind(

@@ -2,8 +2,8 @@
 
 import pytest
 
+from railgrip.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.error import ScenarioError
 
 
 def campaign(project, text):

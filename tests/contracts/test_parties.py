@@ -8,7 +8,8 @@ from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBa
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER
-from railgrip.testing import ContractBroken, check_controller, check_estimator, check_sensors
+from railgrip.errors import ContractBroken
+from railgrip.testing import check_controller, check_estimator, check_sensors
 
 
 class Ours:

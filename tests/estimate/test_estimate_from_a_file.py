@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from railgrip.commands import app
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.recording import recording_of
 from railgrip.estimation.run import estimate

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.cleaning import spikes, standing
 from railgrip.estimation.recorded.flag import Flag, summary
 from railgrip.estimation.recorded.grid import input_on_grid, on_grid

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recording import columns, period_of, recording_of, truth_of
 
 

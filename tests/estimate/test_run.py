@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.recording import recording_of
 from railgrip.estimation.run import Settings, by_name, estimate, per_step, prediction_of, units_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.gate import Gate
 
 PERIOD = 0.01

@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import LIBRARY, SourceTable, load_specification, prediction_for, settings_for
-from railgrip.scenario.error import ScenarioError
 
 TEXT = (LIBRARY / "rig_own.toml").read_text()
 

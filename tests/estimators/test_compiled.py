@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
+from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.generated import generate
 from railgrip.estimators.prediction import CasadiPrediction

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.consistency import FAR, WINDOW, chi_square_bounds, delay, lost_at, nees, nis_ratio
-from railgrip.estimators.errors import EstimatorError
 
 
 def test_nees_of_an_error_of_one_standard_deviation_along_one_axis_is_one():

@@ -3,10 +3,10 @@ import pytest
 from scipy.linalg import expm
 from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
+from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.consistency import chi_square_bounds, nees
 from railgrip.estimators.discretisation import advanced, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 

@@ -3,7 +3,7 @@ import pytest
 from scipy.linalg import expm
 from small_models import OSCILLATOR, WHEELSET, oscillator, small_model, wheelset
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError
 from railgrip.estimators.observability import ReadingsAndRates, along, gramian, observability
 from railgrip.estimators.prediction import CasadiPrediction
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from contracts.prediction import prediction_contract
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import delay
 from railgrip.estimators.discretisation import advanced
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.observability import observability
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, REDUCED_IDEAL, TRAIN_IDEAL, pad_gate

@@ -6,14 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.course import with_track_force
-from railgrip.estimation.error import EstimationError
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.selection import prediction_seeing
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.scenario.error import ScenarioError
 from railgrip.studies.field.degeneracy import common_factor
 from railgrip.studies.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
 from railgrip.studies.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise

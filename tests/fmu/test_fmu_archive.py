@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from tiny_fmu import tiny, xml
 
-from railgrip.fmu import FmuError, describe
+from railgrip.errors import FmuError
+from railgrip.fmu import describe
 from railgrip.limits import FmuLimits
 
 MIB = 1 << 20
@@ -55,7 +56,8 @@ def test_a_description_of_two_gibibytes_takes_no_memory(tmp_path: Path):
         for _ in range(2048):
             stream.write(b" " * MIB)
     code = (
-        "import resource, sys; from pathlib import Path; from railgrip.fmu import describe, FmuError\n"
+        "import resource, sys; from pathlib import Path; from railgrip.errors import FmuError\n"
+        "from railgrip.fmu import describe\n"
         "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
         "try: describe(Path(sys.argv[1]))\n"
         "except FmuError as error: print(error)\n"

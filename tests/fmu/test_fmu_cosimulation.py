@@ -10,17 +10,8 @@ import pytest
 from mule_fmu import mule
 from tiny_fmu import GUID, tiny, xml
 
-from railgrip.fmu import (
-    Binding,
-    CoSimulation,
-    Description,
-    FmuError,
-    Plant,
-    PlantFailed,
-    Signal,
-    bind,
-    describe,
-)
+from railgrip.errors import FmuError, PlantFailed
+from railgrip.fmu import Binding, CoSimulation, Description, Plant, Signal, bind, describe
 from railgrip.fmu.instance import Instance, unpacked
 from railgrip.loop.compiled import run
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from tiny_fmu import tiny, xml
 
-from railgrip.fmu import FmuError, describe
+from railgrip.errors import FmuError
+from railgrip.fmu import describe
 
 
 def archive(file: Path, members: dict[str, str]) -> Path:

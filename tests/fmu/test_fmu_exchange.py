@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from tiny_fmu import CURVED_OUTPUTS, curved, tiny, xml
 
-from railgrip.fmu import FmuError, FmuPrediction, ModelExchange, PlantFailed, describe
+from railgrip.errors import FmuError, PlantFailed
+from railgrip.fmu import FmuPrediction, ModelExchange, describe
 
 K = 1.7
 POINTS = [

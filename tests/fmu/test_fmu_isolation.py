@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny
 
+from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu import (
     Binding,
     CoSimulation,
     Description,
-    FmuError,
     IsolatedCoSimulation,
     Plant,
-    PlantFailed,
     Signal,
     bind,
     describe,

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from tiny_fmu import tiny, xml
 
-from railgrip.fmu import Binding, CoSimulation, Description, FmuError, PlantFailed, Signal, bind, describe
+from railgrip.errors import FmuError, PlantFailed
+from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 
 WHERE = "city.toml: [vehicle.map]"
 

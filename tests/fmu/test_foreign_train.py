@@ -10,7 +10,8 @@ import pytest
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
 from railgrip.assemble import run_stop
-from railgrip.fmu import Binding, CoSimulation, Description, FmuError, Signal, bind, describe
+from railgrip.errors import FmuError
+from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from mule_fmu import mule
 
-from railgrip.fmu import IsolatedCoSimulation, PlantFailed, Signal, bind, describe
+from railgrip.errors import PlantFailed
+from railgrip.fmu import IsolatedCoSimulation, Signal, bind, describe
 from railgrip.fmu.child import ANSWER, FAILED
 from railgrip.fmu.isolation import KEEPER
 from railgrip.limits import FMU_LIMITS, FmuLimits

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from small_fmus import FEATURES
 
+from railgrip.errors import CompilerMissing, InputError, TranslationError
 from railgrip.fmus import build as building
 from railgrip.fmus.build import build_one, choose
-from railgrip.fmus.errors import CompilerMissing, Refused, WrongQuestion
 from railgrip.fmus.lock import differences, read_lock, write_lock
 from railgrip.fmus.recipe import read_recipes
 
@@ -77,7 +77,7 @@ def test_a_class_that_is_refused_leaves_no_fmu(kitchen):
     make, library, folder = kitchen
     file = library / "BouncingBall.mo"
     file.write_text(file.read_text().replace("der(v) = -g", "der(v) = -delay(g + h, 0.1)"))
-    with pytest.raises(Refused, match=r"BouncingBall\.mo:\d+: .*delay is not supported"):
+    with pytest.raises(TranslationError, match=r"BouncingBall\.mo:\d+: .*delay is not supported"):
         make()
     assert not (folder / "out" / "Ball.fmu").exists()
 
@@ -93,13 +93,13 @@ def test_a_class_that_is_refused_leaves_no_fmu(kitchen):
 )
 def test_a_wrong_recipe_ends_in_a_sentence_with_file_and_key(tmp_path, change, sentence):
     file = _write(tmp_path / "recipes.toml", RECIPE.replace(*change))
-    with pytest.raises(WrongQuestion, match=sentence) as error:
+    with pytest.raises(InputError, match=sentence) as error:
         read_recipes(file)
     assert str(file) in str(error.value)
 
 
 def test_a_misspelt_name_gets_the_nearest_one():
-    with pytest.raises(WrongQuestion, match="did you mean TwoPartTrain"):
+    with pytest.raises(InputError, match="did you mean TwoPartTrain"):
         read_recipes()["TwoPartTran"]
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from railgrip.errors import InputError
 from railgrip.fmus import cache
-from railgrip.fmus.errors import WrongQuestion
 from railgrip.fmus.native.toolchain import shared_library
 
 ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1; }'}
@@ -48,7 +48,7 @@ def test_a_folder_that_others_can_write_ends_in_a_sentence(own_cache, depth):
     kept = cache.keep("libraries", "key", "a.so", b"content")
     kept.parents[depth].chmod(0o777)
     for use in (cache.find, lambda *where: cache.keep(*where, b"content")):
-        with pytest.raises(WrongQuestion, match="others can write in it; remove it, or name another"):
+        with pytest.raises(InputError, match="others can write in it; remove it, or name another"):
             use("libraries", "key", "a.so")
 
 
@@ -58,7 +58,7 @@ def test_a_file_of_another_user_is_not_loaded(own_cache):
     os.chown(cache.keep("libraries", "key", "a.so", b"content"), 12345, 12345)
     assert cache.find("libraries", "key", "a.so") is None
     os.chown(own_cache, 12345, 12345)
-    with pytest.raises(WrongQuestion, match="is not yours"):
+    with pytest.raises(InputError, match="is not yours"):
         cache.find("libraries", "key", "a.so")
 
 
@@ -72,14 +72,14 @@ def test_a_link_is_not_followed(own_cache, tmp_path):
 
 def test_a_relative_cache_is_refused(monkeypatch):
     monkeypatch.setenv("RAILGRIP_CACHE", "build/cache")
-    with pytest.raises(WrongQuestion, match="must be an absolute path, got 'build/cache'; correct RAILGRIP_CACHE"):
+    with pytest.raises(InputError, match="must be an absolute path, got 'build/cache'; correct RAILGRIP_CACHE"):
         cache.folder()
 
 
 def test_a_cache_that_cannot_be_made_ends_in_a_sentence(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "file" / "cache"))
-    with pytest.raises(WrongQuestion, match=r"the cache cannot be written \(.+\); make room or name another"):
+    with pytest.raises(InputError, match=r"the cache cannot be written \(.+\); make room or name another"):
         cache.keep("libraries", "key", "a.so", b"content")
 
 

@@ -7,7 +7,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
-from railgrip.fmus.errors import WrongQuestion
+from railgrip.errors import InputError
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import pack
@@ -120,7 +120,7 @@ def test_the_same_function_gives_the_same_source():
 
 def test_a_function_of_the_wrong_size_is_refused():
     x = ca.SX.sym("x", 2)
-    with pytest.raises(WrongQuestion, match=r"takes \[2\] and gives \[2\]"):
+    with pytest.raises(InputError, match=r"takes \[2\] and gives \[2\]"):
         Discrete(
             name="wrong", description="", period=1.0, states=(variable("x"),), inputs=(), parameters=(), outputs=(),
             step=ca.Function("f", [x], [x]),
@@ -129,7 +129,7 @@ def test_a_function_of_the_wrong_size_is_refused():
 
 def test_two_variables_of_one_name_are_refused():
     x, u = ca.SX.sym("x"), ca.SX.sym("u")
-    with pytest.raises(WrongQuestion, match="more than one variable is named a"):
+    with pytest.raises(InputError, match="more than one variable is named a"):
         Discrete(
             name="twice", description="", period=1.0, states=(variable("a"),), inputs=(variable("a"),), parameters=(),
             outputs=(), step=ca.Function("f", [x, u], [x, ca.SX(0, 1)]),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import FEATURES
 
-from railgrip.fmus.errors import BuildFailed, CompilerMissing
+from railgrip.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import lower, model, toolchain
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.elimination import MOST_ENTRIES, eliminate

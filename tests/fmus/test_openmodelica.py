@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from railgrip.errors import BuildFailed, CompilerMissing
 from railgrip.fmus import openmodelica
 from railgrip.fmus.build import build_one
-from railgrip.fmus.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.recipe import Cookbook, Recipe
 
 RECIPE = Recipe.model_validate(

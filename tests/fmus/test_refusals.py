@@ -2,7 +2,7 @@
 
 import pytest
 
-from railgrip.fmus.errors import Refused, WrongQuestion
+from railgrip.errors import InputError, TranslationError
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
@@ -47,7 +47,7 @@ def test_it_is_refused_with_construct_file_and_line(tmp_path, construct):
     word, text = REFUSED[construct]
     file = tmp_path / "Model.mo"
     file.write_text(text)
-    with pytest.raises(Refused, match=construct) as refusal:
+    with pytest.raises(TranslationError, match=construct) as refusal:
         explicit(read("P.M" if "package P" in text else "M", file))
     place, _, _ = str(refusal.value).partition(": ")
     file_name, _, line = place.rpartition(":")
@@ -56,18 +56,18 @@ def test_it_is_refused_with_construct_file_and_line(tmp_path, construct):
 
 
 def test_a_missing_file_and_a_missing_class_are_told(tmp_path):
-    with pytest.raises(WrongQuestion, match=r"no Modelica file .*Nowhere\.mo"):
+    with pytest.raises(InputError, match=r"no Modelica file .*Nowhere\.mo"):
         lower("M", tmp_path / "Nowhere.mo")
     file = tmp_path / "Model.mo"
     file.write_text("model M end M;")
-    with pytest.raises(WrongQuestion, match="Other does not compile"):
+    with pytest.raises(InputError, match="Other does not compile"):
         lower("Other", file)
 
 
 def test_a_modelica_error_keeps_the_front_ends_words(tmp_path):
     file = tmp_path / "Model.mo"
     file.write_text("model M\n Real x(start=1,fixed=true);\nequation\n der(x) = -k*x;\nend M;")
-    with pytest.raises(WrongQuestion, match="k"):
+    with pytest.raises(InputError, match="k"):
         lower("M", file)
 
 
@@ -92,7 +92,7 @@ def test_a_mistake_in_a_library_is_told_with_file_and_line(tmp_path, mistake):
     (library / "Inner.mo").write_text(inner)
     assert [v.name for v in lower("Broken.Inner", library).states] == ["x"]
     (library / "Inner.mo").write_text(inner.replace(right, wrong))
-    with pytest.raises(WrongQuestion, match=r"Broken\.Inner does not compile") as refusal:
+    with pytest.raises(InputError, match=r"Broken\.Inner does not compile") as refusal:
         lower("Broken.Inner", library)
     assert place in str(refusal.value)
 
@@ -100,12 +100,12 @@ def test_a_mistake_in_a_library_is_told_with_file_and_line(tmp_path, mistake):
 def test_too_few_equations_are_counted(tmp_path):
     file = tmp_path / "Model.mo"
     file.write_text("model M Real x; Real y; equation x = 1; end M;")
-    with pytest.raises(WrongQuestion, match="1 equations"):
+    with pytest.raises(InputError, match="1 equations"):
         lower("M", file)
 
 
 def test_a_class_with_events_is_no_plain_differential_equation(tmp_path):
     file = tmp_path / "Model.mo"
     file.write_text("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
-    with pytest.raises(Refused, match="noEvent"):
+    with pytest.raises(TranslationError, match="noEvent"):
         lower("M", file)

@@ -17,11 +17,11 @@ from scipy.io import savemat
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
 import railgrip.scenario
+from railgrip.errors import ScenarioError
 from railgrip.estimation.recorded.read import recorded
 from railgrip.estimation.recorded.table import DataTable
 from railgrip.instruments import sensors_of
 from railgrip.scenario.adhesion import profile_of
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.track import track_force_of

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from railgrip.loop.compiled import LoopError, Observer, Source, run
+from railgrip.errors import LoopError
+from railgrip.loop.compiled import Observer, Source, run
 from railgrip.studies.lateral.filters import FURTHER, party
 from railgrip.twins.lateral import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
 

@@ -4,9 +4,9 @@ import mal
 import numpy as np
 import pytest
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.errors import EstimatorError
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from railgrip.errors import EstimatorError
 from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
-from railgrip.estimators.errors import EstimatorError
 from railgrip.studies.lateral.report import write_report
 from railgrip.studies.lateral.run import Case
 from railgrip.studies.lateral.study import Plan, Result, conduct

@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError, FmuError, ScenarioError
 from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
-from railgrip.fmu import FmuError, describe
+from railgrip.fmu import describe
 from railgrip.fmus.native.package import pack
 from railgrip.loop import ports
 from railgrip.loop.beside import watch
-from railgrip.scenario.error import ScenarioError
 from railgrip.studies.learn.export import as_fmu
 from railgrip.studies.learn.parties import READINGS, AxleBoxes, in_casadi, in_fmu
 from railgrip.studies.learn.ride import LIBRARY, difference, read_ride, ride_beside, said_of

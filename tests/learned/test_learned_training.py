@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime, least_squares
 
-from railgrip.estimators.errors import EstimatorError
+from railgrip.errors import EstimatorError
 from railgrip.estimators.learned import network as nn
 from railgrip.estimators.learned.channels import COMBINATIONS, motions
 from railgrip.estimators.learned.ensemble import fit

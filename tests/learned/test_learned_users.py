@@ -5,15 +5,14 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.recorded.table import DataTable
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
-from railgrip.scenario.error import ScenarioError
 from railgrip.studies.learn.evaluate import Recipe
 from railgrip.studies.learn.own import judge_own, own_pieces
 from railgrip.studies.learn.own_file import read_own
-from railgrip.studies.learn.users import PERIOD, UNITS, DataError, plain_table, read_folder, read_labels
+from railgrip.studies.learn.users import PERIOD, UNITS, plain_table, read_folder, read_labels
 
 RATE = 5120
 SECONDS = 6.4
@@ -166,16 +165,16 @@ def spoiled(**changes):
     ids=["gap", "frozen", "dead", "standing", "short", "slow", "column"],
 )
 def test_data_that_cannot_be_used_are_answered(tmp_path, held, sentence):
-    with pytest.raises((DataError, EstimationError), match=sentence):
+    with pytest.raises((EstimationError, EstimationError), match=sentence):
         one_run(tmp_path, held())
 
 
 def test_a_map_that_does_not_fit_is_answered(tmp_path):
     labels = write_labels(tmp_path / "labels.csv", [("a.csv", 0.2, 1), ("b.csv", 0.3, 1)])
-    with pytest.raises(DataError, match=r"period is 1000 us; write '195\.312 us', 5120 samples a second"):
+    with pytest.raises(EstimationError, match=r"period is 1000 us; write '195\.312 us', 5120 samples a second"):
         read_folder(tmp_path, labels, table(period=1e-3))
     few = {name: name for name in UNITS if name != "lateral[4]"}
-    with pytest.raises(DataError, match=r"\[data\.columns\] lacks lateral\[4\]"):
+    with pytest.raises(EstimationError, match=r"\[data\.columns\] lacks lateral\[4\]"):
         read_folder(tmp_path, labels, table(names=few))
     with pytest.raises(EstimationError, match=r"a\.csv: there is no such file"):
         read_folder(tmp_path, labels)
@@ -185,7 +184,7 @@ def test_a_map_that_does_not_fit_is_answered(tmp_path):
 
 
 def test_a_missing_table_of_labels_is_named(tmp_path):
-    with pytest.raises(DataError, match=r"there is no file .*gone\.csv"):
+    with pytest.raises(EstimationError, match=r"there is no file .*gone\.csv"):
         read_labels(tmp_path / "gone.csv")
 
 
@@ -201,7 +200,7 @@ def test_a_missing_table_of_labels_is_named(tmp_path):
     ],
 )
 def test_a_label_that_cannot_be_is_answered(tmp_path, rows, sentence):
-    with pytest.raises(DataError, match=sentence):
+    with pytest.raises(EstimationError, match=sentence):
         read_labels(write_labels(tmp_path / "labels.csv", rows))
 
 

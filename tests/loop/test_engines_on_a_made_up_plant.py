@@ -21,8 +21,7 @@ from railgrip.controllers.sampled import choose
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.tuning import PAPER_LEVELS
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.fmu import PlantFailed
-from railgrip.fmu.failure import Failure
+from railgrip.errors import Failure, PlantFailed
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
 from railgrip.loop.ended import Clock

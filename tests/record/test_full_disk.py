@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
 from railgrip.campaign import is_there
-from railgrip.failure import sentence_of
-from railgrip.record.atomic import Unwritten, replacing, write_text
+from railgrip.errors import Unwritten, for_user
+from railgrip.record.atomic import replacing, write_text
 from railgrip.record.stop import read_stop, write_stop
 from railgrip.record.trace import write_trace
 from railgrip.report.style import save
@@ -80,13 +80,13 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
 def test_a_full_disk_is_the_runs_failure_and_no_wrong_question(tmp_path):
     with pytest.raises(Unwritten) as caught, replacing(tmp_path / "a"):
         raise OSError(28, "No space left on device")
-    sentence = sentence_of(caught.value)
-    assert sentence is not None
-    assert not sentence.wrong_question
-    assert sentence.text == f"{tmp_path / 'a'}: cannot be written: No space left on device"
-    elsewhere = sentence_of(OSError(28, "No space left on device", "model.c"))
+    message = for_user(caught.value)
+    assert message is not None
+    assert message.exit_code == 3
+    assert str(message) == f"{tmp_path / 'a'}: cannot be written: No space left on device"
+    elsewhere = for_user(OSError(28, "No space left on device", "model.c"))
     assert elsewhere is not None
-    assert elsewhere.text == "model.c: No space left on device"
+    assert str(elsewhere) == "model.c: No space left on device"
 
 
 PROGRAM = """

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
+from railgrip.errors import RecordError
 from railgrip.record.atomic import replacing, write_text
-from railgrip.record.error import RecordError
 from railgrip.record.recorder import Recorder
 from railgrip.record.stop import read_stop, write_stop
 from railgrip.record.trace import read_trace, thinned, write_trace

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from railgrip.errors import ScenarioError
 from railgrip.record.outcome import Outcome
 from railgrip.report.baseline import (
     Accepted,
@@ -21,7 +22,6 @@ from railgrip.report.baseline import (
     write_findings,
 )
 from railgrip.report.results import read_results
-from railgrip.scenario.error import ScenarioError
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
 SBC, FULL = "trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"

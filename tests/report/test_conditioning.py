@@ -7,6 +7,7 @@ import pytest
 import railgrip.scenario
 from railgrip.campaign import write_description
 from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.errors import ScenarioError
 from railgrip.record.stop import write_stop
 from railgrip.report.baseline import (
     Accepted,
@@ -23,7 +24,6 @@ from railgrip.report.results import read_results
 from railgrip.report.table import rows_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
-from railgrip.scenario.error import ScenarioError
 
 CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
 CHAOTIC = Repeated(digest="d", distances=(280.0, 300.0, 324.0, None))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError
 from railgrip.record.trace import write_trace
 from railgrip.report import style
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.report.baseline import load_baseline
 from railgrip.studies.headlines import STUDIES, headlines
 

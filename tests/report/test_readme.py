@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError
 from railgrip.report.baseline import Accepted, Baseline, load_baseline
 from railgrip.report.readme import BEGIN, END, table, write_readme
 from railgrip.scenario.campaign import load_campaign

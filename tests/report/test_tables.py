@@ -9,7 +9,7 @@ import pytest
 from synthetic_runner import DECELERATION
 
 import railgrip.scenario
-from railgrip.record.error import RecordError
+from railgrip.errors import RecordError
 from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results
 from railgrip.report.table import rows_of, write_table

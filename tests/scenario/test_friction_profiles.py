@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
+from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.scenario.adhesion import profile_of
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"

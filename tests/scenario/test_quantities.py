@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Magnitude
 from railgrip.units import to_si

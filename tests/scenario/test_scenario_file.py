@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
+from railgrip.errors import ScenarioError
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.valves import SAMPLES
 from railgrip.twins.rig_scenario import rig_scenario

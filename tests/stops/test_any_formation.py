@@ -11,13 +11,13 @@ from PIL import Image
 
 from railgrip.assemble import controlled_groups, run_stop
 from railgrip.engine import Engine
+from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.record.metrics import Metrics
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop, write_stop
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load
 
 ROOT = Path(__file__).parents[2]

@@ -8,11 +8,11 @@ from fmpy.validation import validate_fmu
 
 from railgrip.assemble import controlled_groups, run_stop
 from railgrip.commands import main
+from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
 from railgrip.fmu import CoSimulation, Signal, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load
 
 SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from railgrip.assemble import run_stop
+from railgrip.errors import ScenarioError
 from railgrip.record.outcome import Outcome
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load
 
 PLAIN = Path("harness/scenario/library/plain.toml")

@@ -9,10 +9,9 @@ import pytest
 
 import railgrip
 from railgrip.assemble import is_trusted, plant_description, run_stop
+from railgrip.errors import InputError, ScenarioError
 from railgrip.fmus.build import build_class
-from railgrip.fmus.errors import WrongQuestion
 from railgrip.record.outcome import Outcome
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import load, scenario_of
 
 ROOT = Path(__file__).parents[2]
@@ -101,7 +100,7 @@ def test_a_class_that_does_not_compile_is_told_with_file_and_line(mine, own_cach
 
 
 def test_a_class_that_is_not_there_is_told(mine, own_cache):
-    with pytest.raises(WrongQuestion, match=r"SimpleTrain\.Tram does not compile .*\n.*no file of it declares Tram"):
+    with pytest.raises(InputError, match=r"SimpleTrain\.Tram does not compile .*\n.*no file of it declares Tram"):
         run_stop(load(mine, ["vehicle.model=SimpleTrain.Tram"]))
 
 
@@ -120,7 +119,7 @@ def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp
         'external "C" y = system(x); end system;\n'
         "block Train input Real u; output Real y;\nequation\n y = system(u);\nend Train;\nend Wild;\n"
     )
-    with pytest.raises(WrongQuestion, match=r"Wild\.mo:6: .*external function system is not supported"):
+    with pytest.raises(InputError, match=r"Wild\.mo:6: .*external function system is not supported"):
         build_class("Wild.Train", file, compiler="native")
 
 

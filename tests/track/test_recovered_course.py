@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.track.course import LowPass, course_of
 from railgrip.track.geodesy import Place
 from railgrip.track.laid import Element, LaidTrack, grades_of

@@ -15,10 +15,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, UnitError
 from railgrip.estimation.recorded.table import DataTable
 from railgrip.scenario.file import is_file
-from railgrip.units import UnitError, conversion, cut, place, short, unit
+from railgrip.units import conversion, cut, place, short, unit
 
 Vector = NDArray[np.float64]
 

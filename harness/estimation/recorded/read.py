@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, UnitError
 from railgrip.estimation.recorded.cleaning import Treatment, cleaned
 from railgrip.estimation.recorded.files import Series, read_series
 from railgrip.estimation.recorded.flag import Flag, flags_of, summary
@@ -18,7 +18,7 @@ from railgrip.estimation.recorded.grid import gaps_of, input_on_grid, on_grid
 from railgrip.estimation.recorded.table import Column, DataTable
 from railgrip.estimation.recording import TRUTH, recording_of
 from railgrip.scenario.quantity import Magnitude
-from railgrip.units import Unit, UnitError, conversion, short, unit
+from railgrip.units import Unit, conversion, short, unit
 
 Vector = NDArray[np.float64]
 

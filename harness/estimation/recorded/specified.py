@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.read import Taken, recorded
 from railgrip.estimation.run import model_of, units_of
 from railgrip.estimation.spec import Specification

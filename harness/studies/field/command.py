@@ -43,7 +43,7 @@ def tune(
     workers: Annotated[int, typer.Option(min=1, max=64, help="Threads.")] = 2,
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
-    from railgrip.estimation.error import EstimationError
+    from railgrip.errors import EstimationError
     from railgrip.studies.field.filtering import filter_of, follow, lost, prediction, task_of
     from railgrip.studies.field.noise import save_noise
     from railgrip.studies.field.objective import DIVERGED

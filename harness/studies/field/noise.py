@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import NoiseTable
 from railgrip.record.atomic import replacing

@@ -7,9 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter, Followed
-from railgrip.estimators.errors import FilterDiverged
 from railgrip.studies.field.filtering import Task, follow
 from railgrip.studies.field.noise import GROUPS, Noise
 

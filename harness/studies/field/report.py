@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recording import truth_of
 from railgrip.record.atomic import write_text
 from railgrip.report import style

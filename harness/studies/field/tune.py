@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.record.atomic import replacing
 from railgrip.studies.field.filtering import Task, filter_of

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from railgrip.console import progress, say
-from railgrip.scenario.error import ScenarioError
+from railgrip.errors import ScenarioError
 
 if TYPE_CHECKING:
     from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Sequence
 
+from railgrip.errors import EstimationError
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.studies.learn.evaluate import Recipe, Score, best_of, judge, within_runs, without_each
 from railgrip.studies.learn.reduction import SLOW, SPECTRAL, Run
 from railgrip.studies.learn.study import general, over_speeds, paper_estimator
 from railgrip.studies.learn.tables import own_report
-from railgrip.studies.learn.users import DataError
 from railgrip.workers import workers as processes
 
 MEMBERS = 20
@@ -36,10 +36,10 @@ def judge_own(
         tell: Told each piece that is done; `own_pieces` says how often.
 
     Raises:
-        DataError: There are too few runs.
+        EstimationError: There are too few runs.
     """
     if len(runs) < FEWEST:
-        raise DataError(f"there are {len(runs)} labelled runs; training and judging need {FEWEST} or more.")
+        raise EstimationError(f"there are {len(runs)} labelled runs; training and judging need {FEWEST} or more.")
     several = _classes(runs)
     with processes(workers) as pool:
         whole = pool.submit(general, runs, members)

@@ -8,9 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import FmuError
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES, Edge, Online
-from railgrip.fmu import CoSimulation, FmuError, Signal, bind, describe
+from railgrip.fmu import CoSimulation, Signal, bind, describe
 from railgrip.studies.learn.measured import disturbance_of
 from railgrip.twins.accelerometer import AXLE_BOX, Sampled
 from railgrip.twins.instrumented_car import Pass, held_speed

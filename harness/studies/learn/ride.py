@@ -29,12 +29,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pydantic import Field, StrictInt, field_validator
 
+from railgrip.errors import ScenarioError
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import Said, Trained, load
 from railgrip.loop.beside import Watched, watch
 from railgrip.report.style import GREEN, dress, figure
-from railgrip.scenario.error import ScenarioError
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
 from railgrip.studies.learn.parties import AxleBoxes, in_casadi, in_fmu

@@ -17,11 +17,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.flag import Flag, summary
 from railgrip.estimation.recorded.read import Taken, recorded
 from railgrip.estimation.recorded.table import Column, DataTable, TimeColumn
 from railgrip.estimators.learned.online import BOXES
-from railgrip.scenario.error import ScenarioError
 from railgrip.studies.learn.gather import SETTLED
 from railgrip.studies.learn.reduction import SLOW, SPECTRAL, Readings, Run, reduce
 
@@ -35,10 +35,6 @@ SLOWEST: Final = 256
 """Samples a second that an accelerometer must have: features end at 16 Hz, what is filtered away begins at 38 Hz."""
 FEWEST: Final = 2
 """Runs at a speed; with one there is nothing to leave out."""
-
-
-class DataError(ScenarioError):
-    """A folder of runs or a table of labels that cannot be used."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +87,7 @@ def read_folder(
         tell: Told the name of every file as it has been read.
 
     Raises:
-        DataError, EstimationError: A file, column or value is missing or impossible; in a sentence.
+        EstimationError: A file, column or value is missing or impossible; in a sentence.
     """
     known, chosen = read_labels(labels), table or plain_table()
     runs: list[Run] = []
@@ -109,7 +105,7 @@ def read_labels(file: Path) -> dict[str, Label]:
     """Return the table of labels by file name.
 
     Raises:
-        DataError: See `read_folder`.
+        EstimationError: See `read_folder`.
     """
     rows = _rows(file, ("file", "friction"))
     out: dict[str, Label] = {}
@@ -117,26 +113,26 @@ def read_labels(file: Path) -> dict[str, Label]:
         friction = _number(file, line, "friction", row["friction"])
         direction = _number(file, line, "direction", row.get("direction") or "1")
         if not 0 < friction < 1:
-            raise DataError(f"{file}: line {line}: friction lies between 0 and 1, got {friction:g}.")
+            raise EstimationError(f"{file}: line {line}: friction lies between 0 and 1, got {friction:g}.")
         if direction not in (1.0, -1.0):
-            raise DataError(f"{file}: line {line}: direction is 1 or -1, got {direction:g}.")
+            raise EstimationError(f"{file}: line {line}: direction is 1 or -1, got {direction:g}.")
         if row["file"] in out:
-            raise DataError(f"{file}: line {line}: {row['file']} is labelled twice.")
+            raise EstimationError(f"{file}: line {line}: {row['file']} is labelled twice.")
         out[row["file"]] = Label(friction=friction, backwards=direction < 0)
     if len(out) < FEWEST:
-        raise DataError(f"{file}: it labels {len(out)} runs; training needs {FEWEST} or more.")
+        raise EstimationError(f"{file}: it labels {len(out)} runs; training needs {FEWEST} or more.")
     return out
 
 
 def _taken(file: Path, table: DataTable) -> Taken:
     if abs(table.period / PERIOD - 1) > 1e-6:
-        raise DataError(
+        raise EstimationError(
             f"[data] period is {1e6 * table.period:g} us; write '{1e6 * PERIOD:g} us', {SLOW.rate} samples a second: "
             "filters are made for it, and recordings of other rates are put on it."
         )
     missing = [name for name in UNITS if name not in table.columns]
     if missing:
-        raise DataError(f"[data.columns] lacks {', '.join(missing)}; an estimator listens to all axle boxes.")
+        raise EstimationError(f"[data.columns] lacks {', '.join(missing)}; an estimator listens to all axle boxes.")
     return recorded(file, table, UNITS, ["speed"], list(BOXES))
 
 
@@ -151,7 +147,7 @@ def _readings(name: str, taken: Taken, table: DataTable, label: Label, bridged: 
     metres = float(np.abs(speed).sum()) * PERIOD
     seconds = len(boxes) * PERIOD
     if seconds <= 2 * SPECTRAL.settling or metres <= SETTLED:
-        raise DataError(
+        raise EstimationError(
             f"{name}: the {seconds:.1f} s and {metres:.0f} m that all sensors cover are too little; a run takes more "
             f"than {2 * SPECTRAL.settling:g} s and {SETTLED:g} m, until filters have settled."
         )
@@ -165,19 +161,19 @@ def _whole(name: str, box: str, taken: Taken, longest_gap: float, bridged: list[
     """Return an acceleration without holes: short ones are bridged, NaN stands before and after all samples.
 
     Raises:
-        DataError: A hole is too long, or the sensor too slow.
+        EstimationError: A hole is too long, or the sensor too slow.
     """
     values, time = taken.recording[box].values, taken.recording["time"].values
     known = np.flatnonzero(np.isfinite(values))
     if known.size < 2:
-        raise DataError(f"{name}: {box} has {known.size} usable samples{_why(box, taken)}.")
+        raise EstimationError(f"{name}: {box} has {known.size} usable samples{_why(box, taken)}.")
     apart = np.diff(time[known])
     spacing = float(np.median(apart))
     if spacing > 1 / SLOWEST:
-        raise DataError(f"{name}: {box} has {1 / spacing:.0f} samples a second; it takes {SLOWEST} or more.")
+        raise EstimationError(f"{name}: {box} has {1 / spacing:.0f} samples a second; it takes {SLOWEST} or more.")
     worst = int(np.argmax(apart))
     if apart[worst] > max(longest_gap, 1.5 * spacing) + 0.5 * PERIOD:
-        raise DataError(
+        raise EstimationError(
             f"{name}: {box} is missing from {time[known[worst]]:.3f} s for {apart[worst]:.3g} s{_why(box, taken)}, and "
             f"a filter needs every sample; cut the recording with begin and end in [data], or raise longest_gap "
             f"({longest_gap:g} s) if it can be interpolated."
@@ -201,18 +197,18 @@ def _rows(file: Path, wanted: tuple[str, ...]) -> list[Mapping[str, str]]:
             rows.fieldnames = header
             missing = [name for name in wanted if name not in header]
             if missing:
-                raise DataError(
+                raise EstimationError(
                     f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}."
                 )
             return list(rows)
     except FileNotFoundError as problem:
-        raise DataError(f"there is no file {file}.") from problem
+        raise EstimationError(f"there is no file {file}.") from problem
     except (OSError, UnicodeDecodeError) as problem:
-        raise DataError(f"{file}: is not a table of labels: {problem}.") from problem
+        raise EstimationError(f"{file}: is not a table of labels: {problem}.") from problem
 
 
 def _number(file: Path, line: int, column: str, text: str | None) -> float:
     try:
         return float(text or "")
     except ValueError as problem:
-        raise DataError(f"{file}: line {line}: {column} is a number, got '{text or ''}'.") from problem
+        raise EstimationError(f"{file}: line {line}: {column} is a number, got '{text or ''}'.") from problem

@@ -37,7 +37,7 @@ def monitor(
     for sentence in found.sentences:
         say(sentence)
     if not found.evidence:
-        from railgrip.estimation.error import EstimationError
+        from railgrip.errors import EstimationError
 
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()

@@ -10,11 +10,10 @@ import xarray
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimation.recording import columns, period_of
 from railgrip.estimation.run import model_of, prediction_of, units_of
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.errors import FilterDiverged
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import pressure_spread
 from railgrip.studies.monitor.nominal import NOMINAL, nominal_friction

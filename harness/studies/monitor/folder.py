@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from railgrip.estimation.error import EstimationError
+from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.files import FORMATS
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.recording import recording_of
