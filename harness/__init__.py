@@ -13,16 +13,17 @@ if TYPE_CHECKING:
     from railgrip import testing
     from railgrip.api import Scenario, estimate, open, run, sweep
     from railgrip.controllers.observation import Observation
-    from railgrip.custom import BrakedFormation, Controller, Estimate, Estimator, Sensors
+    from railgrip.custom import Controller, Estimate, Estimator, Sensors
     from railgrip.errors import RailgripError
+    from railgrip.formation import Formation
     from railgrip.record.outcome import Outcome
     from railgrip.record.stop import Stop
 
 __all__ = [
-    "BrakedFormation",
     "Controller",
     "Estimate",
     "Estimator",
+    "Formation",
     "Observation",
     "Outcome",
     "RailgripError",
@@ -39,8 +40,9 @@ __all__ = [
 _PLACES = {
     "railgrip.api": ("Scenario", "estimate", "open", "run", "sweep"),
     "railgrip.controllers.observation": ("Observation",),
-    "railgrip.custom": ("BrakedFormation", "Controller", "Estimate", "Estimator", "Sensors"),
+    "railgrip.custom": ("Controller", "Estimate", "Estimator", "Sensors"),
     "railgrip.errors": ("RailgripError",),
+    "railgrip.formation": ("Formation",),
     "railgrip.record.outcome": ("Outcome",),
     "railgrip.record.stop": ("Stop",),
 }

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.metadata import version
 from itertools import count, takewhile
-from math import inf
+from math import inf, isclose
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -59,9 +60,9 @@ from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
-from railgrip.scenario.vehicle import Nudge
+from railgrip.scenario.vehicle import FormationTable, Nudge
 from railgrip.signals import DEMANDED, ESTIMATES, PLANT, READINGS, Layout, layout_of, places, sent
-from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_nominal_data
+from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit
 
@@ -76,8 +77,9 @@ _NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cyl
 _MOST_OF_THE_RAIL = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
 
-_FORMATION = "wheelsets_per_group"
-"""Parameter of an FMU and key of [vehicle.formation]: number of wheelsets of each group, leading group first."""
+_COUNTS = "wheelsets_per_group"
+_FORMATION = MappingProxyType({_COUNTS: "1", "wheelsets_per_car": "1", "wheelset_position": "m"})
+"""Parameters of an FMU that only describe it, which are keys of [vehicle.formation], too; their units."""
 
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
@@ -202,11 +204,9 @@ def assembled(
     scenario = own.standing_for(scenario)
     plant_file = plant_description(scenario)
     fmus = {plant_file.file.name: plant_file}
-    formation = formation_of(scenario, plant_file)
-    layout = layout_of(formation)
-    groups = controlled_groups(scenario)
+    formation = controlled_formation(scenario)
+    layout, groups = layout_of(formation), formation.brakes
     radius = tuple(group.wheel_radius for group in groups)
-    braked = custom.BrakedFormation(formation.wheelsets_per_group, groups)
     classes: dict[str, Origin] = {}
 
     def party(role: Role, table: object, given: object) -> Any:
@@ -221,18 +221,18 @@ def assembled(
         plant = stack.enter_context(_plant(scenario, plant_file, layout, radius, tell))
         believer: Believer | custom.CustomEstimator | None = None
         if (estimator := party("estimators", scenario.estimator, own.estimator)) is not None:
-            believer = custom.CustomEstimator(estimator, braked)
+            believer = custom.CustomEstimator(estimator, formation)
         elif scenario.estimator.kind != "none":
             believer = stack.enter_context(_believer(scenario, layout, fmus))
         estimates = _estimates(believer)
         if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
             noise = generator(scenario.seed, "sensors.custom")
-            sensors = custom.CustomSensors(instruments, layout, braked, scenario.periods.communication, noise)
+            sensors = custom.CustomSensors(instruments, layout, formation, scenario.periods.communication, noise)
         else:
             sensors = sensors_of(scenario, layout, radius[0])
         if (law := party("controllers", scenario.controller, own.controller)) is not None:
             controller, actuation, commands_valves = (
-                custom.CustomController(law, braked),
+                custom.CustomController(law, formation),
                 actuation_of(scenario, groups),
                 False,
             )
@@ -411,53 +411,112 @@ def catalogue_brakes(groups: int) -> tuple[BrakeGroup, ...]:
     return tuple(known[g % len(known)] for g in range(groups))
 
 
-def controlled_groups(scenario: Scenario) -> tuple[BrakeGroup, ...]:
-    """Return the brakes as the controller believes them: nominal data of the plant and [controller.parameters]."""
+def catalogue_counts() -> tuple[int, ...]:
+    """Return the number of wheelsets of each group of the catalogue train."""
+    return counts_of(parameters_of(description_of(recipe_file(CATALOGUE))))
+
+
+def controlled_formation(scenario: Scenario) -> Formation:
+    """Return the vehicle as the controller knows it, whole: nominal data of the plant and [controller.parameters].
+
+    Raises:
+        ScenarioError: Something of it is missing, or FMU and file disagree.
+    """
     plant = plant_description(scenario)
     formation = formation_of(scenario, plant)
     nominal = nominal_parameters(scenario, plant)
-    if isinstance(scenario.controller, ControllerFmu | Custom):
-        return brake_groups_of(nominal, formation)
-    units = units_of_nominal_data(formation)
-    written = {name: value for name, value in scenario.controller.parameters.items() if name in units}
-    written = in_units("[controller.parameters]", written, units)
-    return brake_groups_of(spread(nominal, formation) | spread(written, formation), formation)
+    if not isinstance(scenario.controller, ControllerFmu | Custom):
+        units = units_of_nominal_data(formation)
+        written = {name: value for name, value in scenario.controller.parameters.items() if name in units}
+        written = in_units("[controller.parameters]", written, units)
+        nominal = spread(nominal, formation) | spread(written, formation)
+        if "m" in written and not any(name.startswith("m_wheelset") for name in written):
+            nominal |= {f"m_wheelset[{i + 1}]": written["m"] / formation.wheelsets for i in range(formation.wheelsets)}
+    masses = masses_of(nominal, formation).tolist()
+    return replace(
+        formation,
+        wheelset_load=tuple(mass * GRAVITY for mass in masses),
+        brakes=brake_groups_of(nominal, formation),
+    )
 
 
 def formation_of(scenario: Scenario, plant: Description) -> Formation:
     """Return the formation of a scenario's plant: what the FMU says of itself, else [vehicle.formation].
 
-    Where neither says it, the plant is taken for one like the catalogue train; its arrays tell if it is not.
+    Where neither says how many wheelsets there are, the plant is taken for one like the catalogue train; its arrays
+    tell if it is not. Brakes are left out, loads where only the FMU says them: see `controlled_formation`.
 
     Raises:
-        ScenarioError: FMU and table disagree.
+        ScenarioError: FMU and table disagree, or either does with itself.
     """
-    own, table = counts_of(parameters_of(plant)), scenario.vehicle.formation
-    written = table.wheelsets_per_group if table is not None else ()
-    if own and written and own != written:
-        raise ScenarioError(
-            f"{scenario.name}: [vehicle.formation] {_FORMATION} is {list(written)}, {plant.file.name} has {list(own)}; "
-            "leave the table out"
+    table, parameters = scenario.vehicle.formation or FormationTable(), parameters_of(plant)
+    values: dict[str, tuple[float, ...]] = {}
+    for name, unit in _FORMATION.items():
+        own, written = _array_of(parameters, name), getattr(table, name)
+        if own and plant.variables[f"{name}[1]"].unit_name not in (unit, ""):
+            raise ScenarioError(
+                f"{plant.file.name}: its parameter {name} is in '{plant.variables[f'{name}[1]'].unit_name}'; by that "
+                f"name the harness takes '{unit}'"
+            )
+        if own and written and own != tuple(written):
+            raise ScenarioError(
+                f"{scenario.name}: [vehicle.formation] {name} is {list(written)}, {plant.file.name} has "
+                f"{[float(f'{value:g}') for value in own]}; leave it out"
+            )
+        values[name] = own or written
+    counts = tuple(map(int, values[_COUNTS])) or catalogue_counts()
+    try:
+        return Formation(
+            counts,
+            tuple(map(int, values["wheelsets_per_car"])),
+            values["wheelset_position"],
+            table.wheelset_load,
         )
-    return Formation(own or written or counts_of(parameters_of(description_of(recipe_file(CATALOGUE)))))
+    except ValueError as problem:
+        where = f"{scenario.name}: [vehicle.formation]" if table.model_fields_set else plant.file.name
+        raise ScenarioError(f"{where}: {problem}") from problem
 
 
 def counts_of(parameters: Mapping[str, float]) -> tuple[int, ...]:
     """Return the number of wheelsets of each group that an FMU says it has; empty where it does not."""
-    names = (f"{_FORMATION}[{g}]" for g in count(1))
-    return tuple(int(parameters[name]) for name in takewhile(parameters.__contains__, names))
+    return tuple(map(int, _array_of(parameters, _COUNTS)))
+
+
+def _array_of(parameters: Mapping[str, float], name: str) -> tuple[float, ...]:
+    names = (f"{name}[{i}]" for i in count(1))
+    return tuple(parameters[element] for element in takewhile(parameters.__contains__, names))
 
 
 def nominal_parameters(scenario: Scenario, plant: Description) -> dict[str, float]:
-    """Return the data that a controller may know of a plant: its own, or those of the catalogue train if it is alike.
+    """Return the data that a controller may know of a plant: its own, else those of [vehicle.formation].
 
-    An FMU from outside has names of its own; one of another formation than the catalogue train leaves all data to
-    [controller.parameters].
+    An FMU from outside has names of its own. What neither says is that of the catalogue train if the plant is alike,
+    else left to [controller.parameters].
+
+    Raises:
+        ScenarioError: Plant and [vehicle.formation] disagree.
     """
-    if not isinstance(scenario.vehicle.plant, NamedFile):
-        return parameters_of(plant)
-    catalogue = parameters_of(description_of(recipe_file(CATALOGUE)))
-    return catalogue if formation_of(scenario, plant) == Formation(counts_of(catalogue)) else {}
+    formation, where = formation_of(scenario, plant), f"{scenario.name}: [vehicle.formation]"
+    table = scenario.vehicle.formation or FormationTable()
+    written = in_units(f"{where} brakes", table.brakes, units_of_brakes(formation))
+    written |= {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
+    written = spread(written, formation)
+    if isinstance(scenario.vehicle.plant, NamedFile):
+        catalogue = parameters_of(description_of(recipe_file(CATALOGUE)))
+        alike = formation.wheelsets_per_group == counts_of(catalogue)
+        return (catalogue if alike else {}) | written
+    own = parameters_of(plant)
+    known = spread(own, formation)
+    with suppress(ScenarioError):
+        known |= {f"m_wheelset[{i + 1}]": mass for i, mass in enumerate(masses_of(own, formation).tolist())}
+    for name, value in known.items():
+        if name in written and not isclose(written[name], value, rel_tol=1e-3):
+            key = "wheelset_load" if name.startswith("m_wheelset") else f"brakes {name}"
+            raise ScenarioError(
+                f"{where} {key} says {name} = {written[name]:g}, {plant.file.name} has {value:g}; leave it out, or "
+                "change [vehicle.parameters] or [controller.parameters]"
+            )
+    return own | written
 
 
 def _units_of(description: Description) -> dict[str, Unit | str]:
@@ -473,7 +532,7 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     Raises:
         ScenarioError: There is no such parameter, its unit has another dimension, or it only describes the plant.
     """
-    fixed = next((name for name in scenario.vehicle.parameters if name.startswith(f"{_FORMATION}[")), None)
+    fixed = next((name for name in scenario.vehicle.parameters if name.partition("[")[0] in _FORMATION), None)
     if fixed is not None:
         raise ScenarioError(
             f"[vehicle.parameters] {fixed} says how {description.file.name} is made and cannot be set; name another one"
@@ -530,9 +589,15 @@ def _track_fits(scenario: Scenario, description: Description, formation: Formati
 def _nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
     """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own.
 
-    One at the end of what it may be stays there where it would be moved beyond.
+    One at the end of what it may be stays there where it would be moved beyond. What only describes the vehicle is not
+    drawn for; the counts of groups, which are as little to the plant, keep their place among the draws of old results.
     """
-    real = [v for v in description.variables.values() if v.causality == "parameter" and v.kind == "Real"]
+    idle = _FORMATION.keys() - {_COUNTS}
+    real = [
+        v
+        for v in description.variables.values()
+        if v.causality == "parameter" and v.kind == "Real" and v.name.partition("[")[0] not in idle
+    ]
     shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(real))
     moved: dict[str, float] = {}
     for variable, share in zip(real, shares, strict=True):
@@ -595,7 +660,7 @@ def _plant(
 
 def _trial_of(scenario: Scenario, layout: Layout, plant: Plant) -> tuple[Finding, ...]:
     """Return what a short run of a plant from outside shows, before its stop."""
-    groups = controlled_groups(scenario)
+    groups = controlled_formation(scenario).brakes
     pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
     ideal = scenario.actuation.kind == "ideal"
     vent, fill = -1.0, 1.0

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from railgrip.assemble import Assembled, OwnParties, assembled
 from railgrip.controllers.observation import Observation
-from railgrip.custom import BrakedFormation, problem_with
+from railgrip.custom import problem_with
 from railgrip.errors import PlantFailed, ScenarioError
+from railgrip.formation import Formation
 from railgrip.loop import cycle
 from railgrip.loop.ended import Ended
 from railgrip.record.stop import Stop
@@ -22,7 +23,7 @@ from railgrip.scenario.schema import Scenario
 class ByHand:
     """The controller that a stop names which was stepped by hand."""
 
-    def start(self, formation: BrakedFormation) -> None:
+    def start(self, formation: Formation) -> None:
         """Keep what is controlled."""
         self.formation = formation
 
@@ -68,7 +69,7 @@ class Bench:
         return self._end is not None
 
     @property
-    def formation(self) -> BrakedFormation:
+    def formation(self) -> Formation:
         """What is controlled; known after `reset`."""
         return self._law.formation
 

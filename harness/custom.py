@@ -10,34 +10,12 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Extent, Formation
 from railgrip.signals import ESTIMATES, PLANT, READINGS, Layout
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class BrakedFormation(Formation):
-    """The vehicle as the parties of a stop may know it: its groups of wheelsets, and their brakes by nominal data.
-
-    Attributes:
-        brakes: Of each group.
-    """
-
-    brakes: tuple[BrakeGroup, ...]
-
-    @property
-    def pressure_max(self) -> Array:
-        """Highest brake cylinder pressure, shape (groups,) [Pa]."""
-        return np.array([brake.pressure_max for brake in self.brakes])
-
-    @property
-    def wheel_radius(self) -> Array:
-        """Nominal rolling radius, shape (groups,) [m]."""
-        return np.array([brake.wheel_radius for brake in self.brakes])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,7 +49,7 @@ PROVIDED = tuple(field.name for field in fields(Estimate))
 class Controller(Protocol):
     """A control law. It may have an attribute `needs`, the estimates that it cannot do without: ("adhesion",)."""
 
-    def start(self, formation: BrakedFormation) -> None:
+    def start(self, formation: Formation) -> None:
         """Begin a stop; also after another one."""
         ...
 
@@ -91,7 +69,7 @@ class Estimator(Protocol):
 
     provides: tuple[str, ...]
 
-    def start(self, first: Observation, formation: BrakedFormation) -> None:
+    def start(self, first: Observation, formation: Formation) -> None:
         """Begin a stop with what is read first; also after another one."""
         ...
 
@@ -104,7 +82,7 @@ class Estimator(Protocol):
 class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
-    def start(self, formation: BrakedFormation, random: np.random.Generator) -> None:
+    def start(self, formation: Formation, random: np.random.Generator) -> None:
         """Begin a stop; all noise comes from `random`, which the seed of the scenario decides."""
         ...
 
@@ -123,7 +101,7 @@ class Sensors(Protocol):
 class CustomController:
     """A control law of the user's own in the loop."""
 
-    def __init__(self, own: Controller, formation: BrakedFormation) -> None:
+    def __init__(self, own: Controller, formation: Formation) -> None:
         """Start it.
 
         Raises:
@@ -162,7 +140,7 @@ class CustomEstimator:
         provides: As it says.
     """
 
-    def __init__(self, own: Estimator, formation: BrakedFormation) -> None:
+    def __init__(self, own: Estimator, formation: Formation) -> None:
         """Take it; it is started by the first step.
 
         Raises:
@@ -217,7 +195,7 @@ class CustomSensors:
     """Sensors of the user's own in the loop."""
 
     def __init__(
-        self, own: Sensors, layout: Layout, formation: BrakedFormation, period: float, random: np.random.Generator
+        self, own: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
     ) -> None:
         """Start them.
 

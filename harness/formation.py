@@ -1,11 +1,17 @@
-"""Which wheelsets a vehicle has, which of them turn as one, and where they run: what everything is dimensioned by."""
+"""The wheelsets of a vehicle, which of them turn as one, where they run and how they are braked.
+
+Everything is dimensioned by it.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from railgrip.controllers.brake import BrakeGroup
 
 Array = NDArray[np.float64]
 
@@ -16,23 +22,54 @@ Extent = Literal["train", "group", "wheelset"]
 class Formation:
     """The wheelsets of a vehicle, lead to trail, in groups that turn as one and share a brake.
 
+    All but the groups is empty where nobody says it.
+
     Attributes:
         wheelsets_per_group: Number of wheelsets of each group, leading group first.
+        wheelsets_per_car: Number of wheelsets of each car, leading car first; of a bogie under two cars each has its
+            share.
+        wheelset_position: Distance of each wheelset behind the leading one [m].
+        wheelset_load: Static force of each wheelset on the rail, nominal [N].
+        brakes: Of each group, by nominal data.
     """
 
     wheelsets_per_group: tuple[int, ...]
+    wheelsets_per_car: tuple[int, ...] = ()
+    wheelset_position: tuple[float, ...] = ()
+    wheelset_load: tuple[float, ...] = ()
+    brakes: tuple[BrakeGroup, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what no vehicle is.
 
         Raises:
-            ValueError: There is no group, or one without a wheelset.
+            ValueError: There is no group, or one without a wheelset; something is said of another number of wheelsets
+                or groups; positions do not rise from 0, or a load is not positive.
         """
         if not self.wheelsets_per_group or min(self.wheelsets_per_group) < 1:
             raise ValueError(
                 "a formation has one wheelset or more in each of its groups, as in [2, 1, 1, 2]; "
                 f"got {list(self.wheelsets_per_group)}"
             )
+        counted = f"wheelsets_per_group has {self.wheelsets}, {list(self.wheelsets_per_group)}"
+        if self.wheelsets_per_car and (
+            min(self.wheelsets_per_car) < 1 or sum(self.wheelsets_per_car) != self.wheelsets
+        ):
+            raise ValueError(
+                f"wheelsets_per_car has {sum(self.wheelsets_per_car)} wheelsets, {list(self.wheelsets_per_car)}, at "
+                f"least one to a car; {counted}"
+            )
+        for name in ("wheelset_position", "wheelset_load"):
+            values: tuple[float, ...] = getattr(self, name)
+            if values and len(values) != self.wheelsets:
+                raise ValueError(f"{name} is for {len(values)} wheelsets; {counted}")
+        if self.brakes and len(self.brakes) != self.groups:
+            raise ValueError(f"brakes are for {len(self.brakes)} groups, there are {self.groups}")
+        places = self.wheelset_position
+        if places and (places[0] != 0 or any(a >= b for a, b in pairwise(places))):
+            raise ValueError(f"wheelset_position must be rising distances [m] that start with 0, got {list(places)}")
+        if any(not load > 0 for load in self.wheelset_load):
+            raise ValueError(f"wheelset_load must be positive [N], got {list(self.wheelset_load)}")
 
     @property
     def groups(self) -> int:
@@ -48,6 +85,36 @@ class Formation:
     def group_of_wheelset(self) -> NDArray[np.intp]:
         """Zero-based group of each wheelset, shape (wheelsets,)."""
         return np.repeat(np.arange(self.groups), self.wheelsets_per_group)
+
+    @property
+    def cars(self) -> int:
+        """Number of cars; one where nobody says."""
+        return len(self.wheelsets_per_car) or 1
+
+    @property
+    def car_of_wheelset(self) -> NDArray[np.intp]:
+        """Zero-based car of each wheelset, shape (wheelsets,)."""
+        return np.repeat(np.arange(self.cars), self.wheelsets_per_car or (self.wheelsets,))
+
+    @property
+    def position(self) -> Array | None:
+        """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None where nobody says."""
+        return np.array(self.wheelset_position) if self.wheelset_position else None
+
+    @property
+    def load(self) -> Array | None:
+        """Static force of each wheelset on the rail, shape (wheelsets,) [N]; None where nobody says."""
+        return np.array(self.wheelset_load) if self.wheelset_load else None
+
+    @property
+    def pressure_max(self) -> Array:
+        """Highest brake cylinder pressure, shape (groups,) [Pa]."""
+        return np.array([brake.pressure_max for brake in self.brakes])
+
+    @property
+    def wheel_radius(self) -> Array:
+        """Nominal rolling radius, shape (groups,) [m]."""
+        return np.array([brake.wheel_radius for brake in self.brakes])
 
     def width(self, extent: Extent) -> int:
         """Return how many values a quantity has that there is one of for each `extent`."""

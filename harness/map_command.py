@@ -25,7 +25,7 @@ def add_to(app: typer.Typer) -> None:
         period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of it [s].")] = 1e-3,
     ) -> None:
         """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
-        from railgrip.assemble import catalogue_brakes, counts_of, parameters_of, plant_signals
+        from railgrip.assemble import catalogue_brakes, catalogue_counts, counts_of, parameters_of, plant_signals
         from railgrip.draft import drafted
         from railgrip.errors import PlantFailed
         from railgrip.fmu import bind, describe, open_plant
@@ -34,7 +34,7 @@ def add_to(app: typer.Typer) -> None:
         from railgrip.trial import findings, tried
 
         description = describe(file)
-        formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or (2, 1, 1, 2)))
+        formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or catalogue_counts()))
         inputs, outputs, start = plant_signals(formation, pneumatic=False, track_force=False)
         wanted: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
         wanted |= {s.name: (s, "output") for s in outputs}

@@ -9,6 +9,7 @@ that rolls, slides and locks, of a train that stands, and of sensors that have n
 
 import copy
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ import numpy as np
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
 from railgrip.custom import (
-    BrakedFormation,
     Controller,
     CustomController,
     CustomEstimator,
@@ -25,6 +25,7 @@ from railgrip.custom import (
     Sensors,
 )
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
+from railgrip.formation import Formation
 from railgrip.signals import layout_of
 
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
@@ -135,13 +136,20 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
         _demand_same(own, "read", runs)
 
 
-def formations() -> Iterator[BrakedFormation]:
+def formations() -> Iterator[Formation]:
     """Yield vehicles of one, three and four groups."""
     for wheelsets in _FORMATIONS:
-        yield BrakedFormation(wheelsets, (_BRAKE,) * len(wheelsets))
+        dimensions = Formation(wheelsets)
+        yield replace(
+            dimensions,
+            wheelsets_per_car=(dimensions.wheelsets,),
+            wheelset_position=tuple(2.5 * i for i in range(dimensions.wheelsets)),
+            wheelset_load=tuple(_BRAKE.load / count for count in wheelsets for _ in range(count)),
+            brakes=(_BRAKE,) * dimensions.groups,
+        )
 
 
-def observations(formation: BrakedFormation, *, estimated: bool) -> Iterator[Observation]:
+def observations(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
     """Yield what is shown of a train that nobody has read yet, then of one that brakes from 30 m/s to standstill."""
     groups = formation.groups
     unread, known = np.full(groups, np.nan), np.full(groups, 0.05)
@@ -150,7 +158,7 @@ def observations(formation: BrakedFormation, *, estimated: bool) -> Iterator[Obs
     yield from _courses(formation, estimated=estimated)
 
 
-def _courses(formation: BrakedFormation, *, estimated: bool) -> Iterator[Observation]:
+def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
     """Yield a braking train whose groups roll, slide and lock one after the other."""
     groups = formation.groups
     for k in range(1, 302):
@@ -171,7 +179,7 @@ def _made(make: Callable[[], Any]) -> Any:
         raise ContractBroken(str(problem)) from problem
 
 
-def _demand_pressures(law: object, formation: BrakedFormation, demands: tuple[float, ...]) -> None:
+def _demand_pressures(law: object, formation: Formation, demands: tuple[float, ...]) -> None:
     for demand, most in zip(demands, formation.pressure_max, strict=True):
         if not 0.0 <= demand <= most:
             raise ContractBroken(

@@ -24,10 +24,14 @@ _MASS = "m_wheelset"
 
 def units_of_nominal_data(formation: Formation) -> dict[str, str]:
     """Return parameter name → unit of all nominal data of a vehicle; a bare name is one value for all."""
-    units = {**_OF_ALL, **_OF_GROUPS, _MASS: "kg", "m": "kg"}
-    for name, unit in _OF_GROUPS.items():
-        units |= {f"{name}[{g + 1}]": unit for g in range(formation.groups)}
-    return units | {f"{_MASS}[{i + 1}]": "kg" for i in range(formation.wheelsets)}
+    masses = {_MASS: "kg", "m": "kg"} | {f"{_MASS}[{i + 1}]": "kg" for i in range(formation.wheelsets)}
+    return units_of_brakes(formation) | masses
+
+
+def units_of_brakes(formation: Formation) -> dict[str, str]:
+    """Return the same of its brakes and what turns with them."""
+    each = {f"{name}[{g + 1}]": unit for name, unit in _OF_GROUPS.items() for g in range(formation.groups)}
+    return {**_OF_ALL, **_OF_GROUPS, **each}
 
 
 def spread(parameters: Mapping[str, float], formation: Formation) -> dict[str, float]:

@@ -17,7 +17,7 @@ from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
-TWO_PART_TRAIN = Formation((2, 1, 1, 2))
+TWO_PART_TRAIN = Formation((2, 1, 1, 2), (3, 3), (0.0, 1.9, 15.625, 18.275, 32.0, 33.9))
 LAYOUT = layout_of(TWO_PART_TRAIN)
 
 # A train of round numbers: 6 wheelsets of 100 kN, wheels of 0.4 m.

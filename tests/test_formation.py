@@ -44,3 +44,24 @@ def test_a_group_has_a_wheelset(counts):
 def test_wheelsets_of_a_group_stand_side_by_side():
     with pytest.raises(ValueError, match="side by side"):
         formation_of([1, 2, 1])
+
+
+def test_what_nobody_says_is_empty():
+    formation = Formation((2, 1))
+    assert formation.position is formation.load is None
+    assert (formation.cars, formation.car_of_wheelset.tolist()) == (1, [0, 0, 0])
+    assert formation.pressure_max.shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("further", "words"),
+    [
+        ({"wheelsets_per_car": (2, 2)}, r"wheelsets_per_car has 4 wheelsets"),
+        ({"wheelset_position": (0.0, 1.0)}, "wheelset_position is for 2 wheelsets"),
+        ({"wheelset_position": (1.0, 2.0, 3.0)}, "start with 0"),
+        ({"wheelset_load": (1e5, -1e5, 1e5)}, "wheelset_load must be positive"),
+    ],
+)
+def test_what_is_said_fits_the_wheelsets(further, words):
+    with pytest.raises(ValueError, match=words):
+        Formation((2, 1), **further)

@@ -18,7 +18,7 @@ ALLOWED = {
     # The loop knows protocols and the values that pass between parties, no party.
     "railgrip.units": (),
     "railgrip.limits": (),
-    "railgrip.formation": (),
+    "railgrip.formation": ("railgrip.controllers.brake",),
     "railgrip.signals": ("railgrip.formation",),
     "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.record.recorder", "railgrip.signals",
                       "railgrip.formation", "railgrip.controllers.observation", "railgrip.estimators.belief",

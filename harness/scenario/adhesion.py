@@ -55,11 +55,11 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     """Return the friction profile of a scenario under each wheelset of a formation, up to its horizon.
 
     A profile over time reaches all wheelsets at once. One over distance lies on the rail: a wheelset meets it
-    `wheelset_offsets` later than the first.
+    its position later than the leading one.
 
     Raises:
-        ScenarioError: Level and conditioning bring friction above 1, or something is given for another number of
-            wheelsets.
+        ScenarioError: Level and conditioning bring friction above 1, something is given for another number of
+            wheelsets, or nobody says where they are.
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _demand_resolved(scenario)
@@ -78,9 +78,12 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
                 f"horizon, {reach / 1e3:.3g} km; {_FARTHEST / 1e3:g} km is the most, shorten the horizon"
             )
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
-        offsets = scenario.vehicle.wheelset_offsets
-        _check_count(scenario, "[vehicle] wheelset_offsets", len(offsets), wheelsets)
-        places = axis[:, None] - np.array(offsets)
+        if formation.position is None:
+            raise ScenarioError(
+                f"{scenario.name}: [adhesion] runs over distance, and the plant does not say where its wheelsets are: "
+                "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
+            )
+        places = axis[:, None] - formation.position
     match adhesion:
         case Constant(mu0=mu0):
             if len(mu0) > 1:

@@ -47,8 +47,6 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
-        if self.runs_over_distance and not self.vehicle.wheelset_offsets:
-            raise broken("adhesion runs over distance: [vehicle] must give wheelset_offsets, how far behind the first")
         if self.controller.kind in ("adhesion_based", "adhesion_literal") and self.estimator.kind == "none":
             raise broken("[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'")
         if self.actuation.kind == "pneumatic" and self.vehicle.recipe:

@@ -9,15 +9,36 @@ from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Length, ModelicaClass, Parameters, Speed, Table, broken, scalars
 
+_Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
+
 
 class FormationTable(Table):
-    """What a plant that does not say it itself is made of."""
+    """What a plant that does not say it itself is made of; empty for what it says, or what nobody needs."""
 
-    wheelsets_per_group: tuple[Annotated[StrictInt, Field(ge=1, le=64)], ...] = Field(
-        min_length=1,
+    wheelsets_per_group: tuple[_Wheelsets, ...] = Field(
+        default=(),
         max_length=256,
         description="number of wheelsets of each group that turns as one and shares a brake, leading group first",
     )
+    wheelsets_per_car: tuple[_Wheelsets, ...] = Field(
+        default=(),
+        max_length=256,
+        description="number of wheelsets of each car, leading car first; of a bogie under two cars each has its share",
+    )
+    wheelset_position: tuple[Length, ...] = Field(
+        default=(),
+        description="distance of each wheelset behind the leading one; wanted when adhesion is over distance",
+    )
+    wheelset_load: tuple[Annotated[float, Unit("N", above=0, at_most=1e6)], ...] = Field(
+        default=(), description="static force of each wheelset on the rail"
+    )
+    brakes: Parameters = Field(
+        default={},
+        description="p_max, n_units, r_friction, r_wheel, J for all or each group; A_piston, i_rigging, eta_rigging, "
+        "F_spring",
+    )
+
+    _flat = field_validator("brakes", mode="before")(scalars)
 
 
 class Nudge(Table):
@@ -55,13 +76,8 @@ class Vehicle(Table):
         default=False, description="load an FMU of one's own into this process: faster, but a crash in it ends the run"
     )
     formation: FormationTable | None = Field(
-        default=None, description="of a plant that does not say which wheelsets turn as one"
+        default=None, description="of a plant that does not say which wheelsets turn as one and where they are"
     )
-    wheelset_offsets: tuple[Length, ...] = Field(
-        default=(),
-        description="distance of each wheelset behind the first; wanted when adhesion is over distance",
-    )
-
     nudge: Nudge | None = Field(default=None, description="moves all real parameters of the plant a little")
 
     _flat = field_validator("parameters", mode="before")(scalars)
@@ -94,13 +110,6 @@ class Vehicle(Table):
     def recipe(self) -> str | None:
         """Name of this project's FMU recipe, None where the plant is somebody else's."""
         return self.plant if isinstance(self.plant, str) else None
-
-    @field_validator("wheelset_offsets")
-    @classmethod
-    def _in_order(cls, offsets: tuple[float, ...]) -> tuple[float, ...]:
-        if offsets and (offsets[0] != 0 or list(offsets) != sorted(offsets)):
-            raise broken(f"must be rising distances that start with 0, got {list(offsets)}")
-        return offsets
 
 
 class Start(Table):

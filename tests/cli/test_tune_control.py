@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railgrip.assemble import controlled_groups, controller_of
+from railgrip.assemble import controlled_formation, controller_of
 from railgrip.controllers.adhesion_based import SeekerTuning
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.scenario.campaign import load_campaign
@@ -59,7 +59,7 @@ def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_sl
     def levels(tuning: str):
         changed = merged(table, {"controller": {"tuning": tuning}})
         scenario = scenario_of(changed, directory=CAMPAIGNS, origin="plain.toml")
-        controller = controller_of(scenario, controlled_groups(scenario))
+        controller = controller_of(scenario, controlled_formation(scenario).brakes)
         assert isinstance(controller, SlipBased)
         names = [quantity.name for quantity in controller.formula.parameters]
         return {name: controller.parameters[names.index(name)] for name in ("low", "high", "hold")}

@@ -211,7 +211,6 @@ def test_what_is_given_for_another_number_of_wheelsets_is_refused_by_its_key(tmp
     with pytest.raises(ScenarioError, match=r"file rail.csv is for 2 wheelsets, the vehicle has 6"):
         profile_of(tabled(tmp_path, "time,mu0_1,mu0_2\n0,.1,.1\n1,.1,.1\n"), TWO_PART_TRAIN)
     short = [f"adhesion.{extent}='5 m'" for extent in ("first_fall", "low", "ramp")]
-    overrides = ["adhesion.over=distance", *short, "adhesion.period='90 m'", "vehicle.wheelset_offsets=[0, 2]"]
-    far = load(LIBRARY / "trapezoid.toml", overrides)
-    with pytest.raises(ScenarioError, match=r"wheelset_offsets is for 2 wheelsets, the vehicle has 6"):
-        profile_of(far, TWO_PART_TRAIN)
+    far = load(LIBRARY / "trapezoid.toml", ["adhesion.over=distance", *short, "adhesion.period='90 m'"])
+    with pytest.raises(ScenarioError, match=r"give \[vehicle.formation\] wheelset_position, how far each is behind"):
+        profile_of(far, Formation((2, 1, 1, 2)))

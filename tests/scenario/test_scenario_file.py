@@ -152,8 +152,8 @@ REFUSALS = [
     ),
     (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, but the name of an FMU variable is wanted"),
     (
-        ["vehicle.wheelset_offsets=[0, 2, 1]"],
-        "[vehicle] wheelset_offsets must be rising distances that start with 0",
+        ["vehicle.formation.wheelset_load=['12 t']"],
+        "[vehicle.formation.wheelset_load] 0 is '12 t', but 't' cannot be converted to 'N'",
     ),
     (
         ["vehicle.formation.wheelsets_per_group=[2, 0]"],
@@ -191,18 +191,6 @@ def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overr
     assert any(line.startswith(f"trapezoid.toml: {sentence}") for line in str(refusal.value).splitlines()), str(
         refusal.value
     )
-
-
-def test_adhesion_over_distance_wants_to_know_where_the_wheelsets_are(tmp_path):
-    text = TRAPEZOID.read_text(encoding="utf-8").replace("wheelset_offsets", "# wheelset_offsets")
-    path = tmp_path / "short.toml"
-    path.write_text(text, encoding="utf-8")
-    places = [f"adhesion.{key}=30 m" for key in ("first_fall", "low")] + [
-        "adhesion.period=99 m",
-        "adhesion.ramp=5 m",
-    ]
-    with pytest.raises(ScenarioError, match=r"short.toml: .* \[vehicle\] must give wheelset_offsets"):
-        load(path, ["adhesion.over=distance", *places])
 
 
 @pytest.mark.parametrize(

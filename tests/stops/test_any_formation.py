@@ -9,7 +9,7 @@ import pytest
 import xarray
 from PIL import Image
 
-from railgrip.assemble import controlled_groups, run_stop
+from railgrip.assemble import controlled_formation, run_stop
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
@@ -122,9 +122,9 @@ def _sensible(metrics: Metrics, groups: int) -> None:
 
 def test_one_value_for_all_is_overridden_by_that_of_a_group():
     """Also where the plant, as the wagon does, has one number of brake units for both wheelsets."""
-    groups = controlled_groups(load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"]))
+    groups = controlled_formation(load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"])).brakes
     assert [group.units for group in groups] == [2.0, 1.0]
-    alike = controlled_groups(load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"]))
+    alike = controlled_formation(load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"])).brakes
     assert [group.friction_radius for group in alike] == [0.2] * 4
 
 
@@ -142,7 +142,7 @@ def test_an_exported_law_brakes_sixteen_groups_as_the_law_does(tmp_path: Path):
 
 
 WAGON = [
-    "name=wagon", "vehicle.plant=Wagon", "vehicle.wheelset_offsets=[]", "estimator.kind=none",
+    "name=wagon", "vehicle.plant=Wagon", "estimator.kind=none",
     "controller.kind=slip_three_state",
 ]  # fmt: skip
 
@@ -162,18 +162,100 @@ def test_a_wagon_of_two_wheelsets_stops_alike_in_both_engines(tmp_path, further)
 
 
 def test_an_estimator_for_another_vehicle_is_refused():
-    scenario = load(LIBRARY / "trapezoid.toml", [*WAGON[:3], "controller.kind=full_brake"])
+    scenario = load(LIBRARY / "trapezoid.toml", [*WAGON[:2], "controller.kind=full_brake"])
     with pytest.raises(ScenarioError, match="model 'TrainPrediction' is for 4 groups, the vehicle has 2"):
         run_stop(scenario)
 
 
-def test_how_a_plant_is_made_cannot_be_set():
-    scenario = load(LIBRARY / "trapezoid.toml", ["vehicle.parameters.wheelsets_per_group=[3, 1, 1, 1]"])
-    with pytest.raises(ScenarioError, match=r"wheelsets_per_group\[1\] says how TwoPartTrain.fmu is made"):
+@pytest.mark.parametrize("name", ["wheelsets_per_group=[3, 1, 1, 1]", "wheelset_position=[0, 1, 2, 3, 4, 5]"])
+def test_how_a_plant_is_made_cannot_be_set(name):
+    scenario = load(LIBRARY / "trapezoid.toml", [f"vehicle.parameters.{name}"])
+    with pytest.raises(ScenarioError, match=r"wheelset.*\[1\] says how TwoPartTrain.fmu is made"):
         run_stop(scenario)
 
 
-def test_a_table_that_contradicts_the_plant_is_refused():
-    scenario = load(LIBRARY / "trapezoid.toml", ["vehicle.formation.wheelsets_per_group=[3, 3]"])
-    with pytest.raises(ScenarioError, match=r"wheelsets_per_group is \[3, 3\], TwoPartTrain.fmu has \[2, 1, 1, 2\]"):
+def test_the_train_says_where_its_wheelsets_are_and_what_they_carry():
+    """Geometry of the bogies, 15.05 + 1.9/2 m from the middle of the Jacobs bogie, and the masses, by hand."""
+    formation = controlled_formation(load(LIBRARY / "trapezoid.toml"))
+    ahead = [16.95, 15.05, 1.325, -1.325, -15.05, -16.95]
+    assert formation.position == pytest.approx(16.95 - np.array(ahead), abs=1e-12)
+    assert formation.load == pytest.approx(9.81 * np.array([13400, 14100, 14500, 14500, 14100, 13400]))
+    assert formation.car_of_wheelset.tolist() == [0, 0, 0, 1, 1, 1]
+    assert [brake.load for brake in formation.brakes] == pytest.approx(formation.summed(formation.load))
+    wagon = controlled_formation(load(LIBRARY / "wagon.toml"))
+    assert (wagon.cars, wagon.position.tolist()) == (1, [0.0, 9.0])
+    assert wagon.load == pytest.approx([40e3 * 9.81 / 2] * 2)
+    believed = controlled_formation(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"]))
+    assert believed.load == pytest.approx([98100.0] * 6)
+
+
+FOREIGN = """
+[vehicle]
+plant = "Vehicle.fmu"
+trust = true
+
+[vehicle.formation]
+wheelsets_per_group = [2, 1]
+wheelsets_per_car = [1, 2]
+wheelset_position = ["0 m", "250 cm", "9 m"]
+wheelset_load = ["70 kN", "70 kN", "90 kN"]
+brakes = { p_max = "3 bar", n_units = [4, 2], r_friction = 0.25, r_wheel = 0.4, J = ["200 kg.m2", "100 kg.m2"], \
+A_piston = 0.02, i_rigging = 5.0, eta_rigging = 0.95, F_spring = 500.0 }
+""".replace("\\\n", "")
+
+
+@pytest.fixture(scope="module")
+def foreign(tmp_path_factory) -> Path:
+    """A trolley whose formation and brakes stand in [vehicle.formation] alone."""
+    folder = tmp_path_factory.mktemp("foreign")
+    build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo"), directory=folder)
+    rest = (LIBRARY / "foreign_train.toml").read_text()
+    table = TROLLEY[TROLLEY.index("[vehicle.map]") : TROLLEY.index("[controller.parameters]")]
+    head = 'name = "trolley"\nseed = 1\n'
+    rest = rest[rest.index("[start]") : rest.index("[controller]")] + rest[rest.index("[periods]") :]
+    (folder / "trolley.toml").write_text(f"{head}{FOREIGN}\n{table}\n{rest}")
+    return folder / "trolley.toml"
+
+
+def test_a_foreign_plant_is_what_its_formation_table_says(foreign):
+    """Also to a rail over distance, where the last wheelset meets what the first one has left."""
+    formation = controlled_formation(load(foreign))
+    assert formation.position.tolist() == [0.0, 2.5, 9.0]
+    assert formation.load == pytest.approx([70e3, 70e3, 90e3])
+    assert (formation.cars, formation.pressure_max.tolist()) == (2, [3e5, 3e5])
+    over = [
+        "start.speed=25 km/h", "adhesion={kind='trapezoid', polach='wet', over='distance', minimum=0.05, maximum=0.1, "
+        "first_fall='1 m', period='10 m', low='4 m', ramp='1 m'}",
+    ]  # fmt: skip
+    mu0 = run_stop(load(foreign, [*over, "limits.horizon=1 s"])).trace["mu0"].values
+    assert (mu0[:, 0] < mu0[:, 2]).any()
+
+
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("wheelsets_per_car=[2, 2]", r"\[vehicle.formation\]: wheelsets_per_car has 4 wheelsets, .* has 3, \[2, 1\]"),
+        ("wheelset_position=[0, 2]", r"\[vehicle.formation\]: wheelset_position is for 2 wheelsets"),
+        ("wheelset_position=[0, 2, 1]", r"\[vehicle.formation\]: wheelset_position must be rising distances \[m\]"),
+        ("wheelset_load=[7e4]", r"\[vehicle.formation\]: wheelset_load is for 1 wheelsets"),
+        ("brakes.p_mex=1", r"\[vehicle.formation\] brakes has no parameter 'p_mex'; did you mean 'p_max'"),
+    ],
+)
+def test_a_formation_that_disagrees_with_itself_is_refused_by_its_key(foreign, override, sentence):
+    with pytest.raises(ScenarioError, match=rf"trolley: {sentence}"):
+        run_stop(load(foreign, [f"vehicle.formation.{override}"]))
+
+
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("wheelsets_per_group=[3, 3]", r"wheelsets_per_group is \[3, 3\], TwoPartTrain.fmu has \[2.0, 1.0, 1.0, 2.0\]"),
+        ("wheelset_position=[0, 1, 2, 3, 4, 5]", r"wheelset_position is \[0.0, 1.0, .*TwoPartTrain.fmu has \[0.0, 1.9"),
+        ("wheelset_load=[1e5, 1e5, 1e5, 1e5, 1e5, 1e5]", r"wheelset_load says m_wheelset\[1\] = 10193.7, TwoPartTrain"),
+        ("brakes.p_max='9 bar'", r"brakes p_max\[1\] says p_max\[1\] = 900000, TwoPartTrain.fmu has 340000; leave it"),
+    ],
+)
+def test_a_table_that_contradicts_the_plant_is_refused(override, sentence):
+    scenario = load(LIBRARY / "trapezoid.toml", [f"vehicle.formation.{override}"])
+    with pytest.raises(ScenarioError, match=rf"\[vehicle.formation\] {sentence}"):
         run_stop(scenario)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from railgrip.assemble import controlled_groups, run_stop
+from railgrip.assemble import controlled_formation, run_stop
 from railgrip.commands import main
 from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
@@ -32,7 +32,7 @@ def shown(scenario, trace):
     believed = "estimate_adhesion" in trace
     prefix = "estimate" if believed else "reading"
     speed, wheel = trace[f"{prefix}_speed"].values, trace[f"{prefix}_wheelset_speed"].values
-    radius = np.array([group.wheel_radius for group in controlled_groups(scenario)])
+    radius = np.array([group.wheel_radius for group in controlled_formation(scenario).brakes])
     with np.errstate(invalid="ignore"):
         slip = 1.0 - radius * wheel / speed[:, None]
     unknown = np.zeros_like(slip)

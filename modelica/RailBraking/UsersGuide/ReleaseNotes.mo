@@ -7,7 +7,8 @@ class ReleaseNotes "Release notes"
 <ul>
 <li>Two-part train with ideal cylinders or valves, and its prediction models.</li>
 <li>Wagon, roller rig, wheelset with lateral motion and instrumented car.</li>
-<li>Plants say which of their wheelsets turn as one: <code>wheelsets_per_group</code>.</li>
+<li>Plants say which of their wheelsets turn as one: <code>wheelsets_per_group</code>, and where they are:
+<code>wheelsets_per_car</code>, <code>wheelset_position</code>.</li>
 <li>Physics of all vehicles in <code>Vehicles</code>; blocks of <code>FMUs</code> add the actuation.</li>
 </ul>
 </html>"));

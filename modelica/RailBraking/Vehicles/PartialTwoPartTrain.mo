@@ -5,6 +5,12 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
   parameter Types.Ratio wheelsets_per_group[4] = {2, 1, 1, 2}
     "Number of wheelsets that turn as one, leading group first; a description, no value to change"
     annotation(Dialog(group="Formation"));
+  parameter Types.Ratio wheelsets_per_car[2] = {3, 3}
+    "Number of wheelsets of each car, of the bogie they share one each; a description, no value to change"
+    annotation(Dialog(group="Formation"));
+  parameter Types.Length wheelset_position[6] = {0, 1.9, 15.625, 18.275, 32, 33.9}
+    "Distance of each wheelset behind the leading one; a description, no value to change"
+    annotation(Dialog(group="Formation"));
   parameter Types.Mass m_wheelset[6](each min=1e-3) = {13400, 14100, 14500, 14500, 14100, 13400}
     "Mass that each wheelset carries on the rail, its own included" annotation(Dialog(group="Masses"));
   parameter Types.Mass m_unsprung[6](each min=0) = {1500, 1500, 1300, 1300, 1500, 1500} "Mass of each wheelset itself"

@@ -5,6 +5,11 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
   parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
     "Number of wheelsets that turn as one, leading group first; a description, no value to change"
     annotation(Dialog(group="Formation"));
+  parameter Types.Ratio wheelsets_per_car[1] = {2}
+    "Number of wheelsets of each car; a description, no value to change" annotation(Dialog(group="Formation"));
+  parameter Types.Length wheelset_position[2] = {0, 9}
+    "Distance of each wheelset behind the leading one; a description, no value to change"
+    annotation(Dialog(group="Formation"));
   parameter Types.Mass m = 40e3 "Mass of the wagon" annotation(Dialog(group="Wagon"));
   parameter Types.Inertia J[2] = {130, 130} "Inertia of each wheelset about its axle" annotation(Dialog(group="Wagon"));
   parameter Types.Length r_wheel[2] = {0.46, 0.46} "Rolling radius of each wheelset" annotation(Dialog(group="Wagon"));
