@@ -133,6 +133,11 @@ def test_a_law_is_refused_that_needs_what_nobody_estimates(scenario):
     with pytest.raises(ScenarioError, match=r"'adhesion_based' needs estimates of pad_friction, .* provides adhesion"):
         rg.run(scenario, estimator=Drag)
 
+    nobody = scenario.changed({"estimator.kind": "none"})
+    with pytest.raises(ScenarioError, match=r"'adhesion_based' needs estimates of adhesion .* 'none' provides nothing"):
+        rg.run(nobody)
+    assert rg.run(nobody, controller=BangBang).outcome is rg.Outcome.HORIZON  # what is replaced is not asked
+
     class Needs(BangBang):
         needs = ("adhesion",)
 

@@ -47,8 +47,6 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
-        if self.controller.kind in ("adhesion_based", "adhesion_literal") and self.estimator.kind == "none":
-            raise broken("[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is 'none'")
         if self.actuation.kind == "pneumatic" and self.vehicle.recipe:
             try:
                 off_the_samples(self.periods.communication)

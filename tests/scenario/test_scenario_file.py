@@ -129,10 +129,6 @@ REFUSALS = [
     ),
     ([SERVICE, "sensors.speed.scale_offset=1.5"], "[sensors.speed] scale_offset must be at most 0.5"),
     (
-        ["estimator.kind=none"],
-        "[controller] adhesion_based needs an estimate of adhesion: [estimator] kind is",
-    ),
-    (
         ["periods.controller=1.5 ms"],
         "[periods] controller must be a whole multiple of communication, got 0.0015 s",
     ),
