@@ -4,7 +4,7 @@ Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence o
 """
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import isfinite
 from pathlib import Path
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from railgrip.controllers.tuning import SlipSource
     from railgrip.one_stop import Runner
     from railgrip.report.baseline import Baseline, Findings
-    from railgrip.report.table import Row
+    from railgrip.report.row import Row
     from railgrip.tune_control import Found
 
 WRONG_QUESTION = 2
@@ -138,9 +138,9 @@ def campaign(
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
     from railgrip.campaign import Asked
-    from railgrip.report.pages import write_report
+    from railgrip.report.distances import rows_of
+    from railgrip.report.index import write_report
     from railgrip.report.results import read_results
-    from railgrip.report.table import rows_of
     from railgrip.scenario.campaign import load_campaign
 
     planned = [load_campaign(file, overrides or []) for file in files]
@@ -156,7 +156,7 @@ def campaign(
 
     problem = _run_campaigns(asked, workers=workers, fresh=fresh, finished=draw, import_from=import_from or ())
     for one in asked:
-        _print_rows(rows_of(read_results(one.directory)))
+        _show_distances(rows_of(read_results(one.directory)))
         say(f"{one.directory}/index.html")
     if problem:
         raise typer.Exit(problem)
@@ -175,6 +175,7 @@ def conditioning(
     from railgrip.campaign import Asked
     from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
     from railgrip.record.atomic import write_text
+    from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
     from railgrip.scenario.conditioning import text_of
 
@@ -188,16 +189,11 @@ def conditioning(
     found = conditioning_of(whole, repeated, directory, relative)
     write_text(whole.conditioning, text_of(found))
     rows = [
-        {
-            "stop": name,
-            "shortest": f"{stop.lowest:.2f} m",
-            "median": f"{stop.median:.2f} m",
-            "longest": f"{stop.highest:.2f} m",
-            "": "spreads" if stop.spreads else "",
-        }
+        {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
         for name, stop in found.stops.items()
     ]
-    _print_table("", rows)
+    metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
+    show_table(Table(rows, {**metres, "spreads": yes_no}))
     say(str(whole.conditioning))
     if problem:
         raise typer.Exit(problem)
@@ -209,7 +205,7 @@ def report(
     panels: DrawnPanels = Panels.ALL,
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
-    from railgrip.report.pages import write_report
+    from railgrip.report.index import write_report
 
     with progress("report") as shown:
         page = write_report(directory, panels=panels, tell=lambda what: shown.update(doing=f"drawing {what}"))
@@ -226,7 +222,7 @@ def regress(
     ] = False,
 ) -> None:
     """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
-    from railgrip.report.baseline import compare, comparison_rows, load_baseline
+    from railgrip.report.baseline import compare, comparison_table, load_baseline
 
     problem = 0
     for path in _baseline_files(baselines):
@@ -238,7 +234,7 @@ def regress(
         code, findings = _found(baseline, path, out / path.stem, workers)
         problem = code or problem
         comparisons = compare(baseline, findings)
-        _print_table(path.name, comparison_rows(comparisons))
+        show_table(comparison_table(comparisons, path.name), "nothing changed")
         strayed = [comparison.name for comparison in comparisons if comparison.state != "kept"]
         if strayed:
             problem = RUN_FAILED
@@ -261,7 +257,7 @@ def accept(
     from railgrip.report.baseline import (
         accepted,
         compare,
-        comparison_rows,
+        comparison_table,
         findings_of,
         load_baseline,
         read_findings,
@@ -280,7 +276,7 @@ def accept(
             if after.accepted.get(comparison.name) != baseline.accepted.get(comparison.name)
         )
         write_baseline(after, path)
-        _print_table(f"{path.name}: accepted", comparison_rows(moved))
+        show_table(comparison_table(moved, f"{path.name}: accepted"), "nothing changed")
 
 
 @app.command()
@@ -439,30 +435,20 @@ def _baseline_files(folder: Path) -> list[Path]:
     return found
 
 
-def _print_rows(rows: "Sequence[Row]") -> None:
-    from railgrip.report.distribution import distribution_texts, distributions_of
-    from railgrip.report.table import row_texts
+def _show_distances(rows: "Sequence[Row]") -> None:
+    from railgrip.report.distances import tables_of
 
-    drawn, single = distribution_texts(distributions_of(rows)), row_texts(rows)
+    drawn, single = tables_of(rows)
     if drawn:
-        _print_table("", drawn)
+        show_table(drawn)
     if single or not drawn:
-        _print_table("", [{name: text[name] for name in text if name not in _NOT_ON_SCREEN} for text in single])
+        show_table(single.without(_NOT_ON_SCREEN), "no results")
 
 
 _NOT_ON_SCREEN = frozenset(
     {"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS", "outside ±2σ"}
 )
 """Columns of the table that a screen has no room for."""
-
-
-def _print_table(title: str, rows: Sequence[Mapping[str, str]]) -> None:
-    from railgrip.report.text import TEXT_COLUMNS
-
-    if not rows:
-        say(f"{title}: nothing changed" if title else "no results")
-        return
-    show_table(rows, title=title, right=[column for column in rows[0] if column not in TEXT_COLUMNS])
 
 
 def _fail(sentence: str) -> NoReturn:

@@ -5,12 +5,15 @@ rich is used for tables and bars alone: of what users wrote, its markup and emoj
 
 import sys
 import time
-from collections.abc import Collection, Generator, Mapping, Sequence
+from collections.abc import Generator
 from contextlib import contextmanager
 from threading import Event, Thread
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rich.console import Console
+
+if TYPE_CHECKING:
+    from railgrip.report.table import Table
 
 REMINDER: Final = 10.0
 """Time between two lines of progress where nobody watches [s]."""
@@ -40,24 +43,21 @@ def complain(text: str) -> None:
     _err.print(text, style="red", soft_wrap=True)
 
 
-def show_table(rows: Sequence[Mapping[str, str]], *, title: str = "", right: Collection[str] = ()) -> None:
-    """Print rows of equal columns.
+def show_table(table: "Table", nothing: str = "nothing") -> None:
+    """Print a table, or a word where it has no row."""
+    if not table:
+        say(f"{table.title}: {nothing}" if table.title else nothing)
+        return
+    import rich.table
 
-    Args:
-        rows: Column → cell; at least one.
-        title: Above it, or empty.
-        right: Columns of numbers.
-    """
-    from rich.table import Table
-
-    table = Table(title=title or None, box=None, title_justify="left", header_style="bold")
-    for column in rows[0]:
+    screen = rich.table.Table(title=table.title or None, box=None, title_justify="left", header_style="bold")
+    for column in table.columns:
         # A number is never cut; where the screen is narrow, texts take more lines.
-        number = column in right
-        table.add_column(column, justify="right" if number else "left", no_wrap=number, overflow="fold")
-    for row in rows:
-        table.add_row(*row.values())
-    _out.print(table)
+        number = column not in table.left
+        screen.add_column(column, justify="right" if number else "left", no_wrap=number, overflow="fold")
+    for row in table.texts:
+        screen.add_row(*row.values())
+    _out.print(screen)
 
 
 class Progress(Protocol):

@@ -13,11 +13,12 @@ def bench() -> None:
     from railgrip.bench.rig_filter import rig_filter_cost
     from railgrip.bench.stop import build_cost, filter_cost, machine, stop_costs
     from railgrip.fmus.build import fmu
+    from railgrip.report.table import Table
 
-    rows: list[dict[str, str]] = []
+    rows: list[tuple[str, str, str]] = []
 
     def add(what: str, measured: str, target: str) -> None:
-        rows.append({"what": what, "measured": measured, "target": target})
+        rows.append((what, measured, target))
 
     with progress("measuring") as shown:
         shown.update(doing="cold build of all FMUs")
@@ -69,7 +70,7 @@ def bench() -> None:
             add(f"  whole stop of {python.simulated:.1f} s", f"{python.wall:.2f} s", "2.5 s for 35 s")
             add("  a cycle of the compiled engine, figures included", f"{compiled.cycle:.0f} µs", "")
             add("  Python over compiled", f"{python.cycle / compiled.cycle:.1f}", "")
-    show_table(rows, title=machine())
+    show_table(Table.of(("what", "measured", "target"), rows, title=machine()))
 
 
 def add_to(app: typer.Typer) -> None:

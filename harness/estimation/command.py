@@ -1,12 +1,12 @@
 """Commands of this room: observability, estimate and rig; `add_to` puts them on the command line."""
 
-import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from railgrip.console import complain, progress, say, show_table
+from railgrip.report.table import Form, Table, share
 
 if TYPE_CHECKING:
     import xarray
@@ -59,12 +59,12 @@ def observability(
         {
             "at": f"{point.time:.2f} s, {point.what}",
             "rank": f"{point.found.rank} of {len(point.found.states)}",
-            "derivatives": str(point.found.order),
-            "not determined": ", ".join(point.found.undetermined) or "-",
+            "derivatives": point.found.order,
+            "not determined": ", ".join(point.found.undetermined) or "–",
         }
         for point in observed.points
     ]
-    show_table(ranks, title="Rank of the readings and their derivatives")
+    show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
     windows = observed.windows
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
@@ -111,25 +111,12 @@ def estimate(
 
 def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = OUT / "rig") -> None:
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
-    from railgrip.estimation.rig import study
+    from railgrip.estimation.rig import study, table_of
 
     with progress("roller rig") as shown:
         rows = study(out, lambda what: shown.update(doing=what))
-    figures = [
-        {
-            "scenario": row.scenario,
-            "filter": row.filter,
-            "α rmse": f"{row.alpha_rmse:.4f}",
-            "α outside events": f"{row.alpha_outside:.4f}",
-            "longest > 0.02": f"{1e3 * row.longest:.0f} ms",
-            "kept": "yes" if row.kept else "no",
-            "μ rmse": f"{row.mu_b_rmse:.4f}",
-            "μ bias": f"{row.mu_b_bias:+.4f}",
-            "μ NEES": f"{row.mu_b_nees:.2g}",
-        }
-        for row in rows
-    ]
-    show_table(figures, title="Adhesion and pad friction against the truth")
+    wide = ("α bias", "α largest", "α NEES", "μ sd claimed")
+    show_table(table_of(rows, scenario="scenario").without(wide))
     say(f"{out}/rig.md")
 
 
@@ -158,35 +145,32 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
     if not known:
         return
-    judged = {state: judge(recording, told, state) for state in known}
     rows = [
         {
             "state": state,
-            "rmse": f"{found.rmse:.4g}",
-            "of the best constant": f"{found.constant:.4g}",
-            "bias": f"{found.bias:+.4g}",
-            "largest": f"{found.largest:.4g}",
-            "NEES": f"{found.nees:.3g}",
-            "within 2 sd": f"{100 * found.covered:.1f} %",
+            "rmse": judged.rmse,
+            "of the best constant": judged.constant,
+            "bias": judged.bias,
+            "largest": judged.largest,
+            "NEES": judged.nees,
+            "within 2 sd": judged.covered,
         }
-        for state, found in judged.items()
+        for state in known
+        for judged in (judge(recording, told, state),)
     ]
-    show_table(rows, title=f"{recording.attrs['name']}: estimate minus truth", right=tuple(rows[0])[1:])
+    forms: dict[str, Form] = {
+        **dict.fromkeys(("rmse", "of the best constant", "largest"), "{:.4g}"),
+        "bias": "{:+.4g}",
+        "NEES": "{:.3g}",
+        "within 2 sd": share,
+    }
+    show_table(Table(rows, forms, title=f"{recording.attrs['name']}: estimate minus truth"))
 
 
-def _write_windows(windows: object, path: Path) -> None:
+def _write_windows(windows: "xarray.Dataset", path: Path) -> None:
     """Write smallest singular values and deviations as CSV, a row a window."""
-    import xarray
-
-    from railgrip.record.atomic import replacing
-
-    assert isinstance(windows, xarray.Dataset)
     states = [str(state) for state in windows["state"].values]
-    head = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
-    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(head)
-        for k, time in enumerate(windows["time"].values):
-            row = windows.isel(time=k)
-            values = [row["smallest"].item(), *row["singular"].values, *row["deviation"].values]
-            writer.writerow([f"{time:.6g}", *(f"{value:.6g}" for value in values)])
+    columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
+    parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))
+    rows = [[f"{value:.6g}" for part in row for value in part.ravel()] for row in zip(*parts, strict=True)]
+    Table.of(columns, rows).write_csv(path)

@@ -1,8 +1,7 @@
 """The tests of Schwarz and Keck (2020), §4, on the rig's twin: their filter and ours, judged against the truth."""
 
-import csv
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import xarray
@@ -18,8 +17,9 @@ from railgrip.estimation.spec import (
     prediction_for,
     settings_for,
 )
-from railgrip.record.atomic import replacing, write_text
+from railgrip.report.page import write_page
 from railgrip.report.rig import over_slip, rig_run, tunings
+from railgrip.report.table import Form, Table, yes_no
 from railgrip.twins.rig_scenario import RigScenario, rig_scenario
 from railgrip.twins.roller_rig import run_rig
 
@@ -124,12 +124,17 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
         for key, estimates in told.items():
             rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")
         tunings(recording, told, out / f"{name}_tunings.png")
-        write_rows(rows, out / "scores.csv")
+        Table([asdict(row) for row in rows]).write_csv(out / "scores.csv")
         if name == "sand":
             over_slip(recording, told, out / "sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
     varied = sensitivity(filters, tell)
-    write_rows(varied, out / "sensitivity.csv")
-    write_text(out / "rig.md", _page(rows, varied))
+    Table([asdict(row) for row in varied]).write_csv(out / "sensitivity.csv")
+    write_page(
+        out / "rig.md",
+        "estimation/rig.md.jinja",
+        scores=table_of(rows, scenario="scenario"),
+        sensitivity=table_of(varied, period="period", **{"σ of v": "speed_noise"}),
+    )
     return tuple(rows)
 
 
@@ -156,60 +161,28 @@ def sensitivity(filters: dict[str, Specification], tell: Callable[[str], None] =
     return rows
 
 
-def write_rows(rows: list[Row], path: Path) -> None:
-    """Write rows as CSV, whole or not at all."""
-    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, [field.name for field in fields(Row)])
-        table.writeheader()
-        table.writerows(asdict(row) for row in rows)
+def table_of(rows: Sequence[Row], **first: str) -> Table:
+    """Return rows as people read them, behind columns of their own: name → attribute."""
+    columns = {**first, **_COLUMNS}
+    shown = [{name: getattr(row, attribute) for name, attribute in columns.items()} for row in rows]
+    return Table(
+        shown, _FORMS, left=("scenario", "filter", "kept"), title="Adhesion and pad friction against the truth"
+    )
 
 
-_INTRODUCTION = """# Roller rig: adhesion and pad friction estimated
+_COLUMNS = {
+    "filter": "filter", "α rmse": "alpha_rmse", "α bias": "alpha_bias", "α largest": "alpha_largest",
+    "outside events": "alpha_outside", "longest > 0.02": "longest", "kept": "kept", "α NEES": "alpha_nees",
+    "μ rmse": "mu_b_rmse", "μ bias": "mu_b_bias", "μ NEES": "mu_b_nees", "μ sd claimed": "mu_b_sd",
+}  # fmt: skip
 
-After Schwarz and Keck (2020), section 4, on a simulated rig. `rig-paper` is Q and R of their equation (20) as
-the covariances of one step of a discrete filter; our filters take densities, so Q is divided by the period.
-`rig-own` has noises from sensors and physics. Errors are against the simulated truth.
-"""
-_MEANING = """
-Kept: error of adhesion at most 0.02 outside protection events, and a larger one corrected within 0.1 s.
-An event lasts while the protection holds the brake back, and 0.1 s longer.
-
-## What Q and R of equation (20) do
-
-A step adds 0.32 to the deviation of adhesion, more than adhesion itself, and 3 rad/s to that of the wheelset. At
-5 ms a change of adhesion is then corrected within one step by 87 % from the roller's speed and by 0.4 % from the
-wheelset's: the filter differentiates the roller's speed. Its adhesion is as noisy as that sensor makes it, and
-its own claim (sd) says nothing. Pad friction follows from the wheelset with a time constant of 26 kN.s over the
-pad force, 0.65 s at 40 kN, at every period. For adhesion the period matters: the paper does not give it, and the
-same table means another filter at another one:
-"""
-
-
-def _page(rows: list[Row], varied: list[Row]) -> str:
-    return "\n".join([_INTRODUCTION, *_table(rows), _MEANING, *_table(varied, sweep=True), ""])
-
-
-def _table(rows: list[Row], *, sweep: bool = False) -> list[str]:
-    head = ["period", "σ of v"] if sweep else ["scenario"]
-    head += ["filter", "α rmse", "α bias", "α largest", "outside events", "longest > 0.02", "kept", "α NEES"]
-    head += ["μ rmse", "μ bias", "μ NEES", "μ sd claimed"]
-    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
-    for row in rows:
-        first = [f"{1e3 * row.period:g} ms", f"{row.speed_noise:.1e} m/s"] if sweep else [row.scenario]
-        cells = [
-            *first,
-            row.filter,
-            f"{row.alpha_rmse:.4f}",
-            f"{row.alpha_bias:+.4f}",
-            f"{row.alpha_largest:.3f}",
-            f"{row.alpha_outside:.4f}",
-            f"{row.longest:.3f} s",
-            "yes" if row.kept else "no",
-            f"{row.alpha_nees:.2g}",
-            f"{row.mu_b_rmse:.4f}",
-            f"{row.mu_b_bias:+.4f}",
-            f"{row.mu_b_nees:.2g}",
-            f"{row.mu_b_sd:.2g}",
-        ]
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
+_FORMS: Mapping[str, Form] = {
+    **dict.fromkeys(("α rmse", "outside events", "μ rmse"), "{:.4f}"),
+    **dict.fromkeys(("α bias", "μ bias"), "{:+.4f}"),
+    **dict.fromkeys(("α NEES", "μ NEES", "μ sd claimed"), "{:.2g}"),
+    "α largest": "{:.3f}",
+    "longest > 0.02": "{:.3f} s",
+    "kept": yes_no,
+    "period": lambda period: f"{1e3 * period:g} ms",
+    "σ of v": "{:.1e} m/s",
+}

@@ -31,7 +31,7 @@ The same for the figures of a study of `railgrip.studies.headlines`:
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -40,9 +40,10 @@ from pydantic import Field, NonNegativeInt, model_validator
 
 from railgrip.errors import RecordError, ScenarioError
 from railgrip.record.atomic import write_text
+from railgrip.report import table
+from railgrip.report.distances import rows_of
 from railgrip.report.results import Result, Results
 from railgrip.report.row import Row
-from railgrip.report.table import rows_of
 from railgrip.scenario.conditioning import Repeated
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
@@ -382,29 +383,25 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
     write_text(path, "\n".join(lines) + "\n")
 
 
-def comparison_rows(comparisons: tuple[Comparison, ...]) -> list[Mapping[str, str]]:
-    """Return the comparison as texts, column → cell; metres where all are distances, else with a column of units."""
-    units = {(c.accepted or c.found).unit for c in comparisons if c.accepted or c.found}  # pyright: ignore[reportOptionalMemberAccess]
-    metres = units <= {"m"}
-    form = "{:.2f}" if metres else "{:.4g}"
-
-    def number(value: float | None, form: str = form) -> str:
-        return "" if value is None else form.format(value)
-
-    behind = " [m]" if metres else ""
-    rows: list[Mapping[str, str]] = []
-    for comparison in comparisons:
-        before, found = comparison.accepted, comparison.found
-        row = {
-            "stop" if metres else "figure": comparison.name,
-            "state": comparison.state,
-            f"accepted{behind}": _spelled(before, form),
-            f"found{behind}": number(comparison.value),
-            f"change{behind}": number(comparison.change, "{:+.3f}" if metres else "{:+.2g}"),
-            f"tolerance{behind}": number(before.tolerance if before else None),
+def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> table.Table:
+    """Return the comparison; in metres where all are distances, else with a column of units."""
+    units = [(c.accepted or c.found).unit for c in comparisons if c.accepted or c.found]  # pyright: ignore[reportOptionalMemberAccess]
+    metres = set(units) <= {"m"}
+    form, behind = ("{:.2f}", " [m]") if metres else ("{:.4g}", "")
+    rows = [
+        {
+            "stop" if metres else "figure": one.name,
+            "state": one.state,
+            f"accepted{behind}": _spelled(one.accepted, form),
+            f"found{behind}": one.value,
+            f"change{behind}": one.change,
+            f"tolerance{behind}": one.accepted.tolerance if one.accepted else None,
         }
-        rows.append(row if metres else row | {"unit": before.unit if before else found.unit if found else ""})
-    return rows
+        | ({} if metres else {"unit": unit})
+        for one, unit in zip(comparisons, units, strict=True)
+    ]
+    forms = {f"found{behind}": form, f"tolerance{behind}": form, f"change{behind}": "{:+.3f}" if metres else "{:+.2g}"}
+    return table.Table(rows, forms, title=title)
 
 
 def _spelled(before: Accepted | AcceptedFigure | None, form: str) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.report.row import Row
-from railgrip.report.text import Texts, filled, number, percent
+from railgrip.report.table import Table, percent, text
 
 CONFIDENCE = 0.95
 
@@ -107,9 +107,9 @@ def over_cases(rows: Sequence[Row]) -> list[Row]:
     return [replace(row, case="", draw=cases[row.case]) for row in rows]
 
 
-def distribution_texts(distributions: Sequence[Distribution]) -> Texts:
-    """Return distributions as texts, column → cell; columns with nothing in them are left out."""
-    texts = [
+def distribution_table(distributions: Sequence[Distribution]) -> Table:
+    """Return a row for each distribution."""
+    rows = [
         {
             "scenario": f"{one.scenario}, {one.case}" if one.case else one.scenario,
             "actuation": one.actuation,
@@ -120,13 +120,13 @@ def distribution_texts(distributions: Sequence[Distribution]) -> Texts:
             "median": _metres(one.median_m),
             "5–95 %": f"{_metres(one.low_m, '')} – {_metres(one.high_m)}",
             "worst (draw)": f"{_metres(one.worst_m)} ({one.worst_draw})",
-            "longest lock, median": number(one.longest_lock_s, "{:.2f} s"),
+            "longest lock, median": one.longest_lock_s,
             **_paired_texts("SBC 10/15 %", one.vs_sbc),
             **_paired_texts("best tuned SBC", one.vs_tuned),
         }
         for one in distributions
     ]
-    return filled(texts)
+    return Table(rows, {"longest lock, median": "{:.2f} s"})
 
 
 def _paired_texts(name: str, paired: Paired | None) -> dict[str, str]:
@@ -135,8 +135,8 @@ def _paired_texts(name: str, paired: Paired | None) -> dict[str, str]:
         change = percent(paired.change) or "endless"
         if paired.change_interval is not None:
             change += f" [{', '.join(percent(end) or 'endless' for end in paired.change_interval)}]"
-        shorter = number(100 * paired.shorter, "{:.0f} %")
-        shorter += f" [{', '.join(number(100 * end, '{:.0f}') for end in paired.shorter_interval)}]"
+        shorter = text(100 * paired.shorter, "{:.0f} %")
+        shorter += f" [{', '.join(text(100 * end, '{:.0f}') for end in paired.shorter_interval)}]"
     return {f"change vs {name}": change, f"shorter than {name}": shorter}
 
 

@@ -7,7 +7,7 @@ from railgrip.errors import RecordError
 from railgrip.record.atomic import write_text
 from railgrip.report.baseline import Accepted, Baseline
 from railgrip.report.reference import best, is_published, is_tuned, label, law_of
-from railgrip.report.text import markdown_table, number, percent
+from railgrip.report.table import Table, percent
 from railgrip.scenario.campaign import Campaign, PlannedStop
 
 BEGIN = "<!-- distances: written by `make readme` -->"
@@ -41,7 +41,7 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
             for (edge, _), stops in lines.items()
         ),
     ]
-    return "\n".join(markdown_table(rows, left={_FIRST}))
+    return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
 
 
 def write_readme(path: Path, campaign: Campaign, baseline: Baseline) -> None:
@@ -99,12 +99,12 @@ def _brackets(changes: Sequence[float | None]) -> str:
     return f" ({', '.join(texts)})" if texts else ""
 
 
-def _worst(stops: Sequence[Accepted]) -> dict[str, str]:
+def _worst(stops: Sequence[Accepted]) -> dict[str, float | None]:
     locks = [stop.longest_lock for stop in stops if stop.longest_lock is not None]
     strokes = [stop.valve_strokes for stop in stops if stop.valve_strokes is not None]
     return {
-        "longest lock": number(max(locks, default=None), "{:.1f} s"),
-        "valve strokes": number(max(strokes, default=None), "{:.0f}"),
+        "longest lock": max(locks, default=None),
+        "valve strokes": max(strokes, default=None),
     }
 
 

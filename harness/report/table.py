@@ -1,205 +1,131 @@
-"""The table of braking distances: one row a stop, as JSON for machines and texts for people.
+"""A table as one value, shown on a screen or written as Markdown, HTML or CSV; numbers as people read them."""
 
-Stops that differ only in their draw are shown as distributions, by `railgrip.report.distribution`.
-"""
-
-import json
+import csv
+import html
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from railgrip.record.atomic import write_text
-from railgrip.record.outcome import Outcome
-from railgrip.report.compilers import from_elsewhere, makers
-from railgrip.report.conditioning import spread_text
-from railgrip.report.distribution import distribution_texts, distributions_of
-from railgrip.report.reference import best, controller_of, is_published, is_tuned, label, law_of
-from railgrip.report.results import Result, Results
-from railgrip.report.row import Row
-from railgrip.report.text import Texts, filled, markdown_table, names, number, percent
-from railgrip.scenario.campaign import DRAW
+from railgrip.record.atomic import replacing
 
-VALVES = "pneumatic"
-"""The actuation that has valves; the ideal one has turns of the pressure command."""
+TEXT_COLUMNS = frozenset(
+    {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "stop", "figure", "state", "unit"}
+)
+"""What is read from the left, unless a table says otherwise; all other columns are numbers."""
+
+Form = str | Callable[[Any], str]
+"""A format such as "{:.1f} m", or what returns the text of a value."""
+
+_NAMES = 8
 
 
-def rows_of(results: Results) -> tuple[Row, ...]:
-    """Return the rows of a campaign, in its order."""
-    published = {_conditions(stop): stop for stop in results.stops if is_published(_law(stop))}
-    tuned = {_conditions(stop): stop for stop in _best_tuned(results.stops)}
-    hidden = _hidden_axes(results.stops)
-    return tuple(
-        _row(stop, published.get(_conditions(stop)), tuned.get(_conditions(stop)), hidden) for stop in results.stops
-    )
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Values in rows of equal columns.
+
+    In a template of HTML it is an HTML table, in any other one a Markdown table.
+
+    Attributes:
+        rows: Column → value; None and NaN are shown as nothing, texts as they are.
+        forms: Column → how its values are shown; as `str` does unless given.
+        left: Columns of texts.
+        title: Above it on a screen.
+    """
+
+    rows: Sequence[Mapping[str, Any]]
+    forms: Mapping[str, Form] = field(default_factory=dict[str, Form])
+    left: Collection[str] = TEXT_COLUMNS
+    title: str = ""
+
+    @classmethod
+    def of(
+        cls, columns: Sequence[str], rows: Iterable[Sequence[Any]], form: Form = "{}", *, left: int = 1, title: str = ""
+    ) -> Self:
+        """Return a table of rows as sequences, one form for all numbers; the `left` first columns are texts."""
+        named = [dict(zip(columns, row, strict=True)) for row in rows]
+        return cls(named, dict.fromkeys(columns, form), list(columns)[:left], title)
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns; none without a row."""
+        return list(self.rows[0]) if self.rows else []
+
+    @property
+    def texts(self) -> list[dict[str, str]]:
+        """Rows as people read them."""
+        return [
+            {column: text(value, self.forms.get(column, "{}")) for column, value in row.items()} for row in self.rows
+        ]
+
+    def __bool__(self) -> bool:
+        """Return whether there is a row."""
+        return bool(self.rows)
+
+    def without(self, columns: Collection[str]) -> Self:
+        """Return the table without some columns."""
+        return replace(self, rows=[{name: row[name] for name in row if name not in columns} for row in self.rows])
+
+    def filled(self) -> Self:
+        """Return the table without the columns that have nothing in them."""
+        return self.without({column for column in self.columns if not any(row[column] for row in self.texts)})
+
+    def __str__(self) -> str:
+        """Return the table as Markdown."""
+        rules = ("---" if column in self.left else "--:" for column in self.columns)
+        lines = (f"| {' | '.join(row.values())} |" for row in self.texts)
+        return "\n".join((f"| {' | '.join(self.columns)} |", f"|{'|'.join(rules)}|", *lines))
+
+    def __html__(self) -> str:
+        """Return the table as HTML; columns of texts are of the class `text`."""
+        head = {column: column for column in self.columns}
+        return f"<table>{self._html_row('th', head)}{''.join(self._html_row('td', row) for row in self.texts)}</table>"
+
+    def _html_row(self, tag: str, row: Mapping[str, str]) -> str:
+        opened = {column: f'<{tag} class="text">' if column in self.left else f"<{tag}>" for column in row}
+        return f"<tr>{''.join(f'{opened[column]}{html.escape(cell)}</{tag}>' for column, cell in row.items())}</tr>"
+
+    def write_csv(self, path: Path) -> None:
+        """Write the values, not their texts, whole or not at all."""
+        with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, self.columns)
+            writer.writeheader()
+            writer.writerows(self.rows)
 
 
-def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
-    """Write NAME.json and NAME.md of a campaign and return their paths."""
-    rows = rows_of(results)
-    content = {
-        "campaign": results.name,
-        "rows": [asdict(row) for row in rows],
-        "distributions": [asdict(found) for found in distributions_of(rows)],
-        "missing": list(results.missing),
-        "fmus": {stop.name: makers(stop.record.versions) for stop in results.stops},
-    }
-    as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
-    write_text(as_json, json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    notes = [f"{sentence}\n" for sentence in from_elsewhere(results.stops)]
-    write_text(as_markdown, "\n".join([markdown(results.name, results.description, rows, results.missing), *notes]))
-    return as_json, as_markdown
+def text(value: Any, form: Form = "{}") -> str:
+    """Return a value for people, nothing where there is none."""
+    if isinstance(value, str):
+        return value
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return form.format(value).replace("-", "−") if isinstance(form, str) else form(value)
 
 
-def markdown(name: str, description: str, rows: Sequence[Row], missing: Sequence[str]) -> str:
-    """Return the table as Markdown, a section for each set of conditions of actuation, sensors and creep curve."""
-    lines = [f"# {name}", "", description, ""]
-    for actuation, sensors, polach in dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows):
-        here = [row for row in rows if (row.actuation, row.sensors, row.polach) == (actuation, sensors, polach)]
-        lines += [f"## Actuation {actuation}, sensors {sensors}, creep curve {polach}", ""]
-        for texts in (distribution_texts(distributions_of(here)), row_texts(here)):
-            if texts:
-                lines += [*markdown_table(texts, without=("actuation", "sensors", "creep curve")), ""]
-    if missing:
-        lines += [f"Not run: {names(missing)}.", ""]
-    return "\n".join(lines)
+def percent(value: float | None, *, negate: bool = False, sign: bool = True) -> str:
+    """Return a share for people; `negate` shows a reduction as the change it is: −12.9 %."""
+    if value is None or not math.isfinite(value):
+        return ""
+    return text(-100 * value if negate else 100 * value, "{:+.1f} %" if sign else "{:.1f} %")
 
 
-def row_texts(rows: Sequence[Row]) -> Texts:
-    """Return the rows that are no draws as texts, column → cell; columns with nothing in them are left out."""
-    texts = [
-        {
-            "scenario": row.label,
-            "actuation": row.actuation,
-            "sensors": row.sensors,
-            "creep curve": row.polach,
-            "controller": row.controller_label,
-            "estimator": row.estimator,
-            "distance": number(row.distance_m, "{:.1f} m") or f"none: {row.outcome}",
-            "repeated": row.repeated,
-            "paper": number(row.paper_distance_m, "{:.1f} m"),
-            "vs SBC 10/15 %": percent(row.reduction_vs_sbc, negate=True),
-            "vs best tuned SBC": percent(row.reduction_vs_tuned, negate=True),
-            "paper vs SBC": percent(row.paper_reduction, negate=True),
-            "duration": number(row.duration_s, "{:.1f} s"),
-            "adhesion used": percent(row.utilisation, sign=False),
-            "longest lock": number(row.longest_lock_s, "{:.2f} s"),
-            "valve strokes": number(row.valve_strokes, "{:.0f}"),
-            "air": number(row.air_l, "{:.0f} l"),
-            "NIS": number(row.nis, "{:.2g}"),
-            "outside ±2σ": percent(row.outside, sign=False),
-        }
-        for row in rows
-        if row.draw is None
-    ]
-    return filled(texts)
+def change(reduction: float) -> str:
+    """Return 1 − distance over that of another as the change it is."""
+    return percent(reduction, negate=True)
 
 
-def _row(result: Result, sbc: Result | None, tuned: Result | None, hidden: Sequence[str]) -> Row:
-    record = result.record
-    metrics = record.metrics
-    stands = record.outcome is Outcome.STANDSTILL
-    return Row(
-        scenario=record.scenario["name"],
-        case=", ".join(f"{axis} {result.variants[axis]}" for axis in hidden),
-        polach=_polach(result),
-        actuation=record.scenario["actuation"]["kind"],
-        sensors=record.scenario["sensors"]["kind"],
-        controller=controller_of(result.record.scenario),
-        controller_label=label(result.record.scenario),
-        estimator=_estimator(result),
-        draw=int(result.variants[DRAW]) if DRAW in result.variants else None,
-        reference="published" if sbc is result else "best tuned" if tuned is result else None,
-        distance_m=metrics.distance if stands else None,
-        repeated=spread_text(result.conditioning, record.digest, _distance(result)),
-        duration_s=metrics.duration if stands else None,
-        reduction_vs_sbc=_reduction(_distance(result), sbc, result),
-        reduction_vs_tuned=_reduction(_distance(result), tuned, result),
-        utilisation=_number(metrics.utilisation),
-        paper_distance_m=result.paper_distance,
-        paper_reduction=None
-        if sbc is None or sbc is result or sbc.paper_distance is None or result.paper_distance is None
-        else 1 - result.paper_distance / sbc.paper_distance,
-        outcome=record.outcome.value,
-        longest_lock_s=_number(max(metrics.longest_lock)),
-        valve_strokes=round(sum(metrics.actuations)) if record.scenario["actuation"]["kind"] == VALVES else None,
-        air_l=_number(1000 * metrics.air_used),
-        nis=metrics.nis_ratio,
-        outside=max((*(metrics.adhesion_outside or ()), *(metrics.pad_friction_outside or ())), default=None),
-        stop=result.name,
-    )
+def share(value: float) -> str:
+    """Return a share without a sign."""
+    return percent(value, sign=False)
 
 
-def _best_tuned(stops: Sequence[Result]) -> list[Result]:
-    """Return the stops of the best SBC with thresholds of its own, one for each actuation, sensors and creep curve."""
-    settings: dict[tuple[str, ...], list[Result]] = {}
-    for stop in stops:
-        if is_tuned(_law(stop)):
-            settings.setdefault(_setting(stop), []).append(stop)
-    chosen = (best(here, lambda stop: law_of(stop.record.scenario), _distance) for here in settings.values())
-    return [stop for here in chosen for stop in here]
+def yes_no(value: bool) -> str:
+    """Return a truth value for people."""
+    return "yes" if value else "no"
 
 
-def _setting(result: Result) -> tuple[str, ...]:
-    scenario = result.record.scenario
-    return scenario["actuation"]["kind"], scenario["sensors"]["kind"], _polach(result)
-
-
-def _shown(result: Result) -> tuple[str, ...]:
-    """Return what the columns of a row say about its scenario."""
-    return (result.record.scenario["name"], *_setting(result), label(result.record.scenario), _estimator(result))
-
-
-def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
-    """Return the axes in which stops differ that look the same in every column; draws have a place of their own."""
-    alike: dict[tuple[str, ...], list[Result]] = {}
-    for stop in stops:
-        alike.setdefault(_shown(stop), []).append(stop)
-    axes = dict.fromkeys(axis for stop in stops for axis in stop.variants if axis != DRAW)
-    return tuple(
-        axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())
-    )
-
-
-def _conditions(result: Result) -> str:
-    """Return everything that a stop shares with the one it is compared to: all but the controller and its estimator."""
-    own = ("controller", "estimator")
-    return json.dumps({key: value for key, value in result.record.scenario.items() if key not in own}, sort_keys=True)
-
-
-def _law(result: Result) -> Mapping[str, Any]:
-    return result.record.scenario["controller"]
-
-
-def _estimator(result: Result) -> str:
-    estimator = result.record.scenario["estimator"]
-    return estimator["kind"] if estimator["kind"] == "none" else f"{estimator['model']} ({estimator['kind']})"
-
-
-def _polach(result: Result) -> str:
-    return result.record.scenario["adhesion"]["polach"]["name"]
-
-
-def _distance(result: Result) -> float | None:
-    return result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None
-
-
-def _number(value: float) -> float | None:
-    """Return a figure, or None where it does not exist."""
-    return value if math.isfinite(value) else None
-
-
-def _reduction(distance: float | None, reference: Result | None, own: Result) -> float | None:
-    """Return 1 − distance over that of the reference; None without either, and for the reference itself."""
-    before = _distance(reference) if reference is not None and reference is not own else None
-    return None if distance is None or before is None else 1 - distance / before
-
-
-def _finite(value: Any) -> Any:
-    """Return JSON values with null for what has no number: JSON has neither NaN nor infinity."""
-    if isinstance(value, dict):
-        return {key: _finite(element) for key, element in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(element) for element in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def names(stops: Sequence[str]) -> str:
+    """Return names for a sentence: all of a few, else the first of them and how many more there are."""
+    more = f" and {len(stops) - _NAMES} more" if len(stops) > _NAMES else ""
+    return ", ".join(stops[:_NAMES]) + more

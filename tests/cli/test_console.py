@@ -12,6 +12,7 @@ import pytest
 
 import railgrip
 from railgrip import console
+from railgrip.report.table import Table
 
 HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
 
@@ -33,7 +34,7 @@ def test_what_users_wrote_is_shown_as_it_is(railgrip, text):
 
 
 def test_cells_of_a_table_are_shown_as_they_are(capfd):
-    console.show_table([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t")
+    console.show_table(Table([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t"))
     out = capfd.readouterr().out
     assert ":x: [red]t" in out
     assert "a :x:" in out
@@ -83,6 +84,7 @@ def test_what_is_done_before_the_first_line_leaves_none(capfd):
 
 WATCHED = """
 from railgrip import console
+from railgrip.report.table import Table
 with console.progress("stop :x:", 4, counted=True) as shown:
     shown.advance("[red]drawing")
 with console.progress("endless") as shown:

@@ -14,7 +14,7 @@ from railgrip.report.baseline import (
     Findings,
     accepted,
     compare,
-    comparison_rows,
+    comparison_table,
     findings_of,
     load_baseline,
     read_findings,
@@ -61,7 +61,7 @@ def test_what_moved_appeared_or_went_is_said_first(results):
     comparisons = compare(before, findings_of(results))
     assert states(comparisons) == {SBC: "moved", FULL: "new", "gone": "gone"}
     assert next(c.change for c in comparisons if c.name == SBC) == pytest.approx(-0.6)
-    assert {row["state"] for row in comparison_rows(comparisons)} == {"moved", "new", "gone"}
+    assert {row["state"] for row in comparison_table(comparisons).rows} == {"moved", "new", "gone"}
 
 
 def test_a_distance_inside_its_tolerance_is_kept(results):
@@ -141,7 +141,7 @@ def test_figures_of_a_study_are_kept_moved_and_missed_as_distances_are():
     before = Baseline(study="s", figures={"a": figure(0.5), "b": figure(0.5), "c": figure(0.0), "d": figure(1.0)})
     comparisons = compare(before, study(a=0.509, b=0.511, c=None, e=0.2))
     assert states(comparisons) == {"a": "kept", "b": "moved", "c": "no value", "d": "gone", "e": "new"}
-    assert {row["unit"] for row in comparison_rows(comparisons)} == {"1"}
+    assert {row["unit"] for row in comparison_table(comparisons).rows} == {"1"}
     with pytest.raises(ScenarioError, match="accept: c has no value"):
         accepted(before, study(a=0.509, c=None), "Why not.")
     after = accepted(before, study(a=0.509, b=0.511, e=0.2), "A better filter.")

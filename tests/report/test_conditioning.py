@@ -20,8 +20,8 @@ from railgrip.report.baseline import (
     write_baseline,
 )
 from railgrip.report.conditioning import STALE, spread_text
+from railgrip.report.distances import rows_of
 from railgrip.report.results import read_results
-from railgrip.report.table import rows_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from railgrip.report.distribution import distribution_texts, distributions_of, paired
+from railgrip.report.distances import rows_of, write_table
+from railgrip.report.distribution import distribution_table, distributions_of, paired
 from railgrip.report.distribution_figure import distribution_figure
-from railgrip.report.pages import write_report
+from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.row import Row
-from railgrip.report.table import rows_of, write_table
 
 DRAWS = """
 name = "drawn"
@@ -78,7 +78,7 @@ def test_a_draw_without_a_standstill_is_longer_than_any_other():
     assert abc.vs_sbc.changes == pytest.approx((-0.1, math.inf, 0.0, -1.0, -0.1))
     assert abc.vs_sbc.shorter == 0.6
     assert abc.vs_sbc.change_interval is None  # five draws have no interval of 95 %
-    texts = distribution_texts([abc, sbc])
+    texts = distribution_table([abc, sbc]).texts
     assert texts[0]["worst (draw)"] == "no stop (1)"
     assert texts[0]["draws"] == "5, 2 without stop"
 

@@ -10,9 +10,9 @@ from synthetic_runner import DECELERATION
 
 import railgrip.scenario
 from railgrip.errors import RecordError
+from railgrip.report.distances import rows_of, write_table
 from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results
-from railgrip.report.table import rows_of, write_table
 
 
 @pytest.fixture(scope="module")

@@ -1,8 +1,7 @@
-"""The tables of the lateral study: medians over seeds with intervals, as Markdown and CSV."""
+"""The tables of the lateral study: medians over seeds with intervals, as tables and CSV."""
 
-import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -12,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.stats import binom
 
-from railgrip.record.atomic import replacing
+from railgrip.report.table import Table
 from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import QUANTITIES
 from railgrip.studies.lateral.study import Result
@@ -114,7 +113,7 @@ def error_rows(results: Sequence[Result]) -> list[dict[str, Any]]:
     ]
 
 
-def write_csv(rows: Sequence[dict[str, Any]], path: Path) -> Path:
+def write_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write error rows with median, low and high in columns of their own."""
     flat = [
         {
@@ -128,145 +127,129 @@ def write_csv(rows: Sequence[dict[str, Any]], path: Path) -> Path:
         }
         for row in rows
     ]
-    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=list(flat[0]))
-        writer.writeheader()
-        writer.writerows(flat)
-    return path
+    Table(flat).write_csv(path)
 
 
-def error_tables(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """Return Markdown lines: for each plant and speed one table of every test, filter and quantity."""
-    lines: list[str] = []
-    for plant, speed in dict.fromkeys((row["plant"], row["speed"]) for row in rows):
-        lines += [f"### {speed:g} m/s, {PLANT_TITLES[plant]}", ""]
-        lines += _header(["test", "quantity", "filter", *FIGURES.values()])
-        for row in rows:
-            if (row["plant"], row["speed"]) == (plant, speed):
-                unit = "" if row["unit"] == "1" else f" [{row['unit']}]"
-                what = f"{row['quantity'].replace('_', ' ')}{unit}"
-                lines.append(_line([row["test"], what, TITLES[row["filter"]], *(str(row[f]) for f in FIGURES)]))
-        lines.append("")
-    return lines
+def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
+    """Return plant and speed → table of every test, quantity and filter."""
+    tables: dict[str, list[tuple[Any, ...]]] = {}
+    for row in rows:
+        unit = "" if row["unit"] == "1" else f" [{row['unit']}]"
+        what = f"{row['quantity'].replace('_', ' ')}{unit}"
+        tables.setdefault(f"{row['speed']:g} m/s, {PLANT_TITLES[row['plant']]}", []).append(
+            (row["test"], what, TITLES[row["filter"]], *(row[figure] for figure in FIGURES))
+        )
+    columns = ("test", "quantity", "filter", *FIGURES.values())
+    return {title: Table.of(columns, table, str, left=3) for title, table in tables.items()}
 
 
-def innovation_lines(results: Sequence[Result]) -> list[str]:
-    """Return Markdown: how many runs each filter was lost in, its NIS, and its friction against the best constant."""
-    lines = _header(
-        ["plant", "speed [m/s]", "test", "filter", "lost, of runs", "first [s]", "NIS", "friction RMSE",
-         "of the best constant"]
-    )  # fmt: skip
+def innovation_table(results: Sequence[Result]) -> Table:
+    """Return how many runs each filter was lost in, its NIS, and its friction against the best constant."""
+    rows: list[dict[str, Any]] = []
     for (plant, speed, test), runs in groups(results).items():
-        constant = spread(run.measures["constant"]["friction"] for run in runs)
         for name in NAMES:
-            instants = [run.measures["lost"][name] for run in runs]
-            lost = [instant for instant in instants if instant is not None]
-            lines.append(
-                _line([PLANT_TITLES[plant], f"{speed:g}", test, TITLES[name], f"{len(lost)} of {len(runs)}",
-                       f"{min(lost):.2g}" if lost else "–", str(spread(run.measures["nis"][name] for run in runs)),
-                       str(spread(run.measures["errors"][name]["friction"]["rmse"] for run in runs)), str(constant)])
-            )  # fmt: skip
-    return [*lines, ""]
+            lost = [instant for run in runs if (instant := run.measures["lost"][name]) is not None]
+            rows.append(
+                {
+                    "plant": PLANT_TITLES[plant],
+                    "speed [m/s]": speed,
+                    "test": test,
+                    "filter": TITLES[name],
+                    "lost, of runs": f"{len(lost)} of {len(runs)}",
+                    "first [s]": f"{min(lost):.2g}" if lost else "–",
+                    "NIS": spread(run.measures["nis"][name] for run in runs),
+                    "friction RMSE": spread(run.measures["errors"][name]["friction"]["rmse"] for run in runs),
+                    "of the best constant": spread(run.measures["constant"]["friction"] for run in runs),
+                }
+            )
+    return Table(rows, {"speed [m/s]": "{:g}", **dict.fromkeys(list(rows[0])[6:], str)}, ("plant", "test", "filter"))
 
 
-def observability_lines(results: Sequence[Result]) -> list[str]:
-    """Return Markdown: to what standard deviation windows of readings tell mu0, by speed and condition."""
-    lines = _header(
-        ["speed [m/s]", "condition", "windows", "σ(μ0), paper's sensors", "σ(μ0), service sensors: median [10 %, 90 %]",
-         "σ < 0.02", "σ < 0.05"]
-    )  # fmt: skip
+def observability_table(results: Sequence[Result]) -> Table:
+    """Return to what standard deviation windows of readings tell mu0, by speed and condition."""
     found: dict[tuple[float, int], list[tuple[float, float]]] = {}
     for result in results:
-        seen = result.measures["observability"]
-        if seen is None:
-            continue
-        for number, paper, service in zip(seen["condition"], seen["paper"], seen["service"], strict=True):
-            found.setdefault((result.case.speed, number), []).append(
-                (math.inf if paper is None else paper, math.inf if service is None else service)
-            )
+        windows = result.measures["observability"]
+        if windows is not None:
+            for number, *deviations in zip(windows["condition"], windows["paper"], windows["service"], strict=True):
+                paper, service = (math.inf if deviation is None else deviation for deviation in deviations)
+                found.setdefault((result.case.speed, number), []).append((paper, service))
+    rows: list[dict[str, Any]] = []
     for (speed, number), pairs in sorted(found.items()):
         paper, service = np.array(pairs).T
         low, high = np.quantile(service, (0.1, 0.9), method="nearest")
-        lines.append(
-            _line([f"{speed:g}", CONDITIONS[number].name, str(len(pairs)), f"{np.median(paper):.1e}",
-                   f"{np.median(service):.2g} [{low:.2g}, {high:.2g}]", f"{np.mean(service < 0.02):.0%}",
-                   f"{np.mean(service < 0.05):.0%}"])
-        )  # fmt: skip
-    return [*lines, ""]
+        rows.append(
+            {
+                "speed [m/s]": speed,
+                "condition": CONDITIONS[number].name,
+                "windows": len(pairs),
+                "σ(μ0), paper's sensors": f"{np.median(paper):.1e}",
+                "σ(μ0), service sensors: median [10 %, 90 %]": f"{np.median(service):.2g} [{low:.2g}, {high:.2g}]",
+                "σ < 0.02": f"{np.mean(service < 0.02):.0%}",
+                "σ < 0.05": f"{np.mean(service < 0.05):.0%}",
+            }
+        )
+    return Table(rows, {"speed [m/s]": "{:g}"}, ("condition",))
 
 
-def detection_lines(results: Sequence[Result]) -> list[str]:
-    """Return Markdown: confusion matrices of the condition detector in shares of time, and its delays."""
-    lines: list[str] = []
+def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
+    """Return filter and plant, confusion matrix of the condition detector in shares of time, and its delays."""
+    found: list[tuple[str, Table, Table]] = []
     for plant, title in PLANT_TITLES.items():
         runs = [result for result in results if result.case.plant == plant]
         for name in [name for name in NAMES if runs and name in runs[0].measures["detection"]]:
             counts = np.sum([run.measures["detection"][name]["confusion"] for run in runs], axis=0)
-            lines += [f"**{TITLES[name]}, {title}**: share of time of each true condition (rows)", ""]
-            lines += _header(["true", *(c.name for c in CONDITIONS), "undecided"])
-            for condition, row in zip(CONDITIONS, counts, strict=True):
-                share = row / max(row.sum(), 1)
-                lines.append(_line([condition.name, *(f"{value:.1%}" for value in share)]))
-            lines += ["", *_delay_lines(runs, name), ""]
-    return lines
+            shares = [
+                (condition.name, *(row / max(row.sum(), 1))) for condition, row in zip(CONDITIONS, counts, strict=True)
+            ]
+            confusion = Table.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, "{:.1%}")
+            found.append((f"{TITLES[name]}, {title}", confusion, _delays(runs, name)))
+    return found
 
 
-def level_lines(results: Sequence[Result]) -> list[str]:
-    """Return Markdown: what each well-posed filter believes of mu0 in runs of several conditions, with a sentence."""
-    lines: list[str] = []
+def levels(results: Sequence[Result]) -> list[tuple[str, Table, str]]:
+    """Return filter and plant, what the filter believes of mu0 in runs of several conditions, and a sentence on it."""
+    found: list[tuple[str, Table, str]] = []
     for plant, title in PLANT_TITLES.items():
         several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]
         speeds = sorted({run.case.speed for run in several})
         runs = [run for run in several if run.case.speed == speeds[len(speeds) // 2]]
         for name in [name for name in NAMES if runs and name in runs[0].measures["levels"]]:
-            lines += [
-                f"**{TITLES[name]}, {title}**",
-                "",
-                *_level_table([run.measures["levels"][name] for run in runs]),
-                "",
-            ]
-    return lines
+            found.append((f"{TITLES[name]}, {title}", *_level([run.measures["levels"][name] for run in runs])))
+    return found
 
 
-def _level_table(levels: Sequence[dict[str, tuple[float | None, float | None]]]) -> list[str]:
-    conditions = [condition for condition in CONDITIONS if condition.name in levels[0]]
-    believed = {c: [spread(level[c.name][k] for level in levels) for k in (0, 1)] for c in conditions}
-    lines = _header(["condition", "true μ0", "believed: median [interval]", "rms error"])
-    lines += [_line([c.name, f"{c.mu0:g}", *map(str, believed[c])]) for c in conditions]
+def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tuple[Table, str]:
+    conditions = [condition for condition in CONDITIONS if condition.name in runs[0]]
+    believed = {c: [spread(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
+    columns = ("condition", "true μ0", "believed: median [interval]", "rms error")
+    table = Table.of(columns, [(c.name, f"{c.mu0:g}", *believed[c]) for c in conditions], str)
     right = [c.name for c in conditions if believed[c][1].median < LEVEL_TOLERANCE]
     far = [
         f"takes {c.name}, {c.mu0:g}, for {_digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
         for c, (mean, error) in believed.items()
         if error.median >= LEVEL_TOLERANCE
     ]
-    told = f"Tells μ0 within {LEVEL_TOLERANCE:g} rms in {', '.join(right) or 'no condition'}"
-    return [*lines, "", f"{told}; {'; '.join(far)}." if far else f"{told}."]
+    within = f"Tells μ0 within {LEVEL_TOLERANCE:g} rms in {', '.join(right) or 'no condition'}"
+    return table, f"{'; '.join((within, *far))}."
 
 
-def _delay_lines(runs: Sequence[Result], name: str) -> list[str]:
+def _delays(runs: Sequence[Result], name: str) -> Table:
     changes: dict[str, list[float | None]] = {}
     for run in runs:
-        conditions = [condition.name for _, condition in run.case.test.changes]
-        from_to = [
-            "start → " + conditions[0],
-            *(f"{a} → {b}" for a, b in pairwise(conditions)),
-        ]
-        for change, delay in zip(from_to, run.measures["detection"][name]["delays"], strict=True):
-            changes.setdefault(change, []).append(delay)
-    lines = _header(["change", "number", "detected", "delay: median [interval] s", "longest detected [s]"])
+        conditions = ["start", *(condition.name for _, condition in run.case.test.changes)]
+        for (before, after), delay in zip(pairwise(conditions), run.measures["detection"][name]["delays"], strict=True):
+            changes.setdefault(f"{before} → {after}", []).append(delay)
+    rows: list[dict[str, Any]] = []
     for change, delays in changes.items():
         known = [delay for delay in delays if delay is not None]
-        lines.append(
-            _line(
-                [change, str(len(delays)), str(len(known)), str(spread(delays)), _digits(max(known, default=math.inf))]
-            )
+        rows.append(
+            {
+                "change": change,
+                "number": len(delays),
+                "detected": len(known),
+                "delay: median [interval] s": str(spread(delays)),
+                "longest detected [s]": _digits(max(known, default=math.inf)),
+            }
         )
-    return lines
-
-
-def _header(names: Sequence[str]) -> list[str]:
-    return [_line(names), "|" + "---|" * len(names)]
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return Table(rows, left=("change",))

@@ -89,9 +89,8 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
         shown.update(doing="figures and FMUs")
         drawn = draw(made, out)
         _export(estimators_of(made), out)
-    pictures = "\n".join(f"![{path.stem}]({path.name})" for path in drawn)
     page = out / "report.md"
-    write_text(page, report(made) + "\n" + pictures + "\n")
+    write_text(page, report(made, [path.stem for path in drawn]))
     return page
 
 

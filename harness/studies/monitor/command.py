@@ -25,7 +25,7 @@ def monitor(
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
     from railgrip.estimation.spec import load_specification
     from railgrip.studies.monitor.folder import stops_in
-    from railgrip.studies.monitor.page import draw, rows_of, verdict_on
+    from railgrip.studies.monitor.page import draw, health_table, verdict_on
     from railgrip.studies.monitor.watch import Design, watch
 
     with progress("reading") as shown:
@@ -42,7 +42,7 @@ def monitor(
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()
     history = watch(found.evidence, design)
-    show_table(rows_of(history, found.names))
+    show_table(health_table(history, found.names))
     say(verdict_on(history, design))
     say(str(draw(history, design, out or folder / "monitor.png")))
 
@@ -64,6 +64,6 @@ def monitor_study(
     design, asked = Design(), lives(seeds, stops, pressure_offset)
     with progress("lives", seeds, counted=True) as shown:
         verdict = study(asked, design, workers=workers, tell=lambda done: shown.update(done=done))
-    show_table(verdict.rows())
+    show_table(verdict.table())
     first = watch(evidence_of_life(asked[0]), design)
     say(str(draw(first, design, out / "life.png")))

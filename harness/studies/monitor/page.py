@@ -6,30 +6,30 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.report.style import BLUE, GREY, VERMILION, dress, figure, save
+from railgrip.report.table import Table
 from railgrip.studies.monitor.evidence import GROUPS
 from railgrip.studies.monitor.watch import Design, History
 
 GROUP_NAMES = ("motor bogie 1", "Jacobs wheelset 3", "Jacobs wheelset 4", "motor bogie 2")
 
 
-def rows_of(history: History, names: Sequence[str]) -> list[dict[str, str]]:
+def health_table(history: History, names: Sequence[str]) -> Table:
     """Return one row a group: index, trend, alarm."""
-    rows: list[dict[str, str]] = []
-    for g in range(GROUPS):
-        alarm = next((alarm for alarm in history.alarms if alarm.group == g), None)
-        rows.append(
-            {
-                "group": f"{g + 1} {GROUP_NAMES[g]}",
-                "health": f"{history.index[-1, g]:.3f} ± {history.index_sd[-1, g]:.3f}",
-                "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}"
-                if np.isfinite(history.trend_sd[g])
-                else "too few stops",
-                "alarm": "none"
-                if alarm is None
-                else f"{alarm.kind} by {names[alarm.stop]}, {alarm.loss:.0%} below its reference",
-            }
-        )
-    return rows
+    alarms = {alarm.group: alarm for alarm in reversed(history.alarms)}
+    rows = [
+        {
+            "group": f"{g + 1} {GROUP_NAMES[g]}",
+            "health": f"{history.index[-1, g]:.3f} ± {history.index_sd[-1, g]:.3f}",
+            "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}"
+            if np.isfinite(history.trend_sd[g])
+            else "too few stops",
+            "alarm": f"{alarm.kind} by {names[alarm.stop]}, {alarm.loss:.0%} below its reference"
+            if (alarm := alarms.get(g))
+            else "none",
+        }
+        for g in range(GROUPS)
+    ]
+    return Table(rows, left=rows[0])
 
 
 def verdict_on(history: History, design: Design) -> str:
@@ -74,5 +74,4 @@ def draw(history: History, design: Design, path: Path) -> Path:
     axes[0, 0].legend(loc="upper right", fontsize=8, frameon=False, ncols=2)
     for part in axes[-1]:
         part.set_xlabel("stop")
-    path.parent.mkdir(parents=True, exist_ok=True)
     return save(made, path)

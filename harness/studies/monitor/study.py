@@ -13,6 +13,7 @@ import numpy as np
 
 from railgrip.fmus.build import fmu
 from railgrip.record.atomic import write_text
+from railgrip.report.table import Table
 from railgrip.studies.monitor import evidence, life, nominal
 from railgrip.studies.monitor.evidence import Evidence, evidence_of
 from railgrip.studies.monitor.life import PLANT, Life, live
@@ -119,9 +120,9 @@ class Verdict:
 
         return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
 
-    def rows(self) -> list[dict[str, str]]:
-        """Return the figures as rows of a table."""
-        told = {
+    def table(self) -> Table:
+        """Return the figures as a table."""
+        figures = {
             "lives, stops": f"{self.lives}, {self.stops}",
             "20 % of friction lost: stops until the alarm": _delays(self.worn_delays),
             "brake that sticks: stops until the alarm": _delays(self.stuck_delays),
@@ -130,7 +131,7 @@ class Verdict:
             "false alarms": str(self.false_alarms),
             "false alarms a stop and group": f"{self.rate:.1e}, below {self.rate_bound:.1e} at 95 % confidence",
         }
-        return [{"figure": name, "value": value} for name, value in told.items()]
+        return Table.of(("figure", "value"), list(figures.items()), left=2)
 
 
 def _delays(delays: Sequence[int | None]) -> str:
