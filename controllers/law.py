@@ -93,7 +93,7 @@ class Law(Sampled):
         Raises:
             ValueError: The observation lacks an estimate that the law needs.
         """
-        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure = observation
+        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure, _ = observation
         given = self.given
         given[0], given[1] = speed, acceleration
         given[self._slip], given[self._pressure] = slip, pressure

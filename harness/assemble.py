@@ -1,7 +1,7 @@
 """From a scenario to the parties of its stop: the only place that names concrete classes."""
 
 import platform
-from collections.abc import Callable, Collection, Generator, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -41,6 +41,7 @@ from railgrip.instruments import sensors_of
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
+from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Plant
 from railgrip.loop.rail import TabulatedRail
@@ -49,11 +50,14 @@ from railgrip.record.adhesion_use import over_the_rail
 from railgrip.record.bound import with_bound
 from railgrip.record.contact import Contact
 from railgrip.record.metrics import measure
+from railgrip.record.motion import braking_distance as distance_of
+from railgrip.record.motion import since_brake_demand
 from railgrip.record.outcome import Outcome
 from railgrip.record.recorder import Recorder
 from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.custom import Custom, Role
+from railgrip.scenario.demand import phases_of
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
 from railgrip.scenario.quantity import in_units
@@ -61,7 +65,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge
-from railgrip.signals import DEMANDED, ESTIMATES, PLANT, READINGS, Layout, layout_of, places, sent
+from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, PLANT, READINGS, Layout, layout_of, places, sent
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit
@@ -178,7 +182,8 @@ def braking_distance(scenario: Scenario) -> float | None:
         ended = _run(parts, None, Engine.AUTO)
     if ended.outcome is not Outcome.STANDSTILL:
         return None
-    return float(parts.recorder.rows[ended.samples - 1, parts.recorder.at["distance"]])
+    trace = parts.recorder.trace(ended.samples, scenario.periods.communication)
+    return distance_of(since_brake_demand(trace))
 
 
 def _run(parts: Assembled, progress: Callable[[float], None] | None, engine: Engine) -> Ended:
@@ -241,11 +246,17 @@ def assembled(
                 _controlling(scenario, groups, estimates, fmus, tell)
             )
         _demand_estimates(scenario, controller, estimates)
+        if commands_valves and scenario.demand is not None:
+            raise ScenarioError(
+                f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
+                "commands the valves; leave out [demand], or let it give demand [Pa]"
+            )
         signals = (
             *PLANT,
             *sent(pneumatic=scenario.actuation.kind == "pneumatic"),
             *READINGS,
             *(() if commands_valves else DEMANDED),
+            *(DRIVEN if scenario.demand is not None else ()),
             *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
         )
         yield Assembled(
@@ -257,6 +268,7 @@ def assembled(
                 "sensors": sensors,
                 "believer": believer,
                 "actuation": actuation,
+                "driver": _driver(scenario, layout, groups),
                 "wheel_radius": radius,
                 "clock": Clock(
                     period=scenario.periods.communication,
@@ -274,6 +286,15 @@ def assembled(
             fmus=fmus,
             classes=classes,
         )
+
+
+def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) -> Driver:
+    """Return the driver of a scenario, who knows the brakes by their nominal data."""
+    full = np.array([group.pressure_max for group in groups])
+    touching = np.array([group.spring_force / group.piston_area for group in groups])
+    demand = scenario.demand
+    phases = () if demand is None else phases_of(demand, full.tolist(), scenario.name)
+    return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases)
 
 
 def _estimates(believer: Believer | custom.CustomEstimator | None) -> frozenset[str]:
@@ -322,12 +343,14 @@ def judged(
             "its contact is not that of [adhesion] polach.",
             ended.samples,
         )
+    metrics = measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind)
+    since = "" if scenario.demand is None else f" {metrics.distance:.2f} m of that since the first brake demand."
     return Stop(
         scenario=scenario,
         outcome=ended.outcome,
-        reason=ended.reason,
+        reason=ended.reason + since,
         trace=trace,
-        metrics=measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
+        metrics=metrics,
         versions=versions() | {name: description.generator for name, description in fmus.items()},
         fmus={name: description.digest for name, description in fmus.items()},
     )
@@ -624,7 +647,8 @@ def _plant(
     inputs, outputs, start = plant_signals(
         formation,
         pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=bool(np.any(track_force_of(scenario.track).forces)),
+        track_force=bool(np.any(track_force_of(scenario.track).forces))
+        or (scenario.demand is not None and scenario.demand.has_traction),
     )
     binding = bind(
         description,

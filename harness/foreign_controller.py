@@ -11,10 +11,10 @@ from railgrip.fmu import Binding, Description, Plant, Signal, bind, open_plant
 from railgrip.scenario.parties import ControllerFmu
 from railgrip.scenario.schema import Scenario
 
-_READ = ("speed", "acceleration", "slip", "pressure")
+_READ = ("speed", "acceleration", "slip", "pressure", "driver_demand")
 _BELIEVED = ("adhesion", "pad_friction")
 _GIVEN = ("demand", "command")
-_UNITS = {"speed": "m/s", "acceleration": "m/s2", "pressure": "Pa", "demand": "Pa"}
+_UNITS = {"speed": "m/s", "acceleration": "m/s2", "pressure": "Pa", "driver_demand": "Pa", "demand": "Pa"}
 _OF_TRAIN = frozenset({"speed", "acceleration"})
 
 
@@ -46,9 +46,9 @@ class ForeignController:
         Raises:
             ControllerFailed: The FMU failed.
         """
-        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure = observation
+        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
         estimated = [values for values in (adhesion, pad_friction) if values is not None]
-        self._inputs[:] = np.concatenate(((speed, acceleration), slip, pressure, *estimated))
+        self._inputs[:] = np.concatenate(((speed, acceleration), slip, pressure, driver_demand, *estimated))
         try:
             if not self._started:
                 self._fmu.start(self._inputs)

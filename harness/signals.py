@@ -82,6 +82,10 @@ DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the co
 """What the controller decided; absent from the trace of a stop whose controller commands valves itself."""
 
 
+DRIVEN = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver demands"),)
+"""The most that could be sent; absent from the trace of a stop whose scenario has no [demand]."""
+
+
 def sent(*, pneumatic: bool) -> tuple[Signal, ...]:
     """Return the signals of `SENT`, with the unit that a command has: a valve's position, or else a pressure."""
     if pneumatic:

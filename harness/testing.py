@@ -154,7 +154,9 @@ def observations(formation: Formation, *, estimated: bool) -> Iterator[Observati
     groups = formation.groups
     unread, known = np.full(groups, np.nan), np.full(groups, 0.05)
     estimates = (known, 7 * known) if estimated else (None, None)
-    yield Observation(0.0, np.nan, np.nan, unread, unread, estimated, *estimates, np.zeros(groups))
+    yield Observation(
+        0.0, np.nan, np.nan, unread, unread, estimated, *estimates, np.zeros(groups), formation.pressure_max
+    )
     yield from _courses(formation, estimated=estimated)
 
 
@@ -169,7 +171,7 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
         pressure = formation.pressure_max * (0.5 + 0.5 * np.sin(3.0 * time))
         adhesion = 0.1 * slip / (0.02 + slip)
         estimates = (adhesion, np.full(groups, 0.35)) if estimated else (None, None)
-        yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure)
+        yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure, formation.pressure_max)
 
 
 def _made(make: Callable[[], Any]) -> Any:

@@ -19,6 +19,7 @@ LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
 TWO_PART_TRAIN = Formation((2, 1, 1, 2), (3, 3), (0.0, 1.9, 15.625, 18.275, 32.0, 33.9))
 LAYOUT = layout_of(TWO_PART_TRAIN)
+FULL = np.full(4, 3.4e5)
 
 # A train of round numbers: 6 wheelsets of 100 kN, wheels of 0.4 m.
 LOAD = 1e5

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.loop.actuation import Direct
+from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
 from railgrip.loop.library import compiled, kernel
 from railgrip.loop.plausible import Plausibility
@@ -93,6 +94,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
         "truth": layout.outputs, "inputs": layout.inputs, "latest": layout.readings, "fresh": layout.readings,
         **{name: length(places(block, layout.formation)) for name, block in _BELIEF.items()},
         "command": layout.formation.groups, "demand": layout.formation.groups,
+        "driver_demand": layout.formation.groups,
     }  # fmt: skip
 
     class Cycle(ctypes.Structure):
@@ -105,14 +107,14 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
             *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
             *((name, _Formula) for name in ("law", "valves")),
-            ("plausibility", ctypes.c_void_p),
+            *((name, ctypes.c_void_p) for name in ("plausibility", "driver")),
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
             ("rows", ctypes.c_void_p),
             *((name, ctypes.c_double * size) for name, size in vectors.items()),
             *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
             *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
-            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at")),
+            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at")),
             *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
         )
 
@@ -156,6 +158,7 @@ def run(
     believer: Believer | DirectEstimator | None,
     controller: Controller,
     actuation: Actuation,
+    driver: Driver,
     wheel_radius: tuple[float, ...],
     clock: Clock,
     start_speed: float,
@@ -177,7 +180,7 @@ def run(
     inputs = np.zeros(layout.inputs)
     inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0(0.0, 0.0), rail.force(0.0)
     truth = plant.start(inputs)
-    parts = _Parts(layout, plant.edge(), rail, sensors, believer, controller, actuation, wheel_radius, recorder)
+    parts = _Parts(layout, plant.edge(), rail, sensors, believer, controller, actuation, driver, wheel_radius, recorder)
     its = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
     its.period, its.stop_speed, its.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
@@ -225,10 +228,11 @@ class _Parts:
         believer: Believer | DirectEstimator | None,
         controller: Controller,
         actuation: Actuation,
+        driver: Driver,
         wheel_radius: tuple[float, ...],
         recorder: Recorder,
     ) -> None:
-        self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, recorder]
+        self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, driver, recorder]
         mu0 = np.ascontiguousarray(rail.friction.mu0_at)
         begins, forces = np.array(rail.sections.begins), np.array(rail.sections.forces)
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
@@ -239,10 +243,12 @@ class _Parts:
             mu0=self._at(mu0), begins=self._at(begins), forces=self._at(forces), grid=rail.friction.step,
             points=len(mu0), over_time=rail.friction.over_time, sections=begins.size,
             service=service, shown_by_ideal=shown, radius=self._at(np.array(wheel_radius)),
+            driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(PLANT).start, sent_at=recorder.block(SENT).start,
             read_at=recorder.block(READINGS).start, demand_at=recorder.at.get("demand", -1),
+            driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
         )  # fmt: skip
         its = self.struct
         self._filter = filter_ = believer.filter if isinstance(believer, Believer) else None

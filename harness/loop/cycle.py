@@ -8,6 +8,7 @@ import numpy as np
 
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, SensorsFailed
+from railgrip.loop.driver import Driver
 from railgrip.loop.ended import (
     Clock,
     Ended,
@@ -50,6 +51,7 @@ def decisions(
     sensors: Sensors,
     believer: Believer | DirectEstimator | None,
     actuation: Actuation,
+    driver: Driver,
     wheel_radius: tuple[float, ...],
     clock: Clock,
     start_speed: float,
@@ -64,9 +66,10 @@ def decisions(
 
     What the plant shows is checked before anybody reads it; a sample that cannot be ends the stop and is not kept.
 
-    Each sample: the plant moves on under the commands held since the last one; sensors read; the estimator, when due,
-    predicts under the pressures read a sample before and conditions on the new reading; the controller, when due,
-    decides. The row of a sample holds the truth at its end, the reading and belief then, and what was sent for it.
+    Each sample: the plant moves on under the commands held since the last one; sensors read; the driver asks; the
+    estimator, when due, predicts under the pressures read a sample before and conditions on the new reading; the
+    controller, when due, decides. Of its demand and the driver's the lower goes to the actuation. The row of a sample
+    holds the truth at its end, the reading and belief then, and what was demanded and sent for it.
 
     Args:
         layout: Of the vectors that parties exchange.
@@ -75,6 +78,7 @@ def decisions(
         sensors: Instruments.
         believer: None if the controller sees readings only.
         actuation: From demanded pressure to the plant's command.
+        driver: The most that may be demanded, and traction.
         wheel_radius: Nominal radii for a slip from readings [m].
         clock: Periods and horizon.
         start_speed: That the plant was asked to start with [m/s].
@@ -97,8 +101,10 @@ def decisions(
     inputs[sent_friction] = rail.mu0(0.0, 0.0)
     inputs[sent_force] = rail.force(0.0)
     truth = plant.start(inputs)
-    watch = watch_of(layout, believer, wheel_radius, recorder)
-    demand_columns, demands = recorder.columns.get("demand"), (0.0,) * layout.formation.groups
+    watch = watch_of(layout, believer, wheel_radius, recorder, driver.pressure)
+    demand_columns = recorder.columns.get("demand")
+    driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
+    demands = driver_demands = (0.0,) * layout.formation.groups
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     written = 0
@@ -119,6 +125,10 @@ def decisions(
             row[read] = reading
             if demand_columns is not None:
                 row[demand_columns] = demands
+            if driver_columns is not None:
+                row[driver_columns] = driver_demands
+                driver.drive(k, truth)
+                watch.driver_demand = driver.pressure
             watch.see(reading)
             if k % clock.estimator == 0:
                 problem = watch.believe(time)
@@ -134,7 +144,12 @@ def decisions(
                     return without_controller(str(failed), written)
                 if not math.isfinite(sum(demands)):  # valve logic would take it for a wish to hold
                     return without_command(demands, time, written)
-                command = actuation.command(demands, observation.pressure)
+                if driver_columns is None:
+                    command = actuation.command(demands, observation.pressure)
+                else:
+                    driver_demands = driver.pressure.tolist()
+                    lower = [min(pair) for pair in zip(demands, driver_demands, strict=True)]
+                    command = actuation.command(lower, observation.pressure)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
                 inputs[sent_command] = command
@@ -144,6 +159,8 @@ def decisions(
                 progress(speed)
             inputs[sent_friction] = rail.mu0(time, distance)
             inputs[sent_force] = rail.force(distance)
+            if driver_columns is not None:
+                inputs[sent_force] += driver.force
     finally:
         recorder.written = written
         watch.complete(rows[:written])

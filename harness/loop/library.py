@@ -11,12 +11,12 @@ from railgrip.fmus.native.toolchain import shared_library
 from railgrip.signals import Layout
 
 KERNEL: Final = files("railgrip.loop") / "kernel"
-_PARTS: Final = ("sensors.h", "sensors.c", "plausible.h", "plausible.c", "cycle.c")
+_PARTS: Final = ("sensors.h", "sensors.c", "plausible.h", "plausible.c", "driver.h", "driver.c", "cycle.c")
 
 
 @cache
 def kernel(layout: Layout) -> ctypes.CDLL:
-    """Return the sensors, the checks of a plant and the cycle in C, for vectors of this layout.
+    """Return the sensors, the checks of a plant, the driver and the cycle in C, for vectors of this layout.
 
     Raises:
         railgrip.errors.CompilerMissing: There is no C compiler.
@@ -31,6 +31,8 @@ def kernel(layout: Layout) -> ctypes.CDLL:
     library.read_service.restype = None
     library.plausible.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p, ctypes.c_void_p]
     library.plausible.restype = ctypes.c_int
+    library.drive.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p]
+    library.drive.restype = None
     library.cycle.argtypes, library.cycle.restype = [ctypes.c_void_p, ctypes.c_longlong], ctypes.c_int
     return library
 

@@ -49,10 +49,15 @@ class Believer:
 
 
 class Readings:
-    """A train without an estimator."""
+    """A train without an estimator.
 
-    def __init__(self, layout: Layout, wheel_radius: tuple[float, ...]) -> None:
+    Attributes:
+        driver_demand: Pressures that the driver asks for now, shape (groups,) [Pa]; written by the loop.
+    """
+
+    def __init__(self, layout: Layout, wheel_radius: tuple[float, ...], driver_demand: Vector) -> None:
         """See nothing yet."""
+        self.driver_demand = driver_demand
         at = layout.reading
         self._speed, self._acceleration = at["speed"].start, at["acceleration"].start
         self._wheels, self._pressure = at["wheelset_speed"], at["cylinder_pressure"]
@@ -83,17 +88,23 @@ class Readings:
         speed, wheels = float(latest[self._speed]), latest[self._wheels]
         slip = _slips(speed, wheels, self._radius)
         acceleration = float(latest[self._acceleration])
-        return Observation(time, speed, acceleration, wheels, slip, False, None, None, latest[self._pressure])
+        pressure, demand = latest[self._pressure], self.driver_demand
+        return Observation(time, speed, acceleration, wheels, slip, False, None, None, pressure, demand)
 
 
 class DirectEstimates(Readings):
     """A train with an estimator that gives quantities themselves; the rest is as it is read."""
 
     def __init__(
-        self, layout: Layout, estimator: DirectEstimator, wheel_radius: tuple[float, ...], recorder: Recorder
+        self,
+        layout: Layout,
+        estimator: DirectEstimator,
+        wheel_radius: tuple[float, ...],
+        recorder: Recorder,
+        driver_demand: Vector,
     ) -> None:
         """See nothing yet."""
-        super().__init__(layout, wheel_radius)
+        super().__init__(layout, wheel_radius, driver_demand)
         self._estimator = estimator
         self._columns = {name: recorder.columns[f"estimate_{name}"] for name in estimator.provides}
         self._values: Mapping[str, Vector] = {}
@@ -127,10 +138,14 @@ class Beliefs:
 
     The believed speeds, adhesions and pad frictions go into a row as they stand in the belief, with variances; what
     follows from them is computed for all rows at once in `complete`.
+
+    Attributes:
+        driver_demand: As of `Readings`.
     """
 
-    def __init__(self, layout: Layout, believer: Believer, recorder: Recorder) -> None:
+    def __init__(self, layout: Layout, believer: Believer, recorder: Recorder, driver_demand: Vector) -> None:
         """See nothing yet, and believe what the filter does."""
+        self.driver_demand = driver_demand
         self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
         self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
         self._filter = its = believer.filter
@@ -199,18 +214,23 @@ class Beliefs:
         adhesion, pad_friction = believed[last : last + self._groups], believed[last + self._groups :]
         slip, acceleration = _slips(speed, wheels, self._radius), float(latest[self._acceleration])
         pressure = latest[self._pressure]
-        return Observation(time, speed, acceleration, wheels, slip, True, adhesion, pad_friction, pressure)
+        demand = self.driver_demand
+        return Observation(time, speed, acceleration, wheels, slip, True, adhesion, pad_friction, pressure, demand)
 
 
 def watch_of(
-    layout: Layout, believer: Believer | DirectEstimator | None, wheel_radius: tuple[float, ...], recorder: Recorder
+    layout: Layout,
+    believer: Believer | DirectEstimator | None,
+    wheel_radius: tuple[float, ...],
+    recorder: Recorder,
+    driver_demand: Vector,
 ) -> Readings | Beliefs:
     """Return what a train with this estimator, or with none, knows of itself; radii [m] are for slip from readings."""
     if believer is None:
-        return Readings(layout, wheel_radius)
+        return Readings(layout, wheel_radius, driver_demand)
     if isinstance(believer, Believer):
-        return Beliefs(layout, believer, recorder)
-    return DirectEstimates(layout, believer, wheel_radius, recorder)
+        return Beliefs(layout, believer, recorder, driver_demand)
+    return DirectEstimates(layout, believer, wheel_radius, recorder, driver_demand)
 
 
 def complete(rows: Matrix, recorder: Recorder, radius: tuple[float, ...] | Vector) -> None:

@@ -1,7 +1,7 @@
 """The ideal bound: the adhesion that the best possible control could have used at every sample of a stop.
 
 For each group it is min(peak adhesion, brake limit, α_max): what the rail gives at the best slip, what full
-brake pressure could have drawn, what the operator may use.
+brake pressure could have drawn, or that which the driver demanded, what the operator may use.
 """
 
 from dataclasses import dataclass
@@ -44,15 +44,17 @@ class Brake:
     eta_rigging: float
     F_spring: float
 
-    def limit(self, pad_friction: Array, load: Array, deceleration: Array) -> Array:
-        """Return the adhesion at which full pressure would just hold the slip, shape (n, groups).
+    def limit(self, pad_friction: Array, load: Array, deceleration: Array, pressure: Array | None = None) -> Array:
+        """Return the adhesion at which full pressure, or another, would just hold the slip, shape (n, groups).
 
         Args:
             pad_friction: Of each group, shape (n, groups).
             load: Of each group, shape (n, groups) [N].
             deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
+            pressure: Most that there is of each group, shape (n, groups) [Pa]; None for full.
         """
-        pad_force = self.eta_rigging * self.i_rigging * np.maximum(self.p_max * self.A_piston - self.F_spring, 0)
+        most = self.p_max if pressure is None else np.minimum(pressure, self.p_max)
+        pad_force = self.eta_rigging * self.i_rigging * np.maximum(most * self.A_piston - self.F_spring, 0)
         torque = self.n_units * pad_friction * pad_force * self.r_friction
         rotation = self.J * deceleration[:, None] / self.r_wheel
         return np.maximum(torque - rotation, 0) / (self.r_wheel * load)
@@ -82,7 +84,13 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
 
     group_load = formation.summed(load)
     peak_adhesion = formation.summed(peak_each * load) / group_load
-    limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values)
+    demanded = None
+    if (
+        "driver_demand" in trace
+    ):  # a row holds what was demanded until then: what is demanded now stands in the next one
+        demanded = trace["driver_demand"].values[np.minimum(np.arange(len(time)) + 1, len(time) - 1)]
+    drawn = "full" if demanded is None else "the demanded"
+    limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values, demanded)
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
 
@@ -97,7 +105,7 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
         brake_limit=(
             ("time", "group"),
             limit,
-            ratio | {"long_name": "adhesion that full brake pressure draws"},
+            ratio | {"long_name": f"adhesion that {drawn} brake pressure draws"},
         ),
         ideal_adhesion=(("time", "group"), ideal, ratio | {"long_name": "adhesion of the ideal bound"}),
         ideal_share=(("time", "wheelset"), share, ratio | {"long_name": "share in the ideal bound"}),

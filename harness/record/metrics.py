@@ -140,10 +140,12 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
     """Return the figures of a stop.
 
     Args:
-        trace: All samples of the stop, one or more, as `with_bound` returns them.
+        trace: All samples of the stop, one or more, as `with_bound` returns them; figures are of those from the first
+            brake demand on.
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
     """
+    trace = motion.since_brake_demand(trace)
     jerk_mean, jerk_rms = motion.jerk(trace)
     used, used_each = adhesion_use.utilisation(trace)
     errors = estimation.adhesion_errors(trace)

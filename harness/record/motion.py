@@ -9,6 +9,17 @@ Array = NDArray[np.float64]
 _JERK_WINDOW = 0.1  # s; shorter is the ringing of the suspension, which no passenger feels as jerk
 
 
+def since_brake_demand(trace: xarray.Dataset) -> xarray.Dataset:
+    """Return the samples from the first brake demand of the driver on; only the last one where there is none.
+
+    The row of a sample holds what was demanded until then, so that the demand was made a sample before.
+    """
+    if "driver_demand" not in trace:
+        return trace
+    demanded = np.append(np.any(trace["driver_demand"].values > 0, axis=1), True)
+    return trace.isel(time=slice(max(int(np.argmax(demanded)) - 1, 0), None))
+
+
 def braking_distance(trace: xarray.Dataset) -> float:
     """Return the distance from the brake demand to the last sample [m]."""
     distance = trace["distance"].values
@@ -17,7 +28,8 @@ def braking_distance(trace: xarray.Dataset) -> float:
 
 def duration(trace: xarray.Dataset) -> float:
     """Return the time from the brake demand to the last sample [s]."""
-    return float(trace["time"].values[-1])
+    time = trace["time"].values
+    return float(time[-1] - time[0])
 
 
 def mean_deceleration(trace: xarray.Dataset) -> float:
@@ -32,7 +44,7 @@ def jerk(trace: xarray.Dataset) -> tuple[float, float]:
     Jerk is the change of acceleration over 0.1 s divided by 0.1 s; NaN for a stop shorter than that.
     """
     time, acceleration = trace["time"].values, trace["acceleration"].values
-    if time[-1] < _JERK_WINDOW:
+    if time[-1] - time[0] < _JERK_WINDOW:
         return float("nan"), float("nan")
     step = max(1, round(_JERK_WINDOW / (time[1] - time[0])))
     change = (acceleration[step:] - acceleration[:-step]) / (time[step:] - time[:-step])

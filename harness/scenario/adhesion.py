@@ -12,6 +12,7 @@ from railgrip.scenario.curve import Curve
 from railgrip.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.scenario.table import FASTEST
 
 Array = NDArray[np.float64]
 
@@ -70,11 +71,13 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         places = np.repeat(axis[:, None], wheelsets, axis=1)
     else:
         step = _PLACE_STEP
-        # A braking train cannot get farther than this before the horizon.
-        reach = scenario.start.speed * scenario.limits.horizon
+        # A train cannot get farther than this before the horizon: braking it gets no faster, driven as fast as any.
+        driven = scenario.demand is not None and scenario.demand.has_traction
+        reach = (FASTEST if driven else scenario.start.speed) * scenario.limits.horizon
         if reach > _FARTHEST:
+            fastest = "any train" if driven else "[start] speed"
             raise ScenarioError(
-                f"{scenario.name}: [adhesion] over distance is tabulated as far as [start] speed goes until [limits] "
+                f"{scenario.name}: [adhesion] over distance is tabulated as far as {fastest} goes until [limits] "
                 f"horizon, {reach / 1e3:.3g} km; {_FARTHEST / 1e3:g} km is the most, shorten the horizon"
             )
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)

@@ -1,6 +1,7 @@
-"""The user's own friction curve: a CSV file with one axis and one column of mu0 or one for each wheelset."""
+"""The user's own curves: CSV files with one axis, and one column of a quantity or one for each wheelset or group."""
 
 import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -30,6 +31,25 @@ def read_curve(path: Path) -> Curve:
     Raises:
         ValueError: What is wrong and in which line, without the file's name.
     """
+    over, axis, mu0 = read_columns(path, axes={"time": "s", "distance": "m"}, name="mu0", span=(0.0, 1.0), above=True)
+    return Curve(over="time" if over == "time" else "distance", axis=axis, mu0=mu0)
+
+
+def read_columns(
+    path: Path, *, axes: Mapping[str, str], name: str, span: tuple[float, float], above: bool = False
+) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
+    """Read a quantity over a rising axis: which axis it is, its points, shape (n,), and values, shape (n, columns).
+
+    Args:
+        path: Of a CSV file whose first line names its columns.
+        axes: Name → unit of what the axis may be; one of them.
+        name: Of the quantity: one column, or name_1 … name_n.
+        span: Least and largest value.
+        above: The least value is none.
+
+    Raises:
+        ValueError: What is wrong and in which line, without the file's name.
+    """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             numbered = enumerate(csv.reader(file), start=1)
@@ -37,30 +57,34 @@ def read_curve(path: Path) -> Curve:
     except (OSError, UnicodeDecodeError, csv.Error) as problem:
         raise ValueError("is not a table of text, as csv files are") from problem
     if not rows:
-        raise ValueError("is empty; the first line names the columns, such as time,mu0")
+        raise ValueError(f"is empty; the first line names the columns, such as time,{name}")
     header = [cell.strip() for cell in rows[0][1]]
-    each = [f"mu0_{number}" for number in range(1, len(header))]
-    known = {"time", "distance", "mu0", *each}
-    axes = [name for name in ("time", "distance") if name in header]
-    columns = next((wanted for wanted in (["mu0"], each) if set(header) == {*axes, *wanted}), None)
-    if len(axes) != 1 or columns is None or len(header) != 1 + len(columns):
+    each = [f"{name}_{number}" for number in range(1, len(header))]
+    known = {*axes, name, *each}
+    given = [axis for axis in axes if axis in header]
+    columns = next((wanted for wanted in ([name], each) if set(header) == {*given, *wanted}), None)
+    if len(given) != 1 or columns is None or len(header) != 1 + len(columns):
+        wanted = " or ".join(f"{axis} [{unit}]" for axis, unit in axes.items())
         raise ValueError(
-            f"has {len(header)} columns; its first line wants to name time [s] or distance [m], and mu0 for all "
-            "wheelsets or mu0_1, mu0_2 … for each, and names of these "
-            f"{', '.join(sorted({*header} & known)) or 'none'}"
+            f"has {len(header)} columns; its first line wants to name {wanted}, and {name} for all or {name}_1, "
+            f"{name}_2 … for each, and names of these {', '.join(sorted({*header} & known)) or 'none'}"
         )
     values = np.array([_numbers(line, row, len(header)) for line, row in rows[1:]])
     if len(values) < 2:
         raise ValueError(f"has {len(values)} rows of numbers; a curve takes two or more")
-    axis = values[:, header.index(axes[0])]
-    mu0 = values[:, [header.index(column) for column in columns]]
+    axis = values[:, header.index(given[0])]
+    found = values[:, [header.index(column) for column in columns]]
     if not np.all(np.diff(axis) > 0):
         line = rows[1:][int(np.argmin(np.diff(axis) > 0)) + 1][0]
-        raise ValueError(f"line {line}: {axes[0]} does not rise")
-    if not np.all((mu0 > 0) & (mu0 <= 1)):
-        line = rows[1:][int(np.argmin(np.all((mu0 > 0) & (mu0 <= 1), axis=1)))][0]
-        raise ValueError(f"line {line}: mu0 must be above 0 and at most 1")
-    return Curve(over="time" if axes[0] == "time" else "distance", axis=axis, mu0=mu0)
+        raise ValueError(f"line {line}: {given[0]} does not rise")
+    least, most = span
+    inside = np.all(((found > least) if above else (found >= least)) & (found <= most), axis=1)
+    if not np.all(inside):
+        line = rows[1:][int(np.argmin(inside))][0]
+        raise ValueError(
+            f"line {line}: {name} must be {'above' if above else 'at least'} {least:g} and at most {most:g}"
+        )
+    return given[0], axis, found
 
 
 def _numbers(line: int, row: list[str], count: int) -> list[float]:

@@ -9,9 +9,10 @@ import hashlib
 import json
 from typing import Any, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from railgrip.scenario.demand import Demand
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
 from railgrip.scenario.profile import Adhesion, Constant, FromTable
@@ -36,6 +37,7 @@ class Scenario(Table):
     seed: Seed
     vehicle: Vehicle
     start: Start
+    demand: Demand | None = Field(default=None, exclude_if=lambda demand: demand is None)
     track: Track = Track()
     adhesion: Adhesion
     sensors: Sensors
@@ -47,6 +49,8 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
+        if self.demand is not None and self.controller.kind == "ideal_bound":
+            raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
         if self.actuation.kind == "pneumatic" and self.vehicle.recipe:
             try:
                 off_the_samples(self.periods.communication)
@@ -84,7 +88,8 @@ class Scenario(Table):
         table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
         prediction = self.estimator.library if isinstance(self.estimator, KalmanFilter) else None
-        named = (self.vehicle.plant, self.vehicle.library, *table, *controller, prediction)
+        profile = self.demand.file if self.demand is not None else None
+        named = (self.vehicle.plant, self.vehicle.library, *table, *controller, prediction, profile)
         return tuple(file for file in named if isinstance(file, NamedFile))
 
     def resolved(self) -> dict[str, Any]:

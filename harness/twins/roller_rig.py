@@ -134,7 +134,7 @@ class _Protection:
         """Return the valve command for readings of speed [m/s] and wheel [rad/s], pressure and demand [Pa]."""
         slip = 1.0 - self._radius * wheel / speed if speed > 0.05 else 0.0
         wheels, slips, pressures = np.array([[wheel], [slip], [pressure]])
-        observation = Observation(time, speed, 0.0, wheels, slips, False, None, None, pressures)
+        observation = Observation(time, speed, 0.0, wheels, slips, False, None, None, pressures, pressures)
         allowed = self._law.decide(observation)[0]
         self.releases = allowed < self._group.pressure_max
         return self._valves.command((min(allowed, demand),), (pressure,))[0]

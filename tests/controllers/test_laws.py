@@ -29,7 +29,8 @@ SPEED = 15.0  # m/s, held: the train is heavy
 def shown(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
     """An observation of a train whose wheels turn as the slip says."""
     wheels = (1 - np.array(slip)) * speed / 0.38
-    return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure)
+    full = np.full(len(slip), 3.4e5)
+    return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure, full)
 
 
 def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad_friction=0.35, lag=0.02):

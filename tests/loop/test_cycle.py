@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from synthetic import LAYOUT, TWO_PART_TRAIN
+from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip import signals
 from railgrip.loop.cycle import run
+from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock
 from railgrip.loop.sensors import IdealSensors
 from railgrip.loop.watch import Believer
@@ -78,6 +79,7 @@ def brake(
         believer=believer,
         controller=controller or Constant(),
         actuation=actuation or Direct(),
+        driver=Driver(LAYOUT, PERIOD, full=FULL, touching=np.zeros(4)),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every[0], controller=every[1], samples=samples),
         start_speed=plant.speed,

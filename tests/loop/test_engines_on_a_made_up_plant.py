@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from synthetic import LAYOUT, TWO_PART_TRAIN
+from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip import signals
 from railgrip.controllers.brake import BrakeGroup
@@ -24,6 +24,7 @@ from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.errors import Failure, PlantFailed
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
+from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
@@ -33,6 +34,7 @@ from railgrip.loop.watch import Believer
 from railgrip.record.outcome import Outcome
 from railgrip.record.recorder import Recorder
 from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.demand import DemandedPhase
 
 BLOCK = ServiceSensors.BLOCK
 RADIUS = (0.38,) * 4
@@ -184,10 +186,16 @@ HOLD = lambda: SlipBased(GROUPS, replace(PAPER_LEVELS, hold=True))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
-def brake(engine, plant, controller, filter_, *, samples, service, valves, every, over_time, asked=None):
+def brake(
+    engine, plant, controller, filter_, *, samples, service, valves, every, over_time, asked=None, phases=(), keep=None
+):
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED, *(signals.ESTIMATES if filter_ else ())),
+        (
+            *(*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED),
+            *(signals.DRIVEN if phases else ()),
+            *(signals.ESTIMATES if filter_ else ()),
+        ),
         TWO_PART_TRAIN,
         samples + 1,
     )
@@ -207,6 +215,7 @@ def brake(engine, plant, controller, filter_, *, samples, service, valves, every
         end = engine.run(
             **parties,
             rail=TabulatedRail(Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps()),
+            driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
             wheel_radius=RADIUS,
             clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
             start_speed=asked or plant.speed,
@@ -217,6 +226,8 @@ def brake(engine, plant, controller, filter_, *, samples, service, valves, every
     except PlantFailed as failed:
         how = Outcome.PLANT_FAILED, str(failed), recorder.written
     assert how[2] == recorder.written
+    if keep:
+        keep(recorder)
     rows = recorder.rows[: recorder.written].tobytes()
     return how, rows, np.array(plant.given).tobytes(), controller.state.tobytes()
 
@@ -280,6 +291,46 @@ def test_mixes_of_parties(lacks, service, filter_, controller, valves, every, ov
         service=service, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
     )  # fmt: skip
     assert outcome is Outcome.STANDSTILL
+
+
+until = st.one_of(
+    st.tuples(st.sampled_from(["time", "duration"]), st.floats(0.0, 1.0)),
+    st.tuples(st.just("distance"), st.floats(0.0, 10.0)),
+    st.tuples(st.sampled_from(["speed_below", "speed_above"]), st.floats(1.0, 12.0)),
+)
+pressures = st.tuples(*[st.floats(0.0, 3.4e5)] * 4)
+
+
+@st.composite
+def driven(draw):
+    """Phases of every sort, in any order."""
+    phases, ends = [], draw(st.lists(until, max_size=5))
+    for kind, limit in [*ends, ("end", np.nan)]:
+        aim = {"target": draw(st.floats(1.0, 8.0)), "deceleration": 8.0, "full_deceleration": 10.6}
+        phase = dict(until=kind, limit=limit, begin=draw(st.floats(0.0, 1.0)), pressures=draw(pressures))
+        phase |= dict(slopes=draw(st.tuples(*[st.sampled_from([0.0, 1e4])] * 4)))
+        phase |= dict(force=draw(st.floats(0.0, 1e5)), power=draw(st.sampled_from([np.inf, 1e5])))
+        phases.append(
+            DemandedPhase(rate=draw(st.sampled_from([np.inf, 1e5])), **phase, **draw(st.sampled_from([aim, {}])))
+        )
+    return phases
+
+
+@settings(deadline=None, max_examples=40)
+@given(phases=driven(), every=st.sampled_from([(1, 1), (2, 3)]))
+def test_what_is_sent_is_never_more_than_the_driver_demands(phases, every):
+    """Whatever the phases; and both engines ask the same, to the last bit."""
+    rows, columns = [], {}
+
+    def keep(recorder):
+        rows.append(recorder.rows[: recorder.written].copy())
+        columns.update(recorder.columns)
+
+    same(lambda: Plant(speed=12.0, slowing=10.6), every=every, phases=phases, keep=keep)
+    for name in ("command", "demand", "driver_demand"):
+        assert np.isfinite(rows[0][:, columns[name]]).all()
+    sent, asked, wanted = (rows[0][:, columns[name]] for name in ("command", "driver_demand", "demand"))
+    assert np.array_equal(sent, np.minimum(asked, wanted))
 
 
 def showing(signal, change, element=0):

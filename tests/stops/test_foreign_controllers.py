@@ -7,7 +7,7 @@ import casadi as ca
 import pytest
 
 from railgrip.assemble import run_stop
-from railgrip.errors import FmuError
+from railgrip.errors import FmuError, ScenarioError
 from railgrip.export import controller_fmu
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import Variable
@@ -77,6 +77,14 @@ def test_valve_commands_want_valves(folder):
     scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", f"controller.file={path}"])
     with pytest.raises(FmuError, match=r"commands valves, but .actuation. kind is 'ideal'"):
         run_stop(scenario)
+
+
+def test_valve_commands_take_no_demand_of_a_driver(folder):
+    _, other = with_fmu(
+        "random-service-slip_two_state", folder, "controller.trust=true", "demand.phases=[{pressure=0}]"
+    )
+    with pytest.raises(ScenarioError, match=r"\[demand\] limits the pressures .* commands the valves; leave out"):
+        run_stop(other)
 
 
 def test_an_unknown_name_in_the_map_is_refused(folder):

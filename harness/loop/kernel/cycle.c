@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "driver.h"
 #include "plausible.h"
 #include "sensors.h"
 
@@ -44,13 +45,14 @@ typedef struct {
     const double *radius;
     Formula law, valves;
     Plausibility *plausibility;
+    Driver *driver;                              /* null: full brake */
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
-    double command[GROUPS], demand[GROUPS];
+    double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
     long long present_count, points, over_time, sections, width, seen_count;
     long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
-    long long demand_at;                         /* -1: it is not kept */
+    long long demand_at, driver_at;              /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
 } Cycle;
@@ -137,10 +139,15 @@ static int decide(Cycle *c)
         given[2 + 3 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
     }
     c->law.call(c->law.state, given, c->law.parameter, demand);
-    copy(c->command, demand, GROUPS);
     copy(c->demand, demand, GROUPS);
     for (int g = 0; g < GROUPS; g++)
         total += demand[g];
+    if (c->driver) {                              /* in this form, a demand that is no number stays none */
+        copy(c->driver_demand, c->driver->pressure, GROUPS);
+        for (int g = 0; g < GROUPS; g++)
+            demand[g] = demand[g] > c->driver_demand[g] ? c->driver_demand[g] : demand[g];
+    }
+    copy(c->command, demand, GROUPS);
     if (isfinite(total) && c->valves.call) {      /* valve logic would take NaN for a wish to hold */
         copy(demand + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
         c->valves.call(c->valves.state, demand, c->valves.parameter, c->command);
@@ -161,7 +168,7 @@ static void roll(Cycle *c, double time)
     copy(c->inputs + INPUT_MU0, c->mu0 + nearest * WHEELSETS, WHEELSETS);
     while (section + 1 < c->sections && c->begins[section + 1] <= distance)
         section++;
-    c->inputs[INPUT_TRACK_FORCE] = c->forces[section];
+    c->inputs[INPUT_TRACK_FORCE] = c->driver ? c->forces[section] + c->driver->force : c->forces[section];
 }
 
 /* Go on until the sample `until` is due, or something ends the stop. */
@@ -187,6 +194,10 @@ EXPORT int cycle(Cycle *c, long long until)
         copy(row + c->sent_at, c->inputs, INPUTS);
         if (c->demand_at >= 0)
             copy(row + c->demand_at, c->demand, GROUPS);
+        if (c->driver) {
+            copy(row + c->driver_at, c->driver_demand, GROUPS);
+            drive(c->driver, k, c->truth);
+        }
         read_all(c, row + c->read_at);
         see(c, row + c->read_at);
         if (c->advance) {

@@ -1,0 +1,233 @@
+"""The table [demand]: what the driver asks of brakes and traction; without it full brake from the start."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from math import inf, nan
+from typing import Annotated, Any, Literal, Self, cast
+
+from pydantic import Field, field_validator, model_validator
+
+from railgrip.errors import ScenarioError
+from railgrip.scenario.curve import read_columns
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken
+from railgrip.scenario.track import LARGEST_FORCE
+
+_PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
+
+Deceleration = Annotated[float, Unit("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")]
+
+
+def _absent(value: object) -> bool:
+    return value is None
+
+
+class Until(Table):
+    """What ends a phase: one of these."""
+
+    time: Delay | None = Field(default=None, exclude_if=_absent, description="since the start")
+    duration: Duration | None = Field(default=None, exclude_if=_absent, description="of the phase")
+    distance: Length | None = Field(default=None, exclude_if=_absent, description="travelled since the start")
+    speed_below: Speed | None = Field(default=None, exclude_if=_absent, description="the train has no more than this")
+    speed_above: Speed | None = Field(default=None, exclude_if=_absent, description="the train has this, or more")
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            raise broken(f"wants one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}")
+        return self
+
+    @property
+    def kind(self) -> Literal["time", "duration", "distance", "speed_below", "speed_above"]:
+        """Which of them it is."""
+        return cast("Any", next(iter(self.model_fields_set)))
+
+    @property
+    def limit(self) -> float:
+        """Its value [s, m or m/s]."""
+        return getattr(self, self.kind)
+
+
+class Traction(Table):
+    """A force that pushes the whole train, as one of the track does; through no wheelset."""
+
+    force: Annotated[float, Unit("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
+    power: Annotated[float, Unit("W", above=0, at_most=1e9)] | None = Field(
+        default=None, exclude_if=_absent, description="most of it, where there is a limit"
+    )
+    rate: Annotated[float, Unit("N/s", above=0, at_most=1e9)] | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="most that the force changes by, also after the end of the phase; at once where there is none",
+    )
+
+
+class StopAt(Table):
+    """A driver who stops at a target on a braking curve of constant deceleration."""
+
+    distance: Annotated[float, Unit("m", above=0, at_most=1e5)] = Field(description="of the target from the start")
+    deceleration: Deceleration = Field(description="of the curve; before it there is no demand")
+    full_deceleration: Deceleration = Field(description="that the driver expects of full brake")
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        if self.deceleration > self.full_deceleration:
+            raise broken(
+                f"deceleration {self.deceleration:g} m/s2 is above full_deceleration {self.full_deceleration:g} m/s2, "
+                "the most that the driver expects of the brakes"
+            )
+        return self
+
+
+class Phase(Table):
+    """What is asked for until something happens."""
+
+    pressure: tuple[float | Literal["full"], ...] | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="most that a controller may send, for all groups or for each: 'full', 0 to release, or a pressure; "
+        "none gets more than its full one",
+    )
+    stop_at: StopAt | None = Field(default=None, exclude_if=_absent, description="in place of `pressure`")
+    traction: Traction | None = Field(default=None, exclude_if=_absent)
+    until: Until | None = Field(default=None, exclude_if=_absent, description="the last phase has none")
+
+    @field_validator("pressure", mode="before")
+    @classmethod
+    def _one_or_each(cls, written: Any) -> Any:
+        if written is None:
+            return None
+        each = tuple(written) if isinstance(written, list | tuple) else (written,)
+        if not each:
+            raise broken("is an empty list; give one pressure, or one for each group")
+        return tuple("full" if one == "full" else _PRESSURE.read(one) for one in each)
+
+    @model_validator(mode="after")
+    def _one_demand(self) -> Self:
+        if (self.pressure is None) == (self.stop_at is None):
+            wrong = "has neither" if self.pressure is None else "has both,"
+            raise broken(f"{wrong} pressure and stop_at; give one of them, pressure = 0 where nothing is braked")
+        return self
+
+
+class Demand(Table):
+    """What the driver asks for: phases in their order, or a profile over time in a file."""
+
+    phases: tuple[Phase, ...] = Field(default=(), exclude_if=lambda phases: not phases)
+    file: NamedFile | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="a CSV with columns time [s], and pressure [Pa] or pressure_1 … pressure_n",
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if bool(self.phases) == (self.file is not None):
+            raise broken("wants phases, or the file of a profile; give one of them")
+        for number, phase in enumerate(self.phases, start=1):
+            if (phase.until is None) != (number == len(self.phases)):
+                wrong = "is the last one and lasts to the end, leave out" if phase.until else "has no"
+                raise broken(f"phases[{number}] {wrong} 'until'")
+        if self.file is not None:
+            self.profile()
+        return self
+
+    @property
+    def has_traction(self) -> bool:
+        """Whether anything pushes the train."""
+        return any(phase.traction is not None and phase.traction.force > 0 for phase in self.phases)
+
+    def profile(self) -> tuple[list[float], list[list[float]]]:
+        """Return the times [s] and pressures [Pa] of the file, a list for each time.
+
+        Raises:
+            PydanticCustomError: For the sentence of a validator: it is no profile.
+        """
+        assert self.file is not None
+        try:
+            _, time, pressures = read_columns(self.file.path, axes={"time": "s"}, name="pressure", span=(0.0, 1e8))
+        except ValueError as problem:
+            raise broken(f"file {self.file.written}: {problem}") from problem
+        return time.tolist(), pressures.tolist()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DemandedPhase:
+    """A phase in numbers; see `railgrip.loop.driver.Phase`."""
+
+    until: Literal["end", "time", "duration", "distance", "speed_below", "speed_above"] = "end"
+    limit: float = nan
+    begin: float = 0.0
+    pressures: tuple[float, ...]
+    slopes: tuple[float, ...]
+    target: float = nan
+    deceleration: float = nan
+    full_deceleration: float = nan
+    force: float = 0.0
+    power: float = inf
+    rate: float = inf
+
+
+def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[DemandedPhase, ...]:
+    """Return the phases of a demand on brakes whose full pressures are `full`, shape (groups,) [Pa].
+
+    Args:
+        demand: The table.
+        full: Of each group.
+        origin: Name of the scenario, to open sentences with.
+
+    Raises:
+        ScenarioError: It gives pressures for another number of groups, or more than any brake has.
+    """
+    if demand.file is None:
+        return tuple(_written(demand, full, f"{origin}: [demand.phases"))
+    times, pressures = demand.profile()
+    where = f"{origin}: [demand] file {demand.file.written}"
+    return tuple(_from_points(times, [_of_groups(row, full, where) for row in pressures]))
+
+
+def _written(demand: Demand, full: Sequence[float], where: str) -> Iterator[DemandedPhase]:
+    none, rate = (0.0,) * len(full), inf
+    for number, phase in enumerate(demand.phases, start=1):
+        pressures, target = none, {}
+        if phase.pressure is not None:
+            pressures = _of_groups(phase.pressure, full, f"{where}[{number}]] pressure")
+        if phase.stop_at is not None:
+            aim = phase.stop_at
+            target = {"target": aim.distance, "deceleration": aim.deceleration}
+            target |= {"full_deceleration": aim.full_deceleration}
+        if phase.traction is not None:
+            rate = phase.traction.rate or inf
+        yield DemandedPhase(
+            until=phase.until.kind if phase.until else "end",
+            limit=phase.until.limit if phase.until else nan,
+            pressures=pressures,
+            slopes=none,
+            force=phase.traction.force if phase.traction else 0.0,
+            power=(phase.traction.power or inf) if phase.traction else inf,
+            rate=rate,
+            **target,
+        )
+
+
+def _from_points(times: Sequence[float], pressures: Sequence[tuple[float, ...]]) -> Iterator[DemandedPhase]:
+    """Yield straight lines between points, and what is constant before and beyond."""
+    none = (0.0,) * len(pressures[0])
+    yield DemandedPhase(until="time", limit=times[0], pressures=pressures[0], slopes=none)
+    for i in range(len(times) - 1):
+        rises = zip(pressures[i], pressures[i + 1], strict=True)
+        slopes = tuple((after - before) / (times[i + 1] - times[i]) for before, after in rises)
+        yield DemandedPhase(until="time", limit=times[i + 1], begin=times[i], pressures=pressures[i], slopes=slopes)
+    yield DemandedPhase(pressures=pressures[-1], slopes=none)
+
+
+def _of_groups(written: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
+    """Return the pressure of each group; none has more than its full brake."""
+    if len(written) not in (1, len(full)):
+        raise ScenarioError(f"{where} is for {len(written)} groups, the vehicle has {len(full)}")
+    pressures = [most if one == "full" else float(one) for one, most in zip(cycle(written), full, strict=False)]
+    if max(pressures) > max(full):
+        raise ScenarioError(f"{where} asks for {max(pressures):g} Pa, full brake is {max(full):g} Pa; write 'full'")
+    return tuple(map(min, pressures, full))

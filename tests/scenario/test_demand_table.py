@@ -1,0 +1,128 @@
+"""The table [demand]: what it means in numbers, and what is refused."""
+
+import tomllib
+
+import pytest
+from synthetic import LIBRARY
+
+from railgrip.errors import ScenarioError
+from railgrip.scenario.demand import phases_of
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.merge import merged
+
+FULL = (3.4e5, 3.0e5)
+
+
+def asked(demand, directory=LIBRARY):
+    table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
+    return scenario_of(merged(table, {"demand": demand}), directory=directory, origin="mine.toml")
+
+
+def phases(demand, directory=LIBRARY):
+    return phases_of(asked(demand, directory).demand, FULL, "mine")
+
+
+def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
+    one, each, full = phases(
+        {
+            "phases": [
+                {"pressure": "1.5 bar", "until": {"time": "2 s"}},
+                {"pressure": ["0.5 bar", "full"], "until": {"speed_below": "36 km/h"}},
+                {"pressure": "full"},
+            ]
+        }
+    )
+    assert (one.pressures, one.until, one.limit) == ((1.5e5, 1.5e5), "time", 2.0)
+    assert (each.pressures, each.until, each.limit) == ((0.5e5, 3.0e5), "speed_below", 10.0)
+    assert (full.pressures, full.until) == (FULL, "end")
+
+
+def test_a_profile_is_straight_lines_between_its_points(tmp_path):
+    (tmp_path / "brake.csv").write_text("time,pressure_1,pressure_2\n1,0,0\n3,1e5,2e5\n4,1e5,0\n")
+    before, rise, fall, after = phases({"file": "brake.csv"}, tmp_path)
+    assert (before.limit, before.pressures) == (1.0, (0.0, 0.0))
+    assert (rise.begin, rise.limit, rise.pressures, rise.slopes) == (1.0, 3.0, (0.0, 0.0), (0.5e5, 1e5))
+    assert fall.slopes == (0.0, -2e5)
+    assert (after.until, after.pressures) == ("end", (1e5, 0.0))
+
+
+@pytest.mark.parametrize("name", ["service_steps", "stop_at_target"])
+def test_what_is_resolved_loads_to_the_same(name):
+    scenario = load(LIBRARY / f"{name}.toml")
+    again = scenario_of(scenario.resolved(), directory=LIBRARY, origin=name)
+    assert again == scenario
+    assert again.digest() == scenario.digest()
+
+
+def test_a_scenario_without_a_demand_says_nothing_of_one():
+    """Its digest is that of results which were written before there were demands."""
+    assert "demand" not in load(LIBRARY / "plain.toml").resolved()
+
+
+def test_the_content_of_a_profile_is_part_of_the_digest(tmp_path):
+    def digest(last):
+        (tmp_path / "brake.csv").write_text(f"time,pressure\n0,0\n1,{last}\n")
+        return asked({"file": "brake.csv"}, tmp_path).digest()
+
+    assert digest(1e5) == digest(1e5) != digest(2e5)
+
+
+END = {"pressure": 0}
+
+
+@pytest.mark.parametrize(
+    ("demand", "words"),
+    [
+        ({}, r"\[demand\] wants phases, or the file of a profile"),
+        ({"phases": [END], "file": "plain.toml"}, "give one of them"),
+        ({"phases": [END, END]}, r"phases\[1\] has no 'until'"),
+        ({"phases": [END | {"until": {"time": 1}}]}, r"phases\[1\] is the last one and lasts to the end, leave out"),
+        ({"phases": [END | {"until": {"time": 1, "distance": 2}}, END]}, "wants one of time, duration, .* got 2"),
+        ({"phases": [END | {"until": {}}, END]}, "wants one of .* got 0"),
+        ({"phases": [{}]}, "has neither pressure and stop_at"),
+        ({"phases": [{"pressure": "-1 bar"}]}, "pressure must be at least 0 Pa, got '-1 bar'"),
+        ({"phases": [{"pressure": "2 m"}]}, "pressure .*'2 m'"),
+        ({"phases": [{"pressure": "half"}]}, "pressure .*'half'"),
+        ({"phases": [{"pressure": []}]}, "pressure is an empty list"),
+        ({"phases": [END | {"traction": {"force": "2 MN"}}]}, r"traction\] force must be at most 1e\+06 N"),
+        ({"phases": [END | {"tracton": {"force": "2 MN"}}]}, "did you mean 'traction'"),
+        (
+            {"phases": [{"stop_at": {"distance": 100, "deceleration": 2, "full_deceleration": 1}}]},
+            "deceleration 2 m/s2 is above full_deceleration 1 m/s2",
+        ),
+        ({"file": "none.csv"}, "there is no file"),
+    ],
+)
+def test_bad_tables_are_refused_in_a_sentence(demand, words):
+    with pytest.raises(ScenarioError, match=words) as refusal:
+        asked(demand)
+    assert str(refusal.value).startswith("mine.toml: [demand")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("time,pressure\n0,0\n0,1\n", "line 3: time does not rise"),
+        ("time,pressure\n0,0\n1,-1\n", "line 3: pressure must be at least 0 and at most 1e"),
+        ("distance,pressure\n0,0\n1,1\n", r"first line wants to name time \[s\], and pressure for all or pressure_1"),
+        ("time,pressure\n0,0\n", "has 1 rows of numbers"),
+    ],
+)
+def test_bad_profiles_are_refused_in_a_sentence(content, words, tmp_path):
+    (tmp_path / "brake.csv").write_text(content)
+    with pytest.raises(ScenarioError, match=words):
+        asked({"file": "brake.csv"}, tmp_path)
+
+
+def test_more_than_full_brake_and_other_formations_are_refused():
+    with pytest.raises(
+        ScenarioError, match=r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, full brake is 340000 Pa"
+    ):
+        phases({"phases": [{"pressure": "3.5 bar"}]})
+    with pytest.raises(ScenarioError, match="is for 3 groups, the vehicle has 2"):
+        phases({"phases": [{"pressure": [0, 0, 0]}]})
+
+
+def test_the_ideal_bound_takes_no_demand():
+    with pytest.raises(ScenarioError, match=r"ideal_bound brakes with all there is .* leave out \[demand\]"):
+        load(LIBRARY / "service_steps.toml", ["controller.kind=ideal_bound"])

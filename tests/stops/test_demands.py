@@ -1,0 +1,158 @@
+"""Stops as a driver asks for them."""
+
+import numpy as np
+import pytest
+from synthetic import LIBRARY
+
+import railgrip as rg
+from railgrip.assemble import run_stop
+from railgrip.engine import Engine
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.load import load
+
+GRIPPY = {
+    "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.3},
+    "estimator": {"kind": "none"},
+    "controller": {"kind": "slip_three_state"},
+}
+
+
+def same(scenario):
+    """Return the stop that both engines give, to the last bit."""
+    one, other = (run_stop(scenario, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    assert (one.outcome, one.reason) == (other.outcome, other.reason)
+    for name, values in one.trace.data_vars.items():
+        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
+    return one
+
+
+@pytest.fixture(scope="module")
+def steps():
+    return same(load(LIBRARY / "service_steps.toml"))
+
+
+def at(stop, time):
+    return stop.trace.sel(time=time, method="nearest")
+
+
+def phase_begins(stop):
+    """Times at which the driver's demand changes [s]."""
+    asked = stop.trace["driver_demand"].values[:, 0]
+    return stop.trace["time"].values[1:][np.diff(asked) != 0] - 1e-3
+
+
+def test_steps_brake_as_their_pressures_say(steps):
+    """On rolling wheels a = n μ η i (p A − F) r/(R M), and drag and rotation beside: the step from 1 to 2 bar, some
+    seconds each, brings as much again as the pads press harder, within the drift of pad friction and drag."""
+    first, second, _, _ = phase_begins(steps)
+    coasting, one, two = (-float(at(steps, t)["acceleration"]) for t in (first, second, second + 5.0))
+    pressing = 1e5 * 0.0324 - 1200.0, 2e5 * 0.0324 - 1200.0
+    data = steps.trace["pad_friction"].values
+    index = [int(np.searchsorted(steps.trace["time"].values, t)) for t in (second, second + 5.0)]
+    expected = pressing[1] * data[index[1]].mean() / (pressing[0] * data[index[0]].mean())
+    assert (two - coasting) / (one - coasting) == pytest.approx(expected, rel=0.03)
+
+
+def test_a_release_releases(steps):
+    """Within half a second cylinders are empty, and the train rolls on, with less drag than at the speed before."""
+    first, _, release, again = phase_begins(steps)
+    rolling = steps.trace.sel(time=slice(release + 0.5, again))
+    assert float(rolling["cylinder_pressure"].max()) < 100.0
+    assert float(rolling["acceleration"].min()) > float(at(steps, first)["acceleration"])
+    assert float(rolling["brake_torque"].max()) < 1e-3 * float(steps.trace["brake_torque"].max())
+
+
+def test_distance_and_duration_count_from_the_first_brake_demand(steps):
+    first = phase_begins(steps)[0]
+    whole = steps.trace["distance"].values[-1]
+    assert steps.outcome is Outcome.STANDSTILL
+    assert steps.metrics.distance == pytest.approx(float(whole - at(steps, first)["distance"]), abs=1e-9)
+    assert steps.metrics.duration == pytest.approx(float(steps.trace["time"].values[-1] - first))
+    assert f"{steps.metrics.distance:.2f} m of that since the first brake demand" in steps.reason
+
+
+def test_energy_balances_under_traction(steps):
+    assert abs(steps.metrics.energy_residual) < 1e-4
+
+
+def test_traction_accelerates_by_its_force(steps):
+    """From 48 km/h on it is the power that limits it, 800 kW."""
+    trace = steps.trace.sel(time=slice(5.0, 15.0))
+    pushed = trace["track_force"].values * trace["speed"].values
+    assert pushed == pytest.approx(8e5, rel=1e-3)
+
+
+def test_full_brake_from_the_start_is_a_stop_without_a_demand():
+    """To the last bit, but for the variable that says what the driver asked for."""
+    plain = {"start.speed": "20 km/h", **GRIPPY}
+    without = rg.run(rg.Scenario.load("plain", plain))
+    full = rg.run(rg.Scenario.load("plain", plain | {"demand": {"phases": [{"pressure": "full"}]}}))
+    assert full.metrics == without.metrics
+    assert set(full.trace.data_vars) == {*without.trace.data_vars, "driver_demand"}
+    for name, values in without.trace.data_vars.items():
+        assert values.values.tobytes() == full.trace[name].values.tobytes(), name
+
+
+def test_a_driver_stops_at_the_target_where_the_rail_allows_it():
+    """Within half a metre: the cylinders follow late, and the last metres are slow."""
+    stop = same(rg.Scenario.load("stop_at_target", {"adhesion": GRIPPY["adhesion"], "limits.stop_speed": "0.05 m/s"}))
+    assert stop.outcome is Outcome.STANDSTILL
+    assert float(stop.trace["distance"][-1]) == pytest.approx(700.0, abs=0.5)
+    assert stop.metrics.mean_deceleration == pytest.approx(0.6, rel=0.02)
+
+
+def test_a_slippery_rail_carries_the_train_beyond_the_target():
+    stop = same(load(LIBRARY / "stop_at_target.toml"))
+    assert stop.outcome is Outcome.STANDSTILL
+    assert float(stop.trace["distance"][-1]) > 705.0
+    assert float((stop.trace["command"] - stop.trace["driver_demand"]).max()) == 0.0
+
+
+def test_valves_send_no_more_than_the_driver_demands():
+    """Valve logic has a band of pressure around the demand, and a shortest stroke."""
+    stop = same(
+        load(
+            LIBRARY / "service_steps.toml",
+            ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic", "limits.horizon=40 s"],
+        )
+    )
+    over = stop.trace["cylinder_pressure"].values - stop.trace["driver_demand"].values
+    held = stop.trace["time"].values > 24.0
+    assert over[held & (stop.trace["driver_demand"].values[:, 0] > 0)].max() < 0.1e5
+
+
+class Eager:
+    """Asks for all there is, and keeps what the driver asked for."""
+
+    def start(self, formation):
+        self.full, self.asked = formation.pressure_max, []
+
+    def decide(self, observation):
+        self.asked.append(float(observation.driver_demand[0]))
+        return self.full
+
+
+SHORT = {"limits.horizon": "1 s", **GRIPPY}
+
+
+def test_a_controller_of_ones_own_sees_the_demand_and_cannot_exceed_it():
+    law = Eager()
+    phases = [{"pressure": "1 bar", "until": {"time": "0.5 s"}}, {"pressure": 0}]
+    stop = rg.run(rg.Scenario.load("plain", SHORT | {"demand": {"phases": phases}}), controller=law)
+    assert law.asked == [1e5] * 500 + [0.0] * 501
+    assert float(stop.trace["command"].max()) == 1e5
+    assert float(stop.trace["demand"].max()) == law.full[0]
+
+
+def test_without_a_demand_a_controller_is_shown_full_brake():
+    law = Eager()
+    rg.run(rg.Scenario.load("plain", SHORT), controller=law)
+    assert set(law.asked) == {law.full[0]}
+
+
+def test_a_sweep_over_demands():
+    demands = [{"phases": [{"pressure": f"{bar} bar"}]} for bar in (1, 2, 3)]
+    short = {"start.speed": "20 km/h", **GRIPPY}
+    table = rg.sweep(rg.Scenario.load("plain", short), {"demand": demands}).to_pandas()
+    assert list(table["outcome"]) == ["standstill"] * 3
+    assert table["distance"].is_monotonic_decreasing
