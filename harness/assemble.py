@@ -37,7 +37,7 @@ from railgrip.fmus.native.library import library_of
 from railgrip.foreign_controller import foreign_controller
 from railgrip.formation import Formation
 from railgrip.importing import Origin, origin_of, party_of, table_of
-from railgrip.instruments import sensors_of
+from railgrip.instruments import readings_of, sensors_of
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
@@ -65,7 +65,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge
-from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, PLANT, READINGS, Layout, layout_of, places, sent
+from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, Layout, layout_of, sent
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit
@@ -210,7 +210,7 @@ def assembled(
     plant_file = plant_description(scenario)
     fmus = {plant_file.file.name: plant_file}
     formation = controlled_formation(scenario)
-    layout, groups = layout_of(formation), formation.brakes
+    layout, groups = layout_of_plant(scenario, plant_file, formation), formation.brakes
     radius = tuple(group.wheel_radius for group in groups)
     classes: dict[str, Origin] = {}
 
@@ -252,9 +252,9 @@ def assembled(
                 "commands the valves; leave out [demand], or let it give demand [Pa]"
             )
         signals = (
-            *PLANT,
+            *layout.plant_signals,
             *sent(pneumatic=scenario.actuation.kind == "pneumatic"),
-            *READINGS,
+            *layout.reading_signals,
             *(() if commands_valves else DEMANDED),
             *(DRIVEN if scenario.demand is not None else ()),
             *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
@@ -563,16 +563,33 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     return in_units("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
 
 
+def layout_of_plant(scenario: Scenario, description: Description, formation: Formation) -> Layout:
+    """Return the layout of the vectors that a plant and the sensors of a scenario exchange.
+
+    Raises:
+        ScenarioError: The sensors are to read what the plant does not show.
+    """
+    offered = {name.partition("[")[0] for name in description.variables} | set(scenario.vehicle.map)
+    extra = tuple(s for s in EXTRA if s.name in scenario.vehicle.map or s.name in offered & _outputs(description))
+    shown = (*(s.name for s in (*PLANT, *extra) if s.name in offered), "slip")
+    return layout_of(formation, (*PLANT, *extra), readings_of(scenario, shown))
+
+
+def _outputs(description: Description) -> set[str]:
+    return {name.partition("[")[0] for name in description.named("output")}
+
+
 def plant_signals(
-    formation: Formation, *, pneumatic: bool, track_force: bool
+    layout: Layout, *, pneumatic: bool, track_force: bool
 ) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
     """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
 
     Args:
-        formation: Of the vehicle.
+        layout: Of the vectors that it exchanges.
         pneumatic: It takes positions of valves, else pressures.
         track_force: It has to take a force of the track.
     """
+    formation = layout.formation
     name, unit = ("valve_command", "1") if pneumatic else ("pressure_command", "Pa")
     inputs = (
         Signal(name=name, unit=unit, size=formation.groups, needed=True),
@@ -586,7 +603,7 @@ def plant_signals(
             size=0 if s.extent == "train" else formation.width(s.extent),
             needed=s.name in _NEEDED,
         )
-        for s in PLANT
+        for s in layout.plant_signals
     )
     return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
 
@@ -645,7 +662,7 @@ def _plant(
     _track_fits(scenario, description, formation)
     own = vehicle.recipe is not None
     inputs, outputs, start = plant_signals(
-        formation,
+        layout,
         pneumatic=scenario.actuation.kind == "pneumatic",
         track_force=bool(np.any(track_force_of(scenario.track).forces))
         or (scenario.demand is not None and scenario.demand.has_traction),
@@ -735,7 +752,7 @@ def lowered(class_name: str) -> Model:
     return lower(class_name)
 
 
-def _predicted(table: KalmanFilter, formation: Formation) -> Model:
+def _predicted(table: KalmanFilter, layout: Layout) -> Model:
     """Return the model inside a filter, one of ours or of the user's own.
 
     Raises:
@@ -744,7 +761,7 @@ def _predicted(table: KalmanFilter, formation: Formation) -> Model:
     own = table.library
     model = lowered(f"RailBraking.FMUs.{table.model}") if own is None else lower(table.model, library_of(own.path))
     where = f"[estimator] model '{table.model}'"
-    states, groups = [variable.name for variable in model.states], formation.groups
+    states, groups = [variable.name for variable in model.states], layout.formation.groups
     predicted = sum(name.startswith("w[") for name in states)
     if predicted != groups:
         raise ScenarioError(f"{where} is for {predicted} groups, the vehicle has {groups}")
@@ -762,10 +779,9 @@ def _predicted(table: KalmanFilter, formation: Formation) -> Model:
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
     if inputs[:groups] != pressures:
         raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
-    shown = {name.removeprefix("reading_") for name in places(READINGS, formation)}
-    if unread := [variable.name for variable in model.outputs if variable.name.partition("[")[0] not in shown]:
+    if unread := [variable.name for variable in model.outputs if variable.name.partition("[")[0] not in layout.reading]:
         raise ScenarioError(
-            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(shown))}"
+            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(layout.reading))}"
         )
     return model
 
@@ -781,7 +797,7 @@ def _believer(scenario: Scenario, layout: Layout, fmus: dict[str, Description]) 
     assert isinstance(table, KalmanFilter)
     noise = _noise(table)
     period = scenario.periods.estimator
-    model = _predicted(table, layout.formation)
+    model = _predicted(table, layout)
     groups = layout.formation.groups
     changed = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | changed

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Extent, Formation
-from railgrip.signals import ESTIMATES, PLANT, READINGS, Layout
+from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, Layout
 
 Array = NDArray[np.float64]
 
@@ -249,7 +249,9 @@ class CustomSensors:
         return reading
 
 
-_OF_TRAIN = frozenset(s.name.removeprefix("reading_") for s in (*PLANT, *READINGS) if s.extent == "train")
+_OF_TRAIN = frozenset(
+    s.name.removeprefix("reading_") for s in (*PLANT, *EXTRA, *READINGS, *EXTRA_READINGS) if s.extent == "train"
+)
 
 
 def _locked(observation: Observation) -> Observation:

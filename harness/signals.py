@@ -64,7 +64,14 @@ PLANT = (
     Signal("locked", "group", "1", "1 while the wheelsets are locked"),
     Signal("standstill", "train", "1", "1 once the train stands"),
 )
-"""Truth: the plant's outputs."""
+"""Truth: the plant's outputs. The trace has them all; what a plant lacks is not a number."""
+
+EXTRA = (
+    Signal("contact_force", "wheelset", "N", "force of rail or roller along the track, positive in braking"),
+    Signal("resistance_torque", "group", "N.m", "torque of bearing and rolling resistance"),
+    Signal("drive_torque", "train", "N.m", "torque of a roller's drive, driving positive"),
+)
+"""Outputs that follow those of `PLANT` in the trace of a plant that has them."""
 
 SENT = (
     Signal(
@@ -102,7 +109,22 @@ READINGS = (
     Signal("reading_acceleration", "train", "m/s2", "read acceleration of the train"),
     Signal("reading_cylinder_pressure", "group", "Pa", "read brake cylinder pressure"),
 )
-"""What the sensors showed."""
+"""What all sensors showed."""
+
+
+def reading_of(signal: Signal) -> Signal:
+    """Return what a sensor of a signal shows."""
+    return Signal(f"reading_{signal.name}", signal.extent, signal.unit, f"read {signal.meaning}")
+
+
+EXTRA_READINGS = (
+    *(reading_of(signal) for signal in (*PLANT, *EXTRA) if f"reading_{signal.name}" not in {s.name for s in READINGS}),
+    Signal("reading_acceleration_along", "group", "m/s2", "read acceleration with the gravity of the gradient"),
+    Signal("reading_latitude", "train", "deg", "read latitude"),
+    Signal("reading_longitude", "train", "deg", "read longitude"),
+    Signal("reading_height", "train", "m", "read height above the ellipsoid"),
+)
+"""Readings that follow those of `READINGS` in the trace of a train whose [sensors] ask for them."""
 
 BELIEVED = (
     Signal("estimate_speed", "train", "m/s", "estimated speed of the train"),
@@ -134,13 +156,16 @@ class Layout:
 
     Attributes:
         formation: Of the vehicle.
-        input: What the plant is sent: the signals of `SENT`.
-        output: What it shows: those of `PLANT`.
-        reading: What sensors show: those of `READINGS`, without their prefix. An entry is NaN where a sensor has
-            nothing new.
+        plant_signals: What the plant shows.
+        reading_signals: What sensors show.
+        input: Places of what the plant is sent: the signals of `SENT`.
+        output: Places of `plant_signals`.
+        reading: Places of `reading_signals`, without their prefix. An entry is NaN where a sensor has nothing new.
     """
 
     formation: Formation
+    plant_signals: tuple[Signal, ...]
+    reading_signals: tuple[Signal, ...]
     input: Mapping[str, slice]
     output: Mapping[str, slice]
     reading: Mapping[str, slice]
@@ -162,21 +187,20 @@ class Layout:
 
     def header(self) -> str:
         """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
-        sizes = {
-            "GROUPS": self.formation.groups,
-            "WHEELSETS": self.formation.wheelsets,
-            "INPUTS": self.inputs,
-            "OUTPUTS": self.outputs,
-            "READINGS": self.readings,
-        }
-        for vector in ("input", "output", "reading"):
-            named: Mapping[str, slice] = getattr(self, vector)
+        vectors = {name: getattr(self, name) for name in ("input", "output", "reading")}
+        sizes = {"GROUPS": self.formation.groups, "WHEELSETS": self.formation.wheelsets}
+        sizes |= {f"{vector}s".upper(): length(named) for vector, named in vectors.items()}
+        for vector, named in vectors.items():
             sizes |= {f"{vector}_{name}".upper(): place.start for name, place in named.items()}
         return "".join(f"#define {name} {value}\n" for name, value in sizes.items())
 
 
 @cache
-def layout_of(formation: Formation) -> Layout:
-    """Return the layout for a formation."""
-    reading = {name.removeprefix("reading_"): place for name, place in places(READINGS, formation).items()}
-    return Layout(formation, places(SENT, formation), places(PLANT, formation), MappingProxyType(reading))
+def layout_of(
+    formation: Formation, plant: tuple[Signal, ...] = PLANT, readings: tuple[Signal, ...] = READINGS
+) -> Layout:
+    """Return the layout for a formation, and a plant and sensors that show these signals."""
+    reading = {name.removeprefix("reading_"): place for name, place in places(readings, formation).items()}
+    return Layout(
+        formation, plant, readings, places(SENT, formation), places(plant, formation), MappingProxyType(reading)
+    )

@@ -9,8 +9,8 @@ The table of a scenario reads
     mu0 = { variable = "rail[{i}].grip", scale = 0.01 }
     cylinder_pressure = { variable = "p[{i}]", unit = "bar" }   # the FMU does not say its unit
 
-and a signal that the table leaves out has the same name in the FMU. Units are converted from what the FMU
-declares; `scale` multiplies what is left (ours = scale · theirs, both in SI). A `unit` is given only where
+and a signal that the table leaves out has the same name in the FMU, where one of a single element may be a
+scalar. Units are converted from what the FMU declares; `scale` multiplies what is left (ours = scale · theirs, both in SI). A `unit` is given only where
 the FMU has none, or where it leaves out what turns: `1/min` of a speed may be `rev/min` or `rad/min`.
 """
 
@@ -201,6 +201,8 @@ def _side(
     for signal in signals:
         targets = _targets(signal, entries, where)
         gone = [t.variable for t in targets if t.variable not in description.variables]
+        if gone and signal.size == 1 and signal.name not in entries and signal.name in description.variables:
+            targets, gone = (_Target(variable=signal.name, scale=1.0, stated_unit=None),), []
         if gone and signal.name not in entries:
             # An array of which some elements exist is a mistake, not an absence.
             if signal.needed or len(gone) < len(targets):

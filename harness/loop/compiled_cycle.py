@@ -16,10 +16,10 @@ from railgrip.loop.library import compiled, kernel
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, Plant, Sensors
 from railgrip.loop.rail import TabulatedRail
-from railgrip.loop.sensors import IdealSensors, ServiceSensors
+from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, Believer, complete
 from railgrip.record.recorder import Recorder
-from railgrip.signals import BELIEVED, INNOVATION, PLANT, READINGS, SENT, SPREAD, Layout, length, places
+from railgrip.signals import BELIEVED, INNOVATION, SENT, SPREAD, Layout, length, places
 
 Vector = NDArray[np.float64]
 
@@ -103,7 +103,8 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             ("start", ctypes.c_double),
             *((name, ctypes.c_void_p) for name in ("mu0", "begins", "forces")),
             ("grid", ctypes.c_double),
-            *((name, ctypes.c_void_p) for name in ("service", "shown_by_ideal", "advance", "block", "held", "seen")),
+            *((name, ctypes.c_void_p) for name in ("service", "read_of", "gain", "bias", "noise")),
+            *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
             *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
             *((name, _Formula) for name in ("law", "valves")),
@@ -132,7 +133,7 @@ def obstacle(
     """Return which party cannot be called from C, and why; None when all can."""
     if not isinstance(plant, PlantInC):
         return "the plant is not called in this process, or shows no slip of its own"
-    if not isinstance(sensors, IdealSensors | ServiceSensors):
+    if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
         return "the sensors are Python"
     if believer is not None and not (isinstance(believer, Believer) and isinstance(believer.filter, FilterInC)):
         return "the estimator is not a compiled filter"
@@ -168,7 +169,7 @@ def run(
 ) -> Ended:
     """Brake until the train stands, the horizon is reached, or a party fails; arguments as for `cycle.run`.
 
-    `progress` is called after every `ServiceSensors.BLOCK` samples, which is also how long Ctrl-C waits.
+    `progress` is called after every `BLOCK` samples, which is also how long Ctrl-C waits.
 
     Raises:
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
@@ -177,6 +178,7 @@ def run(
     if (reason := obstacle(layout, plant, sensors, believer, controller, actuation)) is not None:
         raise TypeError(f"the loop in C cannot run this: {reason}")
     assert isinstance(plant, PlantInC)
+    assert isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors)
     inputs = np.zeros(layout.inputs)
     inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0(0.0, 0.0), rail.force(0.0)
     truth = plant.start(inputs)
@@ -190,11 +192,11 @@ def run(
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
     ended = _GOING
     try:
-        for first in range(0, clock.samples + 1, ServiceSensors.BLOCK):
-            if isinstance(sensors, ServiceSensors):
+        for first in range(0, clock.samples + 1, BLOCK):
+            if isinstance(sensors, WhiteSensors | ServiceSensors):
                 sensors.draw()
             before = its.crossed
-            ended = cycle(address, min(first + ServiceSensors.BLOCK, clock.samples + 1))
+            ended = cycle(address, min(first + BLOCK, clock.samples + 1))
             plant.crossed(its.crossed - before, its.failure if ended == _PLANT_FAILED else 0)
             if ended != _GOING:
                 break
@@ -224,7 +226,7 @@ class _Parts:
         layout: Layout,
         plant: Edge,
         rail: TabulatedRail,
-        sensors: Sensors,
+        sensors: IdealSensors | WhiteSensors | ServiceSensors,
         believer: Believer | DirectEstimator | None,
         controller: Controller,
         actuation: Actuation,
@@ -236,21 +238,23 @@ class _Parts:
         mu0 = np.ascontiguousarray(rail.friction.mu0_at)
         begins, forces = np.array(rail.sections.begins), np.array(rail.sections.forces)
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
-        shown = self._places(sensors.shown) if isinstance(sensors, IdealSensors) else None
+        read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.shown)
         self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, crossing=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
             mu0=self._at(mu0), begins=self._at(begins), forces=self._at(forces), grid=rail.friction.step,
             points=len(mu0), over_time=rail.friction.over_time, sections=begins.size,
-            service=service, shown_by_ideal=shown, radius=self._at(np.array(wheel_radius)),
+            service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
             driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
-            true_at=recorder.block(PLANT).start, sent_at=recorder.block(SENT).start,
-            read_at=recorder.block(READINGS).start, demand_at=recorder.at.get("demand", -1),
+            true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,
+            read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
             driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
         )  # fmt: skip
         its = self.struct
+        if isinstance(sensors, WhiteSensors):
+            its.gain, its.bias, its.noise = (self._at(part) for part in (sensors.gain, sensors.bias, sensors.noise))
         self._filter = filter_ = believer.filter if isinstance(believer, Believer) else None
         if isinstance(believer, Believer) and isinstance(filter_, FilterInC):
             its.advance, its.block, its.squared = filter_.entry

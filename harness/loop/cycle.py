@@ -24,7 +24,7 @@ from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Plant, Rail, Sensors
 from railgrip.loop.watch import Believer, watch_of
 from railgrip.record.recorder import Recorder
-from railgrip.signals import PLANT, READINGS, SENT, Layout
+from railgrip.signals import SENT, Layout
 
 
 def run(*, controller: Controller, **parties: Any) -> Ended:
@@ -90,7 +90,7 @@ def decisions(
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
     """
     rows = recorder.rows
-    true, sent, read = (recorder.block(signals) for signals in (PLANT, SENT, READINGS))
+    true, sent, read = (recorder.block(s) for s in (layout.plant_signals, SENT, layout.reading_signals))
     period = clock.period
     report_every = max(round(0.25 / period), 1)
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start

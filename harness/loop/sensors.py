@@ -14,6 +14,10 @@ from railgrip.signals import Layout
 Vector = NDArray[np.float64]
 
 
+BLOCK = 1024
+"""Samples between two draws of noise."""
+
+
 class IdealSensors:
     """Readings are the plant's outputs.
 
@@ -29,6 +33,34 @@ class IdealSensors:
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the truth, in the order of a reading."""
         return truth.take(self.shown)
+
+
+class WhiteSensors:
+    """Readings are the plant's outputs times a gain, plus a bias and noise that is white from sample to sample.
+
+    Attributes:
+        shown: Which output each entry of a reading shows.
+        gain, bias: Of each entry, constant over a stop.
+        noise: Of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
+    """
+
+    def __init__(
+        self, shown: NDArray[np.intp], gain: Vector, bias: Vector, deviation: Vector, random: np.random.Generator
+    ) -> None:
+        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it."""
+        self.shown, self.gain, self.bias = shown, gain, bias
+        self.noise = np.empty((BLOCK, deviation.size))
+        self._deviation, self._random = deviation, random
+
+    def draw(self) -> None:
+        """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
+        self.noise[:] = self._random.standard_normal(self.noise.shape) * self._deviation
+
+    def read(self, sample: int, truth: Vector) -> Vector:
+        """Return the reading of a sample; they come one after the other, from 0 on."""
+        if sample % BLOCK == 0:
+            self.draw()
+        return truth.take(self.shown) * self.gain + self.bias + self.noise[sample % BLOCK]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,9 +134,6 @@ class ServiceSensors:
     generator, so that the same seed gives the same readings. Samples are read one after the other, from 0 on.
     """
 
-    BLOCK = 1024
-    """Samples between two draws of noise."""
-
     def __init__(
         self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
     ) -> None:
@@ -115,7 +144,7 @@ class ServiceSensors:
         self._deviation = np.array(
             [its.speed_noise, its.acceleration_noise] + [its.deflection_noise] * layout.formation.wheelsets
         )
-        self._noise = np.empty((self.BLOCK, self._deviation.size))
+        self._noise = np.empty((BLOCK, self._deviation.size))
         self._past = np.empty(its.speed_latency + 1)
         self._offset_steps = its.pressure_offset / its.pressure_step
         self.struct: Any = service_struct(groups)(
@@ -123,7 +152,7 @@ class ServiceSensors:
             noise=self._noise.ctypes.data, offset_steps=self._offset_steps.ctypes.data, past=self._past.ctypes.data,
             period=period, speed_scale=its.speed_scale, acceleration_bias=its.acceleration_bias,
             pressure_step=its.pressure_step, pressure_share=period / (its.pressure_lag + period),
-            block=self.BLOCK, speed_every=its.speed_every, speed_latency=its.speed_latency,
+            block=BLOCK, speed_every=its.speed_every, speed_latency=its.speed_latency,
         )  # fmt: skip
         self._truth, self._reading = np.empty(layout.outputs), np.empty(layout.readings)
         self._address = ctypes.addressof(self.struct)
@@ -136,7 +165,7 @@ class ServiceSensors:
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of a sample."""
-        if sample % self.BLOCK == 0:
+        if sample % BLOCK == 0:
             self.draw()
         self._truth[:] = truth
         self._read(self._address, sample, *self._places)

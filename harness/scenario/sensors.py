@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, StrictInt, Tag
 
 from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.table import Deviation, Lag, Period, Table
 
 _OFF = "a sensor so far off is none"
@@ -76,7 +76,26 @@ class ServiceSensors(Table):
     pressure: PressureTransducer
 
 
+class WhiteSensors(Table):
+    """Readings are the plant's outputs with errors, every sample; a quantity that no table names is read as it is.
+
+    Quantities are what every train reads (speed, wheelset_speed, deflection, acceleration, cylinder_pressure) and
+    whatever else the plant shows, such as pad_force: once it is named, the trace has it as reading_pad_force.
+    """
+
+    kind: Literal["white"]
+    noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
+    bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")
+    scale: dict[str, Deviation] = Field(default={}, description="1σ of the relative error, drawn once a stop")
+
+    @property
+    def named(self) -> frozenset[str]:
+        """Quantities with errors."""
+        return frozenset((*self.noise, *self.bias, *self.scale))
+
+
 Sensors = Annotated[
-    Annotated[IdealSensors | ServiceSensors, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
-    Discriminator(whose("sensors", frozenset({"ideal", "service"}))),
+    Annotated[IdealSensors | WhiteSensors | ServiceSensors, Field(discriminator="kind"), Tag(OURS)]
+    | Annotated[Custom, Tag(CUSTOM)],
+    Discriminator(whose("sensors", frozenset({"ideal", "white", "service"}))),
 ]

@@ -29,14 +29,13 @@ from railgrip.loop.ended import Clock
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
 from railgrip.loop.rail import TabulatedRail
-from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors
+from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import Believer
 from railgrip.record.outcome import Outcome
 from railgrip.record.recorder import Recorder
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
 
-BLOCK = ServiceSensors.BLOCK
 RADIUS = (0.38,) * 4
 GROUPS = (
     BrakeGroup(
@@ -186,8 +185,21 @@ HOLD = lambda: SlipBased(GROUPS, replace(PAPER_LEVELS, hold=True))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
+SENSORS = {
+    "ideal": lambda: IdealSensors(LAYOUT),
+    "white": lambda: WhiteSensors(
+        IdealSensors(LAYOUT).shown,
+        np.linspace(0.99, 1.01, LAYOUT.readings),
+        np.full(LAYOUT.readings, 1e-3),
+        np.full(LAYOUT.readings, 1e-2),
+        np.random.default_rng(5),
+    ),
+    "service": lambda: ServiceSensors(LAYOUT, INSTRUMENTS, 1e-3, np.random.default_rng(5)),
+}
+
+
 def brake(
-    engine, plant, controller, filter_, *, samples, service, valves, every, over_time, asked=None, phases=(), keep=None
+    engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None
 ):
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
@@ -203,9 +215,7 @@ def brake(
     parties = dict(
         layout=LAYOUT,
         plant=plant,
-        sensors=ServiceSensors(LAYOUT, INSTRUMENTS, 1e-3, np.random.default_rng(5))
-        if service
-        else IdealSensors(LAYOUT),
+        sensors=SENSORS[sensors](),
         believer=believer(filter_) if filter_ else None,
         controller=controller,
         actuation=ValveLogic([3.4e5] * 4, VALVES) if valves else Direct(),
@@ -234,7 +244,7 @@ def brake(
 
 def same(plant=Plant, controller=SLIP, filter_=None, **changed):
     """Return how it ended, with either engine."""
-    setup = dict(samples=BLOCK + 40, service=True, valves=False, every=(1, 1), over_time=True) | changed
+    setup = dict(samples=BLOCK + 40, sensors="service", valves=False, every=(1, 1), over_time=True) | changed
     one, other = (brake(engine, plant, controller, filter_, **setup) for engine in (cycle, compiled_cycle))
     assert one == other
     return one[0]
@@ -277,18 +287,18 @@ def test_a_filter_that_diverges(call, way):
 
 
 @pytest.mark.parametrize("lacks", [(), ("deflection", "locked", "group_adhesion")])
-@pytest.mark.parametrize("service", [True, False])
+@pytest.mark.parametrize("sensors", ["ideal", "white", "service"])
 @pytest.mark.parametrize("filter_", [None, Filter])
 @pytest.mark.parametrize(
     ("controller", "valves", "every", "over_time"),
     [(SLIP, False, (1, 1), False), (HOLD, True, (5, 10), True), (HOLD, False, (2, 3), False)],
 )
-def test_mixes_of_parties(lacks, service, filter_, controller, valves, every, over_time):
+def test_mixes_of_parties(lacks, sensors, filter_, controller, valves, every, over_time):
     """Sensors without a new reading, outputs that a plant lacks, parties at periods of their own; into the second
     block, and over the end of the friction's table, which is 1 s or 1 m long."""
     outcome, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, lacks=lacks), controller, filter_,
-        service=service, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
+        sensors=sensors, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
     )  # fmt: skip
     assert outcome is Outcome.STANDSTILL
 

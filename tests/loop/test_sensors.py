@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT
 
-from railgrip.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors
+from railgrip.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 
 PERIOD = 1e-3
 
@@ -50,6 +50,20 @@ def test_ideal_sensors_show_the_truth():
     reading = IdealSensors(LAYOUT).read(0, truth())
     assert reading[LAYOUT.reading["speed"]].tolist() == [20.0]
     assert reading[LAYOUT.reading["cylinder_pressure"]].tolist() == [2e5] * 4
+
+
+def test_white_sensors_err_by_gain_bias_and_noise_as_stated():
+    """20 s of a constant truth: means within four deviations of the mean, deviations within 5 %."""
+    size, speed = LAYOUT.readings, LAYOUT.reading["speed"].start
+    deviation = np.zeros(size)
+    deviation[speed] = 0.1
+    sensors = WhiteSensors(
+        IdealSensors(LAYOUT).shown, np.full(size, 1.01), np.full(size, 0.5), deviation, np.random.default_rng(3)
+    )
+    readings = np.array([sensors.read(k, truth()) for k in range(20000)])
+    assert readings[:, speed].mean() == pytest.approx(20 * 1.01 + 0.5, abs=4 * 0.1 / np.sqrt(20000))
+    assert readings[:, speed].std() == pytest.approx(0.1, rel=0.05)
+    assert np.all(readings[:, LAYOUT.reading["cylinder_pressure"]] == 2e5 * 1.01 + 0.5)
 
 
 def test_a_perfect_encoder_is_as_good_as_its_clock():

@@ -14,6 +14,7 @@ typedef void Call(double *, const double *, const double *, double *);
 
 enum { SET_STEP_GET = 7 };
 enum { GOING, STANDING, PLANT_FAILED, DIVERGED, NO_COMMAND, IMPLAUSIBLE };
+enum { NOISE_BLOCK = 1024 };                     /* `BLOCK` in sensors.py */
 enum { NEGATIVE_VARIANCE = -1 };                 /* beside the failures of the filter */
 enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS, INNOVATION = 2 };
 
@@ -34,9 +35,10 @@ typedef struct {
     /* the rail: friction on an even grid, the force in sections */
     const double *mu0, *begins, *forces;
     double grid;
-    /* instruments; null: ideal ones */
+    /* instruments; null: the outputs themselves, with errors if there is noise */
     Service *service;
-    const long long *shown_by_ideal;
+    const long long *read_of;
+    const double *gain, *bias, *noise;           /* rows of READINGS for NOISE_BLOCK samples from a multiple of it on */
     /* the filter; null: there is none */
     Advance *advance;
     double *block, *held, *seen;
@@ -68,8 +70,11 @@ static void read_all(const Cycle *c, double *reading)
     if (c->service)
         read_service(c->service, c->sample, c->truth, reading);
     else
-        for (int i = 0; i < READINGS; i++)
-            reading[i] = c->truth[c->shown_by_ideal[i]];
+        for (int i = 0; i < READINGS; i++) {
+            reading[i] = c->truth[c->read_of[i]];
+            if (c->noise)
+                reading[i] = reading[i] * c->gain[i] + c->bias[i] + c->noise[c->sample % NOISE_BLOCK * READINGS + i];
+        }
 }
 
 /* Keep the newest reading of every sensor, and what came since the last step of the belief. */
