@@ -1,19 +1,22 @@
 """The instruments of a scenario, drawn from its seed."""
 
+import math
 from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.errors import ScenarioError
+from railgrip.errors import ScenarioError, SensorsFailed
 from railgrip.loop.ports import Sensors
 from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.scenario.custom import Custom
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import GNSS, Gnss
 from railgrip.scenario.sensors import IdealSensors as IdealTable
 from railgrip.scenario.sensors import WhiteSensors as WhiteTable
+from railgrip.scenario.track import gravity_along, slope_of
 from railgrip.signals import EXTRA_READINGS, READINGS, Layout, Signal
 
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
@@ -33,10 +36,10 @@ def readings_of(scenario: Scenario, shown: Collection[str]) -> tuple[Signal, ...
     if not isinstance(table, WhiteTable):
         return READINGS
     unknown = sorted(table.named - set(_ALL))
-    unseen = sorted(table.named - set(unknown) - set(shown))
+    unseen = sorted(table.named - set(unknown) - set(shown) - set(_SOURCE))
     if unknown or unseen:
         problem = f"there is no quantity {unknown[0]}" if unknown else f"the plant does not show {unseen[0]}"
-        known = ", ".join(name for name in _ALL if name in shown)
+        known = ", ".join(name for name in _ALL if name in shown or name in _SOURCE)
         raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {known}")
     return (*READINGS, *(signal for name, signal in _ALL.items() if name in table.named and signal in EXTRA_READINGS))
 
@@ -72,21 +75,90 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
     return ServiceSensors(layout, instruments, period, generator(scenario.seed, "sensors.noise"))
 
 
-def _white(scenario: Scenario, table: WhiteTable, layout: Layout) -> WhiteSensors:
+class OnTrack:
+    """White sensors, accelerometers that feel the gradient, and a GNSS receiver."""
+
+    def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, gnss: Gnss | None) -> None:
+        """Add to `white` what the track of a scenario does."""
+        self._white, self._slope = white, slope_of(scenario.track)
+        self._distance = layout.output["distance"].start
+        self._along, self._position = layout.reading.get("acceleration_along"), slice(0, 0)
+        self._receiver = None
+        if gnss is not None:
+            self._position = slice(layout.reading[GNSS[0]].start, layout.reading[GNSS[-1]].stop)
+            self._receiver = _Receiver(gnss, scenario)
+
+    def read(self, sample: int, truth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the reading of a sample; they come one after the other, from 0 on.
+
+        Raises:
+            SensorsFailed: The train has left its track.
+        """
+        reading, distance = self._white.read(sample, truth), float(truth[self._distance])
+        if self._along is not None:
+            reading[self._along] += gravity_along(self._slope(distance))
+        if self._receiver is not None:
+            reading[self._position] = self._receiver.read(sample, distance)
+        return reading
+
+
+class _Receiver:
+    def __init__(self, table: Gnss, scenario: Scenario) -> None:
+        assert scenario.track.plan is not None  # the scenario has been checked
+        self._track, self._random = scenario.track.plan, generator(scenario.seed, "sensors.gnss")
+        self._plan = self._track.laid().plan()
+        self._every = max(round(table.period / scenario.periods.communication), 1)
+        self._keeps = math.exp(-table.period / table.wander_time)
+        self._wander = self._random.standard_normal(3)
+        self._wanders = np.array([table.horizontal_wander, table.horizontal_wander, table.height_wander])
+        self._white = np.array([table.horizontal, table.horizontal, table.height])
+
+    def read(self, sample: int, distance: float) -> NDArray[np.float64]:
+        """Return latitude, longitude [deg] and height [m], NaN where there is no new reading."""
+        if sample % self._every:
+            return np.full(3, np.nan)
+        place, length = float(self._track.place(distance)), self._plan.track.length
+        if not 0.0 <= place <= length:
+            raise SensorsFailed(
+                f"The train has left its track at {place:.0f} m of [track.plan], which is {length:g} m long; move its "
+                "start, or lay more."
+            )
+        if sample:
+            fresh = math.sqrt(1.0 - self._keeps**2)
+            self._wander = self._keeps * self._wander + fresh * self._random.standard_normal(3)
+        north, east, up = self._wander * self._wanders + self._white * self._random.standard_normal(3)
+        latitude, longitude, height = self._plan.positions(place)
+        # Radii of the sphere are within 0.4 % of the ellipsoid's: less than a millimetre of a wander.
+        metre = math.degrees(1.0 / 6.371e6)
+        return np.array(
+            [latitude + north * metre, longitude + east * metre / math.cos(math.radians(latitude)), height + up]
+        )
+
+
+_SOURCE = {"acceleration_along": "acceleration"} | dict.fromkeys(GNSS, "distance")
+"""What the plant shows of a quantity that has another name, or takes the place of."""
+
+
+def _white(scenario: Scenario, table: WhiteTable, layout: Layout) -> WhiteSensors | OnTrack:
     def each(values: Mapping[str, float]) -> NDArray[np.float64]:
         found = np.zeros(layout.readings)
         for name, value in values.items():
             found[layout.reading[name]] = value
         return found
 
+    def shown(name: str) -> NDArray[np.intp]:
+        source, at = layout.output[_SOURCE.get(name, name)], layout.reading[name]
+        return source.start + np.arange(at.stop - at.start) % (source.stop - source.start)
+
     lot = generator(scenario.seed, "sensors.lot")
-    return WhiteSensors(
-        np.concatenate([np.arange(at.start, at.stop) for at in (layout.output[name] for name in layout.reading)]),
+    white = WhiteSensors(
+        np.concatenate([shown(name) for name in layout.reading]),
         1.0 + each(table.scale) * lot.standard_normal(layout.readings),
         each(_deviations(scenario, "bias", table.bias)) * lot.standard_normal(layout.readings),
         each(_deviations(scenario, "noise", table.noise)),
         generator(scenario.seed, "sensors.noise"),
     )
+    return OnTrack(white, layout, scenario, table.gnss) if _SOURCE.keys() & layout.reading.keys() else white
 
 
 def _deviations(scenario: Scenario, table: str, written: Mapping[str, Magnitude]) -> dict[str, float]:

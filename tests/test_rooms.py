@@ -23,8 +23,9 @@ ALLOWED = {
     "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.record.recorder", "railgrip.signals",
                       "railgrip.formation", "railgrip.controllers.observation", "railgrip.estimators.belief",
                       "railgrip.fmus.native.toolchain"),
-    "railgrip.scenario": ("railgrip.scenario", "railgrip.formation", "railgrip.units", "railgrip.limits",
-                          "railgrip.fmus.native.library"),
+    "railgrip.track": ("railgrip.track",),
+    "railgrip.scenario": ("railgrip.scenario", "railgrip.track", "railgrip.formation", "railgrip.units",
+                          "railgrip.limits", "railgrip.fmus.native.library"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
     "railgrip.record": ("railgrip.record", "railgrip.scenario", "railgrip.formation", "railgrip.signals",
                         "railgrip.estimators.consistency"),

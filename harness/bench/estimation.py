@@ -7,11 +7,11 @@ from time import perf_counter
 
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.spec import estimate_of
+from railgrip.estimation.track.braking import braking_of
 from railgrip.studies.field.filtering import filter_of, follow, prediction, specification, task_of
 from railgrip.studies.field.noise import PHYSICAL
 from railgrip.studies.field.objective import evaluate
 from railgrip.studies.field.runs import TEST
-from railgrip.track.braking import braking_of
 from railgrip.twins.field_scenario import FieldScenario, field_scenario
 from railgrip.twins.field_train import run_case
 

@@ -10,9 +10,9 @@ else braking begins where a cylinder fills. What comes back begins with the coas
 import xarray
 
 from railgrip.estimation.spec import CourseTable
-from railgrip.track.braking import LOW_PASS, TRUST, braking_of
-from railgrip.track.course import LowPass
-from railgrip.track.motion import Trust
+from railgrip.estimation.track.braking import LOW_PASS, TRUST, braking_of
+from railgrip.estimation.track.course import LowPass
+from railgrip.estimation.track.motion import Trust
 
 UNITS = {"latitude": "deg", "longitude": "deg", "height": "m", "driving": "1", "braking": "1"}
 ALWAYS = ("driving", "braking")

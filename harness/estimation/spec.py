@@ -94,7 +94,7 @@ class ObservabilityTable(Table):
 
 
 class LowPassTable(Table):
-    """[course.low_pass]: see `railgrip.track.course.LowPass`."""
+    """[course.low_pass]: see `railgrip.estimation.track.course.LowPass`."""
 
     plan: Length
     height: Length
@@ -102,7 +102,7 @@ class LowPassTable(Table):
 
 
 class TrustTable(Table):
-    """[course.trust]: standard deviations of the sensors of motion, see `railgrip.track.motion.Trust`."""
+    """[course.trust]: standard deviations of the sensors of motion, see `railgrip.estimation.track.motion.Trust`."""
 
     speed: Annotated[float, Unit("m/s", above=0)]
     scale: Annotated[float, Unit("1", above=0)]

@@ -10,8 +10,9 @@ The table of a scenario reads
     cylinder_pressure = { variable = "p[{i}]", unit = "bar" }   # the FMU does not say its unit
 
 and a signal that the table leaves out has the same name in the FMU, where one of a single element may be a
-scalar. Units are converted from what the FMU declares; `scale` multiplies what is left (ours = scale · theirs, both in SI). A `unit` is given only where
-the FMU has none, or where it leaves out what turns: `1/min` of a speed may be `rev/min` or `rad/min`.
+scalar. Units are converted from what the FMU declares; `scale` multiplies what is left (ours = scale · theirs,
+both in SI). A `unit` is given only where the FMU has none, or where it leaves out what turns: `1/min` of a speed
+may be `rev/min` or `rad/min`.
 """
 
 from collections.abc import Mapping, Sequence

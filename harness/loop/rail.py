@@ -33,7 +33,7 @@ class Profile(Protocol):
 
 
 class Sections(Protocol):
-    """A force that is constant between places, as `railgrip.scenario.track.TrackForce`."""
+    """A force that is constant or straight between places, as `railgrip.scenario.track.TrackForce`."""
 
     @property
     def begins(self) -> tuple[float, ...]:
@@ -42,7 +42,12 @@ class Sections(Protocol):
 
     @property
     def forces(self) -> tuple[float, ...]:
-        """On the train in each section, forward positive [N]."""
+        """On the train where each section begins, forward positive [N]."""
+        ...
+
+    @property
+    def rates(self) -> tuple[float, ...]:
+        """Change of the force over each section, 0 for the first [N/m]."""
         ...
 
     def at(self, distance: float) -> float:

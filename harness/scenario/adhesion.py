@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.scenario.curve import Curve
-from railgrip.scenario.profile import Conditioning, Constant, FromTable, Random, SineSweep, Trapezoid
+from railgrip.scenario.profile import Conditioning, Constant, FromTable, Patch, Points, Random, SineSweep, Trapezoid
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.table import FASTEST
@@ -71,9 +71,16 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         places = np.repeat(axis[:, None], wheelsets, axis=1)
     else:
         step = _PLACE_STEP
+        if formation.position is None:
+            raise ScenarioError(
+                f"{scenario.name}: [adhesion] runs over distance, and the plant does not say where its wheelsets are: "
+                "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
+            )
         # A train cannot get farther than this before the horizon: braking it gets no faster, driven as fast as any.
         driven = scenario.demand is not None and scenario.demand.has_traction
         reach = (FASTEST if driven else scenario.start.speed) * scenario.limits.horizon
+        if isinstance(adhesion, Constant):  # behind its patches nothing changes
+            reach = max(p.begin + p.length for p in adhesion.patch) + formation.position.max() + step
         if reach > _FARTHEST:
             fastest = "any train" if driven else "[start] speed"
             raise ScenarioError(
@@ -81,17 +88,22 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
                 f"horizon, {reach / 1e3:.3g} km; {_FARTHEST / 1e3:g} km is the most, shorten the horizon"
             )
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
-        if formation.position is None:
-            raise ScenarioError(
-                f"{scenario.name}: [adhesion] runs over distance, and the plant does not say where its wheelsets are: "
-                "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
-            )
         places = axis[:, None] - formation.position
     match adhesion:
         case Constant(mu0=mu0):
-            if len(mu0) > 1:
-                _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
+            for what, each in (("mu0", mu0), *(("patch mu0", patch.mu0) for patch in adhesion.patch)):
+                if len(each) > 1:
+                    _check_count(scenario, f"[adhesion] {what}", len(each), wheelsets)
             found = np.broadcast_to(mu0, places.shape)
+            for patch in adhesion.patch:
+                found = found + _inside(patch, places) * (np.array(patch.mu0) - found)
+        case Points():
+            found = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
+            if adhesion.correlation is not None:
+                correlation = adhesion.extent("correlation")
+                spacing = step if over_time else correlation / 20
+                points, noise = _noise(correlation, places, spacing, scenario.seed)
+                found = found * (1.0 + adhesion.scatter * np.interp(places, points, np.clip(noise, -3.0, 3.0)))
         case Trapezoid():
             found = _trapezoid(adhesion, places)
         case SineSweep():
@@ -128,7 +140,7 @@ def _demand_resolved(scenario: Scenario) -> None:
         case SineSweep() as shape:
             finest = 0.5 / max(shape.frequencies)
             what = f"[adhesion] frequencies reach {max(shape.frequencies):.3g} 1/{shape.unit}"
-        case Random() as shape:
+        case (Random() | Points()) as shape if shape.correlation is not None:
             finest = shape.extent("correlation") / 10
             what = f"[adhesion] correlation is {shape.extent('correlation'):.3g} {shape.unit}"
         case _:
@@ -164,13 +176,18 @@ def _sine_sweep(shape: SineSweep, places: Array) -> Array:
 
 
 def _random(shape: Random, places: Array, seed: int) -> Array:
-    """Return clipped first-order Gauss–Markov noise, exact at points a twentieth of the correlation apart.
+    """Return clipped noise, exact at points a twentieth of the correlation apart."""
+    correlation = shape.extent("correlation")
+    points, noise = _noise(correlation, places, correlation / 20, seed)
+    return np.interp(places, points, np.clip(shape.mean + shape.deviation * noise, shape.minimum, shape.maximum))
+
+
+def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tuple[Array, Array]:
+    """Return points `spacing` apart around `places`, and first-order Gauss–Markov noise of unit variance there.
 
     x[k+1] = ρ x[k] + √(1 − ρ²) w[k], ρ = e^(−h/L): stationary from the first point, autocorrelation
     e^(−|d|/L).
     """
-    correlation = shape.extent("correlation")
-    spacing = correlation / 20
     # From the first wheelset's start on, so that a longer train adds points behind without moving those
     # ahead.
     ahead = int(np.ceil(places.max() / spacing)) + 2
@@ -179,8 +196,15 @@ def _random(shape: Random, places: Array, seed: int) -> Array:
     # The process is reversible: going back from its first value is the same recursion with draws of its own.
     backward = _markov(generator(seed, "adhesion.behind"), np.exp(-spacing / correlation), behind, start=forward[0])
     noise = np.concatenate([backward[:0:-1], forward])
-    points = spacing * np.arange(1 - behind, ahead)
-    return np.interp(places, points, np.clip(shape.mean + shape.deviation * noise, shape.minimum, shape.maximum))
+    points = spacing * np.arange(1 - behind, ahead, dtype=np.float64)
+    return points, noise
+
+
+def _inside(patch: Patch, places: Array) -> Array:
+    """Return 1 inside a patch, 0 outside, straight between over its edges."""
+    into = places - patch.begin
+    inside = np.minimum(into, patch.length - into)
+    return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)
 
 
 def _markov(draws: np.random.Generator, persistence: float, count: int, start: float | None = None) -> Array:

@@ -2,13 +2,13 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from railgrip.scenario.curve import Curve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, Unit
-from railgrip.scenario.table import Friction, Table, broken
+from railgrip.scenario.table import Friction, Length, Table, broken
 
 
 class Conditioning(Table):
@@ -47,16 +47,35 @@ class _Profile(Table):
         return self.level * self.calibrated.get(self.polach.name, 1.0)
 
 
+def _one_or_each(written: Any) -> Any:
+    return tuple(written) if isinstance(written, list | tuple) else (written,)
+
+
+Frictions = Annotated[tuple[Friction, ...], BeforeValidator(_one_or_each)]
+
+
+class Patch(Table):
+    """A place on the rail of other friction, as leaves, oil or sand make it."""
+
+    begin: Length = Field(description="distance of the first wheelset at which it gets there")
+    length: Length
+    mu0: Frictions = Field(
+        description="one number for the whole train, or one for each wheelset: the first ones may clean the rail"
+    )
+    edge: Length = Field(default=0.0, description="over which friction changes at either end, inside the patch")
+
+
 class Constant(_Profile):
-    """The same friction everywhere, for the train or for each wheelset."""
+    """The same friction everywhere, for the train or for each wheelset, but for patches of the rail."""
 
     kind: Literal["constant"]
-    mu0: tuple[Friction, ...] = Field(description="one number for the whole train, or one for each wheelset")
+    mu0: Frictions = Field(description="one number for the whole train, or one for each wheelset")
+    patch: tuple[Patch, ...] = Field(default=(), exclude_if=lambda patches: not patches)
 
-    @field_validator("mu0", mode="before")
-    @classmethod
-    def _one_or_each(cls, written: Any) -> Any:
-        return tuple(written) if isinstance(written, list | tuple) else (written,)
+    @property
+    def over(self) -> Over:
+        """What friction changes with: the place if there are patches."""
+        return "distance" if self.patch else "time"
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -164,6 +183,38 @@ class Random(_Varying):
         return self
 
 
+class Points(_Varying):
+    """Straight between points, constant beyond them; with scatter of a relative deviation where one is given.
+
+    The scatter is a Gauss–Markov process of autocorrelation e^(−|d|/correlation), cut off at three deviations; drawn
+    from the seed.
+    """
+
+    kind: Literal["points"]
+    points: tuple[tuple[Extent, Friction], ...] = Field(min_length=1, description="time or distance, and mu0 there")
+    scatter: Annotated[float, Unit("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
+    correlation: Extent | None = Field(default=None, description="of the scatter; wanted with it")
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """Where the points are, in the unit of the axis."""
+        return tuple(place.si(self.unit) for place, _ in self.points)
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        try:
+            places = self.places
+        except ValueError as problem:
+            raise broken(f"points {problem} (the profile runs over {self.over})") from problem
+        if list(places) != sorted(set(places)) or places[0] < 0:
+            raise broken(f"points must begin with rising values from 0 on, got {list(places)}")
+        if self.correlation is not None:
+            self._check_extents("correlation")
+        elif self.scatter:
+            raise broken("has scatter and no correlation, over which that changes")
+        return self
+
+
 class FromTable(_Profile):
     """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
 
@@ -191,4 +242,4 @@ class FromTable(_Profile):
         return self.curve.over
 
 
-Adhesion = Annotated[Constant | Trapezoid | SineSweep | Random | FromTable, Field(discriminator="kind")]
+Adhesion = Annotated[Constant | Points | Trapezoid | SineSweep | Random | FromTable, Field(discriminator="kind")]

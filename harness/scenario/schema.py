@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 from railgrip.scenario.demand import Demand
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
-from railgrip.scenario.profile import Adhesion, Constant, FromTable
+from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken
 from railgrip.scenario.track import Track
@@ -56,6 +56,8 @@ class Scenario(Table):
                 off_the_samples(self.periods.communication)
             except PydanticCustomError as refusal:
                 raise broken(f"[periods] communication {refusal}") from refusal
+        if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
+            raise broken("[sensors.gnss] reads positions on a [track.plan], and there is none")
         rows = self.limits.horizon / self.periods.communication
         if rows > _MOST_ROWS:
             raise broken(
@@ -81,7 +83,7 @@ class Scenario(Table):
     @property
     def runs_over_distance(self) -> bool:
         """Whether the adhesion is a function of the place."""
-        return not isinstance(self.adhesion, Constant) and self.adhesion.over == "distance"
+        return self.adhesion.over == "distance"
 
     def files(self) -> tuple[NamedFile, ...]:
         """Return the files beside the scenario that decide the stop, too."""

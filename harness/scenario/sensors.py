@@ -6,12 +6,15 @@ from pydantic import Discriminator, Field, StrictInt, Tag
 
 from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.quantity import Magnitude, Unit
-from railgrip.scenario.table import Deviation, Lag, Period, Table
+from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table
 
 _OFF = "a sensor so far off is none"
 SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]
 AccelerationError = Annotated[float, Unit("m/s2", at_least=0, at_most=1000, because=_OFF)]
 TravelError = Annotated[float, Unit("m", at_least=0, at_most=1, because=_OFF)]
+PlaceError = Annotated[float, Unit("m", at_least=0, at_most=1000, because=_OFF)]
+GNSS = ("latitude", "longitude", "height")
+"""What a receiver reads."""
 Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
 
 
@@ -76,22 +79,40 @@ class ServiceSensors(Table):
     pressure: PressureTransducer
 
 
+class Gnss(Table):
+    """A receiver of carrier phases in the middle of the train: small errors beside one that wanders slowly.
+
+    Each of north, east and height has both, the wandering one a Gauss-Markov process.
+    """
+
+    period: Period
+    horizontal: PlaceError = Field(description="1σ of either, white, each reading")
+    height: PlaceError = Field(description="1σ, white, each reading")
+    horizontal_wander: PlaceError = Field(description="1σ of either")
+    height_wander: PlaceError = Field(description="1σ")
+    wander_time: Duration = Field(description="over which the autocorrelation of the wander falls to 1/e")
+
+
 class WhiteSensors(Table):
     """Readings are the plant's outputs with errors, every sample; a quantity that no table names is read as it is.
 
     Quantities are what every train reads (speed, wheelset_speed, deflection, acceleration, cylinder_pressure) and
-    whatever else the plant shows, such as pad_force: once it is named, the trace has it as reading_pad_force.
+    whatever else the plant shows, such as pad_force: once it is named, the trace has it as reading_pad_force. So are
+    acceleration_along, of an accelerometer over each group that feels the gradient, too, and latitude, longitude and
+    height by GNSS, NaN between its readings.
     """
 
     kind: Literal["white"]
     noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
     bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")
     scale: dict[str, Deviation] = Field(default={}, description="1σ of the relative error, drawn once a stop")
+    gnss: Gnss | None = Field(default=None, description="wants [track.plan]")
 
     @property
     def named(self) -> frozenset[str]:
         """Quantities with errors."""
-        return frozenset((*self.noise, *self.bias, *self.scale))
+        receiver = () if self.gnss is None else GNSS
+        return frozenset((*self.noise, *self.bias, *self.scale, *receiver))
 
 
 Sensors = Annotated[

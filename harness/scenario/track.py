@@ -2,8 +2,9 @@
 
 import math
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,9 @@ from pydantic import Field, field_validator, model_validator
 
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Length, Table, broken
+
+if TYPE_CHECKING:
+    from railgrip.track.laid import LaidTrack
 
 GRAVITY = 9.81  # m/s2
 
@@ -48,6 +52,69 @@ class Curve(Table):
         return radius
 
 
+Slope = Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)]
+Bend = Annotated[float, Unit("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")]
+
+
+class Plan(Table):
+    """[track.plan]: a track as it was laid, in the direction of its distance, and where the run lies on it."""
+
+    latitude: Annotated[float, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
+    longitude: Annotated[float, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
+    height: Annotated[float, Unit("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
+        description="of the point `middle` above the ellipsoid"
+    )
+    middle: Length = Field(description="distance of the point whose position is given")
+    heading: Annotated[float, Unit("rad", at_least=-7, at_most=7)] = Field(description="there, clockwise from north")
+    course: tuple[tuple[Length, Bend], ...] = Field(
+        min_length=1,
+        description="length of each piece and the radius at its end: 0 is straight, positive to the right; the "
+        "curvature changes evenly from that of the piece before",
+    )
+    slope: Slope = Field(description="at the beginning, positive uphill")
+    grades: tuple[tuple[Length, Slope, Length], ...] = Field(
+        default=(), description="intersection of two tangents, slope behind it, radius of the rounding"
+    )
+    start: Length = Field(description="distance at which the train is when the run begins")
+    direction: Literal["forward", "backward"] = Field(description="of travel along the distance of the plan")
+
+    @model_validator(mode="after")
+    def _can_be_laid(self) -> Self:
+        if any(0 < abs(radius) < TIGHTEST_RADIUS for _, radius in self.course):
+            raise broken(f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way")
+        try:
+            laid = self.laid()
+        except ValueError as problem:
+            raise broken(f"grades: {problem}") from problem
+        if self.start > laid.length:
+            raise broken(f"start {self.start:g} m is beyond the end of the track, {laid.length:g} m")
+        return self
+
+    def laid(self) -> "LaidTrack":
+        """Return the track."""
+        from railgrip.track.geodesy import Place  # it takes a fifth of a second, and most scenarios have no plan
+        from railgrip.track.laid import Element, LaidTrack, course_of, grades_of
+
+        elements = tuple(Element(length=long, curvature=1.0 / end if end else 0.0) for long, end in self.course)
+        return LaidTrack(
+            origin=Place(latitude=self.latitude, longitude=self.longitude, height=self.height),
+            middle=self.middle,
+            length=math.fsum(element.length for element in elements),
+            heading=self.heading,
+            curvature=course_of(elements),
+            slope=grades_of(self.slope, self.grades),
+        )
+
+    def place(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return where on the plan [m] a train is that has gone some distances [m]."""
+        return self.start + self.way * np.asarray(distance, dtype=np.float64)
+
+    @property
+    def way(self) -> float:
+        """1 in the direction of the plan, -1 against it."""
+        return 1.0 if self.direction == "forward" else -1.0
+
+
 class Track(Table):
     """What acts on the train besides brakes and resistance."""
 
@@ -56,6 +123,7 @@ class Track(Table):
     )
     gradient: tuple[Gradient, ...] = ()
     curve: tuple[Curve, ...] = ()
+    plan: Plan | None = Field(default=None, exclude_if=lambda plan: plan is None, description="in place of both")
     curve_law: CurveLaw = Field(
         default="bogie",
         description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "
@@ -67,8 +135,10 @@ class Track(Table):
 
     @model_validator(mode="after")
     def _mass_and_order(self) -> Self:
-        if (self.gradient or self.curve) and self.train_mass is None:
-            raise broken("has gradient or curve but no train_mass, which turns them into a force")
+        if (self.gradient or self.curve or self.plan) and self.train_mass is None:
+            raise broken("has gradient, curve or plan but no train_mass, which turns them into a force")
+        if self.plan is not None and (self.gradient or self.curve):
+            raise broken("has a plan, which says all gradients and curves, and gradient or curve beside it; keep one")
         for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
             begins = [section.begin for section in sections]
             if begins != sorted(set(begins)):
@@ -79,25 +149,45 @@ class Track(Table):
         return self
 
 
+def slope_of(track: Track) -> Callable[[float], float]:
+    """Return the gradient tan β in the direction of travel as a function of the distance travelled [m]."""
+    if (plan := track.plan) is not None:
+        laid = plan.laid()
+        return lambda distance: plan.way * float(laid.slope(plan.place(distance)))
+    begins = [section.begin for section in track.gradient]
+    slopes = [0.0, *(section.slope for section in track.gradient)]
+    return lambda distance: slopes[bisect_right(begins, distance)]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackForce:
-    """A force that is constant between places.
+    """A force that is constant or straight between places.
 
     Attributes:
         begins: Where each section begins, rising, the first at −∞ [m].
-        forces: On the train in each section, forward positive [N].
+        forces: On the train where each section begins, forward positive [N].
+        rates: Change of the force over each section, 0 for the first [N/m].
     """
 
     begins: tuple[float, ...]
     forces: tuple[float, ...]
+    rates: tuple[float, ...]
 
     def at(self, distance: float) -> float:
         """Return the force [N] with the train at `distance` [m] since the brake demand."""
-        return self.forces[bisect_right(self.begins, distance) - 1]
+        section = bisect_right(self.begins, distance) - 1
+        rate = self.rates[section]
+        return self.forces[section] + rate * (distance - self.begins[section]) if rate else self.forces[section]
 
 
 def track_force_of(track: Track) -> TrackForce:
-    """Return the force of a track: the constant one, −m g sin(β) and the curve resistance."""
+    """Return the force of a track: the constant one, −m g sin(β) and the curve resistance.
+
+    Along a plan it is straight between the places where curvature or slope change their course, and every metre: 1e-4 N
+    from the exact one. Beyond the ends of the plan it is that of the end.
+    """
+    if track.plan is not None:
+        return _along(track, track.plan)
     places = sorted({section.begin for section in (*track.gradient, *track.curve)})
     begins = (float("-inf"), *places)
 
@@ -109,7 +199,24 @@ def track_force_of(track: Track) -> TrackForce:
             force_along(slopes[-1] if slopes else 0.0, bend, track.train_mass or 0.0, track.curve_law)
         )
 
-    return TrackForce(begins=begins, forces=tuple(force(place) for place in begins))
+    return TrackForce(begins=begins, forces=tuple(force(place) for place in begins), rates=(0.0,) * len(begins))
+
+
+def _along(track: Track, plan: Plan) -> TrackForce:
+    laid = plan.laid()
+    ends = sorted((plan.way * (0.0 - plan.start), plan.way * (laid.length - plan.start)))
+    kinks = plan.way * (np.concatenate([laid.curvature.at, laid.slope.at]) - plan.start)
+    begins = np.unique(np.concatenate([np.arange(*ends), kinks, ends]))
+    at = np.clip(plan.place(begins), 0.0, laid.length)
+    forces = track.force + force_along(
+        plan.way * laid.slope(at), laid.curvature(at), track.train_mass or 0.0, track.curve_law
+    )
+    rates = np.append(np.diff(forces) / np.diff(begins), 0.0)
+    return TrackForce(
+        begins=(float("-inf"), *begins.tolist()),
+        forces=(float(forces[0]), *forces.tolist()),
+        rates=(0.0, *rates.tolist()),
+    )
 
 
 def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveLaw = "bogie") -> NDArray[np.float64]:
@@ -125,6 +232,12 @@ def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveL
     """
     climb = np.asarray(slope, dtype=np.float64)
     return -mass * GRAVITY * (climb / np.sqrt(1.0 + climb**2) + curve_coefficient(curvature, law))
+
+
+def gravity_along(slope: ArrayLike) -> NDArray[np.float64]:
+    """Return g sin β [m/s2] of a gradient tan β."""
+    climb = np.asarray(slope, dtype=np.float64)
+    return GRAVITY * (climb / np.sqrt(1.0 + climb**2))
 
 
 def curve_coefficient(curvature: ArrayLike, law: CurveLaw) -> NDArray[np.float64]:

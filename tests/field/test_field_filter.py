@@ -12,6 +12,7 @@ from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.selection import prediction_seeing
 from railgrip.estimation.spec import estimate_of, settings_for
+from railgrip.estimation.track.braking import Braking, braking_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.studies.field.degeneracy import common_factor
 from railgrip.studies.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
@@ -19,7 +20,6 @@ from railgrip.studies.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_n
 from railgrip.studies.field.objective import terms_of, value
 from railgrip.studies.field.score import score, track_score
 from railgrip.studies.field.tune import Search, tune
-from railgrip.track.braking import Braking, braking_of
 from railgrip.twins.field_scenario import field_scenario
 from railgrip.twins.field_train import driven, measured
 

@@ -175,9 +175,12 @@ def speechless(calls):
 class Steps:
     begins = (-np.inf, 0.5, 3.0, 3.0001)
     forces = (0.0, 1e3, -2e3, 5e2)
+    rates = (0.0, 0.0, 7e3, -3e2)
 
     def at(self, distance):
-        return self.forces[bisect_right(self.begins, distance) - 1]
+        section = bisect_right(self.begins, distance) - 1
+        rate = self.rates[section]
+        return self.forces[section] + rate * (distance - self.begins[section]) if rate else self.forces[section]
 
 
 SLIP = lambda: SlipBased(GROUPS, PAPER_LEVELS)

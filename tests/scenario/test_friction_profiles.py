@@ -1,5 +1,6 @@
 """The friction under each wheelset is what the scenario describes, at every time and place."""
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import railgrip.scenario
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.scenario.adhesion import profile_of
-from railgrip.scenario.load import load
+from railgrip.scenario.load import load, scenario_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 PLAIN = ["adhesion.conditioning.fraction=0"]
@@ -214,3 +215,45 @@ def test_what_is_given_for_another_number_of_wheelsets_is_refused_by_its_key(tmp
     far = load(LIBRARY / "trapezoid.toml", ["adhesion.over=distance", *short, "adhesion.period='90 m'"])
     with pytest.raises(ScenarioError, match=r"give \[vehicle.formation\] wheelset_position, how far each is behind"):
         profile_of(far, Formation((2, 1, 1, 2)))
+
+
+def pointed(tmp_path, *lines):
+    written = load(LIBRARY / "trapezoid.toml").resolved()
+    written["adhesion"] = tomllib.loads('polach = "soap"\n' + "\n".join(lines))
+    return scenario_of(written, directory=tmp_path, origin="own.toml")
+
+
+def test_points_are_joined_by_straight_lines(tmp_path):
+    made = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
+    friction = profile_of(made, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
+    assert friction[:, 0] == pytest.approx([0.2, 0.2, 0.15, 0.1, 0.1])
+
+
+def test_points_scatter_as_stated_and_are_cut_off_at_three_deviations(tmp_path):
+    lines = ('kind = "points"', 'over = "time"', "points = [['0 s', 0.1]]", "scatter = 0.05", 'correlation = "0.05 s"')
+    mu0 = profile_of(pointed(tmp_path, *lines), TWO_PART_TRAIN).mu0_at[:, 0]
+    # 90 s of 0.05 s: 900 independent draws tell a deviation to 2.5 %, a mean of it to 1/30.
+    assert mu0.mean() == pytest.approx(0.1, abs=4 * 0.005 * np.sqrt(2 / 1800))
+    assert mu0.std() == pytest.approx(0.005, rel=0.1)
+    assert np.abs(mu0 / 0.1 - 1).max() <= 0.15 + 1e-12
+    steps = np.diff(mu0)
+    # Exact at every sample: the variance of a step of 1 ms is 2 (1 − e^(−h/T)).
+    assert steps.var() == pytest.approx(2 * 0.005**2 * (1 - np.exp(-1e-3 / 0.05)), rel=0.05)
+
+
+def test_scatter_wants_a_correlation(tmp_path):
+    with pytest.raises(ScenarioError, match="has scatter and no correlation"):
+        pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['0 s', 0.1]]", "scatter = 0.05")
+
+
+def test_each_wheelset_meets_a_patch_of_the_rail_when_it_gets_there(tmp_path):
+    made = pointed(
+        tmp_path, 'kind = "constant"', "mu0 = 0.28",
+        "patch = [{ begin = '100 m', length = '10 m', mu0 = [0.1, 0.1, 0.2, 0.2, 0.2, 0.2], edge = '1 m' }]",
+    )  # fmt: skip
+    profile, offsets = profile_of(made, TWO_PART_TRAIN), TWO_PART_TRAIN.position
+    for wheelset, low in enumerate([0.1, 0.1, 0.2, 0.2, 0.2, 0.2]):
+        places = offsets[wheelset] + np.array([99.9, 100.5, 101.0, 105.0, 109.5, 110.1, 5000.0])
+        found = profile.table(np.zeros(7), places)[:, wheelset]
+        # The table's grid is 5 mm, of an edge of 1 m that is 1e-3 of 0.18.
+        assert found == pytest.approx([0.28, (0.28 + low) / 2, low, low, (0.28 + low) / 2, 0.28, 0.28], abs=1e-3)

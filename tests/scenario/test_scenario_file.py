@@ -92,7 +92,7 @@ REFUSALS = [
     (["frobnicate.x=1"], "the top level has no key 'frobnicate'; it has actuation, adhesion"),
     (
         ["adhesion.kind=sinus"],
-        "[adhesion] kind is 'sinus'; there is constant, trapezoid, sine_sweep, random, table",
+        "[adhesion] kind is 'sinus'; there is constant, points, trapezoid, sine_sweep, random, table",
     ),
     (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is wanted and has no default"),
     (["start.speed=80 km"], "[start] speed is '80 km', but 'km' cannot be converted to 'm/s'."),
@@ -156,7 +156,7 @@ REFUSALS = [
         "[vehicle.formation.wheelsets_per_group] 1 is 0; input should be",
     ),
     ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
-    (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient or curve but no train_mass"),
+    (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient, curve or plan but no train_mass"),
     (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
     (["track.force=-1e12"], "[track] force must be at least -1e+06 N, got -1000000000000.0."),
     (["track.force=2 MN"], "[track] force must be at most 1e+06 N, got '2 MN'."),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.scenario.track import Track, track_force_of
+from railgrip.scenario.track import Track, force_along, slope_of, track_force_of
 
 
 def test_a_level_straight_track_does_nothing():
@@ -30,3 +30,37 @@ def test_curves_follow_the_chosen_law():
 def test_a_constant_force_adds_up():
     track = Track.model_validate({"force": "2 kN", "gradient": [{"begin": 0, "slope": "10 ‰"}], "train_mass": 1000})
     assert track_force_of(track).at(1.0) == pytest.approx(2000 - 1000 * 9.81 * np.sin(np.arctan(0.01)))
+
+
+PLAN = {
+    "latitude": 50.6, "longitude": 12.7, "height": "340 m", "middle": "500 m", "heading": "20 deg",
+    "course": [["300 m", 0], ["80 m", "600 m"], ["100 m", "600 m"], ["80 m", 0], ["440 m", 0]],
+    "slope": "-6 permille", "grades": [["200 m", "4 permille", "8000 m"]], "start": "100 m", "direction": "forward",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("direction", "start"), [("forward", 100.0), ("backward", 900.0)])
+def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(direction, start):
+    plan = PLAN | {"direction": direction, "start": start}
+    track = Track.model_validate({"plan": plan, "train_mass": 84e3})
+    force, laid, way = track_force_of(track), track.plan.laid(), 1.0 if direction == "forward" else -1.0
+    distance = np.linspace(0.0, 800.0, 3333)
+    place = start + way * distance
+    exact = force_along(way * laid.slope(place), laid.curvature(place), 84e3)
+    # sin is not straight over a metre of a rounding: m g (h/8R)^2 times the slope; 1e-4 N in 5 kN.
+    np.testing.assert_allclose([force.at(s) for s in distance], exact, rtol=0, atol=1e-4)
+    assert [slope_of(track)(s) for s in distance[:9]] == pytest.approx(list(way * laid.slope(place[:9])))
+    assert force.at(5e4) == pytest.approx(float(force_along(way * laid.slope(place[-1] + way * 1e4), 0.0, 84e3)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"grades": [["200 m", "4 permille", "8000 m"], ["210 m", 0, "8000 m"]]}, "the rounding at 210 m begins at"),
+        ({"start": "2 km"}, "start 2000 m is beyond the end of the track, 1000 m"),
+        ({"course": [["300 m", "5 m"]]}, "a radius is 0, for straight track, or at least 10 m"),
+    ],
+)
+def test_a_plan_that_cannot_be_laid_is_refused(changes, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        Track.model_validate({"plan": PLAN | changes, "train_mass": 84e3})

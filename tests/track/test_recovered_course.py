@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from railgrip.errors import EstimationError
-from railgrip.track.course import LowPass, course_of
+from railgrip.estimation.track.course import LowPass, course_of
+from railgrip.estimation.track.motion import Trust, motion_of
+from railgrip.estimation.track.smoother import smooth
 from railgrip.track.geodesy import Place
 from railgrip.track.laid import Element, LaidTrack, grades_of
 from railgrip.track.laid import course_of as laid_course
-from railgrip.track.motion import Trust, motion_of
-from railgrip.track.smoother import smooth
 
 LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
 TRACK = LaidTrack(

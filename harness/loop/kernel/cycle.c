@@ -32,8 +32,8 @@ typedef struct {
     const double *shown;
     const long long *present;                    /* places of what is shown among all outputs */
     double start;                                /* time of sample 0 */
-    /* the rail: friction on an even grid, the force in sections */
-    const double *mu0, *begins, *forces;
+    /* the rail: friction on an even grid, the force straight in sections */
+    const double *mu0, *begins, *forces, *rates;
     double grid;
     /* instruments; null: the outputs themselves, with errors if there is noise */
     Service *service;
@@ -55,6 +55,7 @@ typedef struct {
     long long present_count, points, over_time, sections, width, seen_count;
     long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
     long long demand_at, driver_at;              /* -1: it is not kept */
+    long long section;                           /* of the force, the last one */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
 } Cycle;
@@ -168,12 +169,19 @@ static void roll(Cycle *c, double time)
     const double distance = c->truth[OUTPUT_DISTANCE], last = (double)(c->points - 1);
     const double place = fmin(fmax((c->over_time ? time : distance) / c->grid + 0.5, 0.0), last);
     const long long nearest = (long long)place;
-    long long section = 0;
+    long long section = c->section;
 
     copy(c->inputs + INPUT_MU0, c->mu0 + nearest * WHEELSETS, WHEELSETS);
     while (section + 1 < c->sections && c->begins[section + 1] <= distance)
         section++;
-    c->inputs[INPUT_TRACK_FORCE] = c->driver ? c->forces[section] + c->driver->force : c->forces[section];
+    while (section > 0 && c->begins[section] > distance)
+        section--;
+    c->section = section;
+    c->inputs[INPUT_TRACK_FORCE] = c->forces[section];
+    if (c->rates[section] != 0.0)
+        c->inputs[INPUT_TRACK_FORCE] += c->rates[section] * (distance - c->begins[section]);
+    if (c->driver)
+        c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
 }
 
 /* Go on until the sample `until` is due, or something ends the stop. */

@@ -7,13 +7,13 @@ import xarray
 from matplotlib.figure import Figure
 
 from railgrip.estimation.recording import truth_of
+from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.compiled import Followed
 from railgrip.report import style
 from railgrip.studies.field.degeneracy import Sweep
 from railgrip.studies.field.filtering import Task
 from railgrip.studies.field.noise import GROUPS
 from railgrip.studies.field.objective import R_WHEEL
-from railgrip.track.braking import Braking
 from railgrip.track.laid import Plan
 
 MB1, JTB1 = 0, 1

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from railgrip.estimation.recording import columns, period_of, truth_of
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
+from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter, Followed
 from railgrip.estimators.consistency import lost_at
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field.noise import GROUPS, PHYSICAL, Noise
-from railgrip.track.braking import Braking
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import xarray
 
-from railgrip.track.braking import Braking, braking_of
+from railgrip.estimation.track.braking import Braking, braking_of
 from railgrip.twins.field_scenario import FieldScenario
 from railgrip.twins.field_train import run_case
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.recording import truth_of
+from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.compiled import Followed
 from railgrip.studies.field.filtering import Task
 from railgrip.studies.field.noise import GROUPS
 from railgrip.studies.field.objective import terms_of
-from railgrip.track.braking import Braking
 
 Array = NDArray[np.float64]
 

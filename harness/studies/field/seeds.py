@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from railgrip.estimation.track.braking import braking_of
 from railgrip.studies.field.filtering import filter_of, follow, prediction, task_of
 from railgrip.studies.field.noise import Noise
 from railgrip.studies.field.runs import TEST
 from railgrip.studies.field.score import Score, TrackScore, score, track_score
-from railgrip.track.braking import braking_of
 from railgrip.twins.field_scenario import FieldScenario
 from railgrip.twins.field_train import driven, measured
 

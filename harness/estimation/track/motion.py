@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.track.course import Course, LowPass, course_of
-from railgrip.track.smoother import smooth
+from railgrip.estimation.track.course import Course, LowPass, course_of
+from railgrip.estimation.track.smoother import smooth
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.recording import columns, period_of
+from railgrip.estimation.track.course import LowPass
+from railgrip.estimation.track.motion import Motion, Trust, motion_of
 from railgrip.scenario.track import CurveLaw, force_along
-from railgrip.track.course import LowPass
 from railgrip.track.geodesy import Place, local
-from railgrip.track.motion import Motion, Trust, motion_of
 
 Array = NDArray[np.float64]
 

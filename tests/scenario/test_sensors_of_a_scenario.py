@@ -1,0 +1,92 @@
+"""White sensors of a scenario read what it asks them to, and what the track adds."""
+
+import numpy as np
+import pytest
+from synthetic import LIBRARY, TWO_PART_TRAIN
+
+from railgrip.errors import ScenarioError, SensorsFailed
+from railgrip.instruments import readings_of, sensors_of
+from railgrip.scenario.load import load, scenario_of
+from railgrip.signals import EXTRA, PLANT, READINGS, layout_of
+from railgrip.track.geodesy import local
+
+SHOWN = [signal.name for signal in PLANT]
+PLAN = {
+    "latitude": 50.6, "longitude": 12.7, "height": "340 m", "middle": "0 m", "heading": "0 deg",
+    "course": [["500 m", 0]], "slope": "10 permille", "start": "400 m", "direction": "backward",
+}  # fmt: skip
+GNSS = {
+    "period": "0.1 s", "horizontal": "0.02 m", "height": "0.04 m", "horizontal_wander": "0.2 m",
+    "height_wander": "0.3 m", "wander_time": "10 s",
+}  # fmt: skip
+
+
+def scenario_with(track=None, **sensors):
+    written = load(LIBRARY / "trapezoid.toml").resolved() | {"sensors": {"kind": "white"} | sensors}
+    return scenario_of(written | {"track": track or {}}, directory=LIBRARY, origin="own.toml")
+
+
+def reader(scenario):
+    layout = layout_of(TWO_PART_TRAIN, PLANT, readings_of(scenario, SHOWN))
+    return layout, sensors_of(scenario, layout, 0.4)
+
+
+def test_what_is_named_is_read_beside_what_every_train_reads():
+    scenario = scenario_with(noise={"pad_force": "100 N", "speed": "0.1 m/s"})
+    layout, sensors = reader(scenario)
+    assert [s.name for s in layout.reading_signals] == [*(s.name for s in READINGS), "reading_pad_force"]
+    truth = np.arange(float(layout.outputs))
+    seen = np.array([sensors.read(k, truth) for k in range(5000)])
+    error = seen[:, layout.reading["pad_force"]] - truth[layout.output["pad_force"]]
+    assert error.std(axis=0) == pytest.approx([100.0] * 4, rel=0.05)
+    np.testing.assert_array_equal(seen[:, layout.reading["deflection"]][9], truth[layout.output["deflection"]])
+
+
+@pytest.mark.parametrize(
+    ("sensors", "sentence"),
+    [
+        ({"noise": {"pad_farce": "1 N"}}, "there is no quantity pad_farce; there is .*pad_force"),
+        ({"noise": {"contact_force": "1 N"}}, "the plant does not show contact_force"),
+        ({"bias": {"pad_force": "-1 N"}}, r"\[sensors.bias\] pad_force is a standard deviation and not negative"),
+        ({"noise": {"pad_force": "1 m"}}, r"\[sensors.noise\] pad_force"),
+        ({"gnss": GNSS}, r"\[sensors.gnss\] reads positions on a \[track.plan\]"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(sensors, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        reader(scenario_with(**sensors))
+
+
+def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track():
+    """Backwards down a track that climbs to the north by 10 ‰."""
+    track = {"plan": PLAN, "train_mass": 84e3}
+    scenario = scenario_with(track, bias={"acceleration_along": "0.03 m/s^2"}, gnss=GNSS)
+    layout, sensors = reader(scenario)
+    truth = np.zeros(layout.outputs)
+    truth[layout.output["acceleration"]] = -0.5
+    place = layout.output["distance"]
+    seen = []
+    for k in range(20001):
+        truth[place] = 300.0 * k / 20000
+        seen.append(sensors.read(k, truth))
+    seen = np.array(seen)
+    along = seen[:, layout.reading["acceleration_along"]]
+    assert np.ptp(along, axis=0) == pytest.approx([0.0] * 4, abs=1e-12)
+    assert np.ptp(along[0]) > 0.0
+    assert along[0] == pytest.approx([-0.5 - 9.81 * np.sin(np.arctan(0.01))] * 4, abs=4 * 0.03)
+    fixes = seen[:, layout.reading["latitude"].start : layout.reading["height"].stop]
+    assert np.flatnonzero(np.isfinite(fixes[:, 0])).tolist() == list(range(0, 20001, 100))
+    north, east, _ = local(*fixes[::100].T, scenario.track.plan.laid().origin).T
+    error = np.column_stack([north - (400 - 300 * np.arange(201) / 200), east])
+    # White steps of 0.02 m in the difference of neighbours, beside those of the wander, 0.2 sqrt(2 * 0.1/10).
+    assert np.diff(error, axis=0).std() == pytest.approx(np.hypot(0.02 * np.sqrt(2), 0.2 * np.sqrt(0.02)), rel=0.15)
+    assert np.abs(error).max() < 5 * 0.2
+    truth[place] = 401.0
+    with pytest.raises(SensorsFailed, match=r"left its track at -1 m of \[track.plan\], which is 500 m long"):
+        sensors.read(20100, truth)
+
+
+def test_an_extra_output_is_in_the_layout_of_a_plant_that_has_it():
+    layout = layout_of(TWO_PART_TRAIN, (*PLANT, *EXTRA))
+    assert layout.output["drive_torque"].stop == layout.outputs
+    assert "OUTPUT_CONTACT_FORCE" in layout.header()
