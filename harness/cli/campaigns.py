@@ -14,11 +14,11 @@ from railgrip.errors import ScenarioError
 from railgrip.report.panels import Panels
 
 if TYPE_CHECKING:
-    from railgrip.campaign import Asked
+    from railgrip.campaign.run import Asked
+    from railgrip.campaign.tune_control import Found
     from railgrip.controllers.tuning import SlipSource
     from railgrip.report.baseline import Baseline, Findings
     from railgrip.report.row import Row
-    from railgrip.tune_control import Found
 
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
@@ -40,7 +40,7 @@ def campaign(
     import_from: ImportFrom = None,
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
-    from railgrip.campaign import Asked
+    from railgrip.campaign.run import Asked
     from railgrip.report.distances import rows_of
     from railgrip.report.index import write_report
     from railgrip.report.results import read_results
@@ -75,8 +75,8 @@ def conditioning(
     fresh: Fresh = False,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
-    from railgrip.campaign import Asked
-    from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+    from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
+    from railgrip.campaign.run import Asked
     from railgrip.record.atomic import write_text
     from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
@@ -185,8 +185,8 @@ def accept(
 @app.command()
 def calibrate() -> None:
     """Fit the levels of the scenarios to the published distances of slip-based control, and write them."""
-    from railgrip.calibrate import TARGETS
-    from railgrip.calibrate import calibrate as fit_levels
+    from railgrip.campaign.calibrate import TARGETS
+    from railgrip.campaign.calibrate import calibrate as fit_levels
 
     with progress("levels, some ten stops each"):
         fit_levels(
@@ -204,10 +204,10 @@ def tune_control(
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law."""
-    from railgrip.one_stop import make_folder
+    from railgrip.campaign.one_stop import make_folder
+    from railgrip.campaign.tune_control import RANGES, search, text_of
+    from railgrip.campaign.workers import workers as processes
     from railgrip.record.atomic import write_text
-    from railgrip.tune_control import RANGES, search, text_of
-    from railgrip.workers import workers as processes
 
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:
@@ -257,7 +257,7 @@ def _run_campaigns(
 
     `finished` is called with the number of a campaign that is complete, and with what tells the user of its doing.
     """
-    from railgrip.campaign import Report, run_campaigns
+    from railgrip.campaign.run import Report, run_campaigns
 
     names = ", ".join(one.campaign.name for one in asked)
     with progress(names, sum(len(one.campaign.stops) for one in asked), counted=True) as shown:
@@ -282,7 +282,7 @@ def _run_campaigns(
 
 def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
-    from railgrip.campaign import Asked
+    from railgrip.campaign.run import Asked
     from railgrip.report.baseline import findings_of, write_findings
     from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign

@@ -13,9 +13,9 @@ from railgrip.console import progress, remark, say
 from railgrip.engine import Engine
 
 if TYPE_CHECKING:
+    from railgrip.campaign.one_stop import Runner
     from railgrip.fmu import Signal
     from railgrip.fmu.description import Causality
-    from railgrip.one_stop import Runner
 
 
 @app.command()
@@ -27,7 +27,7 @@ def run(
     import_from: ImportFrom = None,
 ) -> None:
     """Run one scenario and print its figures."""
-    from railgrip.one_stop import run as run_scenario
+    from railgrip.campaign.one_stop import run as run_scenario
     from railgrip.scenario.load import load
 
     scenario = load(file, overrides or [])
@@ -62,7 +62,7 @@ def export(
     out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
 ) -> None:
     """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
-    from railgrip.one_stop import make_folder
+    from railgrip.campaign.one_stop import make_folder
     from railgrip.scenario.load import load
 
     scenario = load(file, overrides or [])
