@@ -9,7 +9,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; Ctrl-C and SIGTERM end it with a sentence, once what was open is closed."""
     listen()
     try:
-        from railgrip.commands import main as command_line
+        from railgrip.cli.main import main as command_line
 
         command_line(arguments)
     except Interrupted as end:

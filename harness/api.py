@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from railgrip.assemble import OwnParties
     from railgrip.by_hand import Bench
+    from railgrip.campaign.sweep import Sweep
     from railgrip.custom import Controller, Estimator, Sensors
     from railgrip.record.stop import Stop
-    from railgrip.sweeping import Sweep
 
 
 class Scenario(schema.Scenario):
@@ -92,8 +92,8 @@ def run(
         FmuError: An FMU does not fit.
     """
     from railgrip.assemble import run_stop
+    from railgrip.campaign.one_stop import with_sources
     from railgrip.engine import Engine
-    from railgrip.one_stop import with_sources
 
     own = _own(controller, estimator, sensors, import_from)
     return with_sources(run_stop(_asked(scenario, plant), engine=Engine(engine), own=own))
@@ -136,7 +136,7 @@ def sweep(
     Raises:
         ScenarioError: A combination is no scenario; nothing was run.
     """
-    from railgrip.sweeping import swept
+    from railgrip.campaign.sweep import swept
 
     asked = _asked(scenario, plant)
     whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())

@@ -12,6 +12,7 @@ from railgrip.fmus.recipe import MODELICA
 
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".jinja"}
 _UNCONCERNED = (
+    "railgrip/cli/",
     "railgrip/report/",
     "railgrip/studies/",
     "railgrip/scenario/library/",

@@ -90,7 +90,7 @@ def test_only_assembly_names_concrete_laws_and_filters(name, path):
 
 @pytest.mark.parametrize(("name", "path"), list(modules()))
 def test_only_the_command_line_knows_studies(name, path):
-    edge = ("railgrip.studies", "railgrip.commands", "railgrip.bench")
+    edge = ("railgrip.studies", "railgrip.cli", "railgrip.bench")
     if not any(inside(name, room) for room in edge):
         assert not [other for other in imported(path) if inside(other, "railgrip.studies")]
 

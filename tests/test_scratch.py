@@ -6,8 +6,8 @@ import tempfile
 
 import pytest
 
+from railgrip.campaign.workers import workers
 from railgrip.scratch import locked, scratch
-from railgrip.workers import workers
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the locks are POSIX")
 

@@ -11,7 +11,7 @@ import pytest
 import synthetic_runner
 
 import railgrip.scenario
-from railgrip.commands import main
+from railgrip.cli.main import main
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 ROOT = Path(__file__).parents[2]

@@ -12,8 +12,8 @@ import pytest
 import synthetic_runner
 
 from railgrip.__main__ import main
-from railgrip.campaign import is_there
-from railgrip.one_stop import run
+from railgrip.campaign.one_stop import run
+from railgrip.campaign.run import is_there
 from railgrip.scenario.campaign import load_campaign
 from railgrip.sources import sources_digest
 

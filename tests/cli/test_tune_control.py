@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from railgrip.assemble import controlled_formation, controller_of
+from railgrip.campaign.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
+from railgrip.campaign.workers import workers
 from railgrip.controllers.adhesion_based import SeekerTuning
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
-from railgrip.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
-from railgrip.workers import workers
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]

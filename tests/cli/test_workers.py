@@ -14,7 +14,7 @@ import os
 import tempfile
 import time
 
-from railgrip.workers import workers
+from railgrip.campaign.workers import workers
 
 
 def number(_):

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from railgrip.commands import app
+from railgrip.cli.main import app
 from railgrip.errors import EstimationError
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.recording import recording_of

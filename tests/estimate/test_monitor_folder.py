@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip.scenario
-from railgrip.commands import app
+from railgrip.cli.main import app
 from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.spec import load_specification
 from railgrip.studies.monitor.evidence import evidence_of

@@ -15,7 +15,7 @@ import pytest
 from mule_fmu import mule, quick_stop
 
 from railgrip import assemble
-from railgrip.commands import main
+from railgrip.cli.main import main
 from railgrip.fmu import IsolatedCoSimulation, open_plant
 from railgrip.record.stop import read_stop
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from mule_fmu import mule, quick_stop
 
-from railgrip.commands import main
+from railgrip.cli.main import main
 from railgrip.fmu import Signal, bind, describe
 
 ROOT = Path(__file__).parents[2]

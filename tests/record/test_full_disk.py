@@ -16,7 +16,7 @@ import xarray
 from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
-from railgrip.campaign import is_there
+from railgrip.campaign.run import is_there
 from railgrip.errors import Unwritten, for_user
 from railgrip.record.atomic import replacing, write_text
 from railgrip.record.stop import read_stop, write_stop

@@ -6,7 +6,7 @@ import pytest
 from synthetic_runner import run_stop
 
 import railgrip.scenario
-from railgrip.campaign import write_description
+from railgrip.campaign.run import write_description
 from railgrip.record.stop import write_stop
 from railgrip.scenario.campaign import load_campaign
 

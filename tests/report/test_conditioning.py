@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.campaign import write_description
-from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.campaign.run import write_description
 from railgrip.errors import ScenarioError
 from railgrip.record.stop import write_stop
 from railgrip.report.baseline import (

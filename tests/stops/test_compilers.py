@@ -9,9 +9,9 @@ import pytest
 
 import railgrip.scenario
 from railgrip import assemble
-from railgrip.campaign import is_there
+from railgrip.campaign.one_stop import run
+from railgrip.campaign.run import is_there
 from railgrip.fmus.build import fmu
-from railgrip.one_stop import run
 from railgrip.record.stop import read_stop
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load

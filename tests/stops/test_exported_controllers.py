@@ -7,7 +7,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from railgrip.assemble import controlled_formation, run_stop
-from railgrip.commands import main
+from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
 from railgrip.fmu import CoSimulation, Signal, bind, describe

@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from typing import Any, Final
 
+from railgrip.campaign.workers import workers
 from railgrip.report.baseline import Finding
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate
 from railgrip.twins.lateral import CONDITIONS, TESTS
-from railgrip.workers import workers
 
 SPEED: Final = 25.0
 SEED: Final = 1

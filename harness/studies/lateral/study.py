@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
+from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
 from railgrip.record.atomic import write_text
@@ -17,7 +18,6 @@ from railgrip.studies.lateral.filters import CLASSES
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate
 from railgrip.twins.lateral import PLANTS, TESTS, Trial
-from railgrip.workers import workers as processes
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from railgrip.campaign.workers import workers
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.report.baseline import Finding
 from railgrip.studies.learn.evaluate import Recipe, within_exchanged, within_runs, without_each
@@ -15,7 +16,6 @@ from railgrip.studies.learn.reduction import CHANNELS, SPECTRAL, Run, reduce
 from railgrip.studies.learn.runs import campaign
 from railgrip.studies.learn.study import FULL, dry_or_not, passes
 from railgrip.twins.instrumented_car import MPH, Pass
-from railgrip.workers import workers
 
 SPEED: Final = 60
 """mph, the shortest runs."""

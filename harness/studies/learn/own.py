@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+from railgrip.campaign.workers import workers as processes
 from railgrip.errors import EstimationError
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
@@ -9,7 +10,6 @@ from railgrip.studies.learn.evaluate import Recipe, Score, best_of, judge, withi
 from railgrip.studies.learn.reduction import SLOW, SPECTRAL, Run
 from railgrip.studies.learn.study import general, over_speeds, paper_estimator
 from railgrip.studies.learn.tables import own_report
-from railgrip.workers import workers as processes
 
 MEMBERS = 20
 FEWEST = 4

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from railgrip.campaign.workers import workers as processes
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble, fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
@@ -31,7 +32,6 @@ from railgrip.studies.learn.gather import gather, spectral_features
 from railgrip.studies.learn.reduction import SLOW, SPECTRAL, Run
 from railgrip.studies.learn.runs import SPEEDS, abroad, campaign, design
 from railgrip.twins.instrumented_car import Pass
-from railgrip.workers import workers as processes
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
     16: (0.0053, 0.0041),

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.record.atomic import write_text
 from railgrip.report.table import Table
@@ -19,7 +20,6 @@ from railgrip.studies.monitor.evidence import Evidence, evidence_of
 from railgrip.studies.monitor.life import PLANT, Life, live
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
 from railgrip.studies.monitor.watch import Design, watch
-from railgrip.workers import workers as processes
 
 CACHE = Path("build/monitor")
 

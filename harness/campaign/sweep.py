@@ -5,20 +5,19 @@ import itertools
 import math
 import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import CancelledError, as_completed
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pebble
 import xarray
 
 from railgrip.assemble import OwnParties, run_stop
+from railgrip.campaign.workers import answer, ended
+from railgrip.campaign.workers import workers as processes
 from railgrip.console import progress
-from railgrip.errors import InputError, ScenarioError, for_user
+from railgrip.errors import InputError, RailgripError, ScenarioError
 from railgrip.record.metrics import Metrics, meanings
 from railgrip.scenario.schema import Scenario
-from railgrip.workers import workers as processes
 
 if TYPE_CHECKING:
     import pandas
@@ -138,12 +137,8 @@ def _here(scenarios: Sequence[Scenario], own: OwnParties) -> Iterator[tuple[int,
 def _in_processes(scenarios: Sequence[Scenario], own: OwnParties, workers: int) -> Iterator[tuple[int, Result]]:
     with processes(min(workers, len(scenarios)), main=False) as pool:
         running = {pool.submit(_result, scenario, own): number for number, scenario in enumerate(scenarios)}
-        for future in as_completed(running):
-            try:
-                result = future.result()
-            except (pebble.ProcessExpired, CancelledError) as problem:
-                result = Result("failed", f"the process that ran it ended: {problem}", None)
-            yield running[future], result
+        for number, result in ended(running):
+            yield number, _failed(result) if isinstance(result, RailgripError) else result
 
 
 def _portable(own: OwnParties) -> bool:
@@ -159,14 +154,12 @@ def _portable(own: OwnParties) -> bool:
 
 
 def _result(scenario: Scenario, own: OwnParties) -> Result:
-    try:
-        stop = run_stop(scenario, own=own)
-    except Exception as problem:
-        message = for_user(problem)
-        if message is None:
-            raise
-        return Result("refused" if isinstance(message, InputError) else "failed", str(message), None)
-    return Result(stop.outcome.value, stop.reason, stop.metrics)
+    stop = answer(lambda: run_stop(scenario, own=own))
+    return _failed(stop) if isinstance(stop, RailgripError) else Result(stop.outcome.value, stop.reason, stop.metrics)
+
+
+def _failed(problem: RailgripError) -> Result:
+    return Result("refused" if isinstance(problem, InputError) else "failed", str(problem), None)
 
 
 def _flat(plain: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,19 +2,16 @@
 
 import json
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import pebble
-
-from railgrip import workers as processes
-from railgrip.errors import InputError, RecordError, for_user
+from railgrip.campaign import workers as processes
+from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
+from railgrip.errors import InputError, RailgripError, RecordError
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
-from railgrip.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.record.atomic import PARTIAL, write_text
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop
@@ -116,17 +113,16 @@ class _Order:
 
 @contextmanager
 def _running(orders: Sequence[_Order], runner: Runner, workers: int) -> Generator[Iterator[tuple[_Order, Report]]]:
-    """Begin to run stops; yield what gives the report of each as it ends."""
+    """Begin to run stops, in their order; yield what gives the report of each as it ends."""
     if not orders:
         yield iter(())
         return
     try:
         with processes.workers(min(workers, len(orders))) as pool:
-            yield _reports(
-                {
-                    pool.submit(_perform, order.stop, order.folder, runner): order  # in their order
-                    for order in orders
-                }
+            running = {pool.submit(_perform, order, runner): order for order in orders}
+            yield (
+                (order, _failed(order, report) if isinstance(report, RailgripError) else report)
+                for order, report in processes.ended(running)
             )
     finally:
         # What a process was writing when it was ended or crashed.
@@ -134,28 +130,21 @@ def _running(orders: Sequence[_Order], runner: Runner, workers: int) -> Generato
             half.unlink(missing_ok=True)
 
 
-def _reports(running: dict[Future[tuple[State, str]], _Order]) -> Iterator[tuple[_Order, Report]]:
-    while running:
-        ended, _ = wait(running, return_when=FIRST_COMPLETED)
-        for future in ended:
-            order = running.pop(future)
-            try:
-                state, sentence = future.result()
-            except (pebble.ProcessExpired, CancelledError) as problem:
-                state, sentence = "failed", f"the process that ran it ended: {problem}"
-            yield order, Report(stop=order.stop, state=state, sentence=sentence)
+def _perform(order: _Order, runner: Runner) -> Report:
+    """Run one stop in this process."""
+    planned = order.stop
+    stop = processes.answer(lambda: run(planned.scenario, order.folder, runner, keep_trace=planned.keep_trace))
+    if isinstance(stop, RailgripError):
+        return _failed(order, stop)
+    return Report(
+        stop=planned, state="done" if stop.outcome is Outcome.STANDSTILL else "ended_badly", sentence=stop.reason
+    )
 
 
-def _perform(planned: PlannedStop, directory: Path, runner: Runner) -> tuple[State, str]:
-    """Run one stop in this process and return its state and sentence."""
-    try:
-        stop = run(planned.scenario, directory, runner, keep_trace=planned.keep_trace)
-    except Exception as problem:
-        message = for_user(problem)
-        if message is None:
-            raise
-        return ("refused" if isinstance(message, InputError) else "failed"), str(message)
-    return ("done" if stop.outcome is Outcome.STANDSTILL else "ended_badly"), stop.reason
+def _failed(order: _Order, problem: RailgripError) -> Report:
+    return Report(
+        stop=order.stop, state="refused" if isinstance(problem, InputError) else "failed", sentence=str(problem)
+    )
 
 
 def is_there(stop: PlannedStop, directory: Path) -> bool:

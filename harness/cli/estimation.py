@@ -1,11 +1,12 @@
-"""Commands of this room: observability, estimate and rig; `add_to` puts them on the command line."""
+"""What recordings tell: observability, estimate and the roller rig."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from railgrip.console import complain, progress, say, show_table
+from railgrip.cli.app import Overrides, app, fail
+from railgrip.console import progress, say, show_table
 from railgrip.report.table import Form, Table, share
 
 if TYPE_CHECKING:
@@ -19,15 +20,12 @@ File = Annotated[
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
 Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="table.key=value", help="Change a value, as in model.parameters.T_mu='20 s'."),
-]
 Data = Annotated[
     Path | None, typer.Option(metavar="RUN", help="Recorded csv, parquet, mat or mf4 file, read by [data].")
 ]
 
 
+@app.command()
 def observability(
     file: File,
     overrides: Overrides = None,
@@ -73,6 +71,7 @@ def observability(
     say(f"{folder}/observability.csv, {picture}")
 
 
+@app.command()
 def estimate(
     file: File,
     overrides: Overrides = None,
@@ -103,12 +102,11 @@ def estimate(
         picture = estimated(recording, told, prediction.inputs, folder / "estimates.png")
     say(f"{folder}/estimates.nc, {picture}")
     problems = [*strange, *([told.attrs["ended"]] if told.attrs["ended"] else [])]
-    for sentence in problems:
-        complain(f"{specification.name}: {sentence}")
     if problems:
-        raise typer.Exit(3)
+        fail(*(f"{specification.name}: {sentence}" for sentence in problems))
 
 
+@app.command()
 def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = OUT / "rig") -> None:
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
     from railgrip.estimation.rig import study, table_of
@@ -118,13 +116,6 @@ def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")
     wide = ("α bias", "α largest", "α NEES", "μ sd claimed")
     show_table(table_of(rows, scenario="scenario").without(wide))
     say(f"{out}/rig.md")
-
-
-def add_to(app: typer.Typer) -> None:
-    """Put the commands of this room on a command line."""
-    app.command()(observability)
-    app.command()(estimate)
-    app.command()(rig)
 
 
 def _say_flags(recording: "xarray.Dataset") -> None:

@@ -1,124 +1,27 @@
-"""The command line.
+"""Many stops: campaigns, their reports and baselines, and what is searched over them."""
 
-Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
-"""
-
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from railgrip.bench.command import add_to as add_bench
-from railgrip.console import complain, progress, remark, say, show_table
-from railgrip.engine import Engine
-from railgrip.errors import ScenarioError, for_user
-from railgrip.estimation.command import add_to as add_estimate
-from railgrip.map_command import add_to as add_map
+from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Overrides, Workers, app
+from railgrip.cli.runs import runner
+from railgrip.console import complain, progress, say, show_table
+from railgrip.errors import ScenarioError
 from railgrip.report.panels import Panels
-from railgrip.studies.field.command import add_to as add_field
-from railgrip.studies.lateral.command import add_to as add_lateral
-from railgrip.studies.learn.command import add_to as add_learn
-from railgrip.studies.monitor.command import add_to as add_monitor
 
 if TYPE_CHECKING:
-    # Commands load what they need when they need it: a refusal or `--help` must not wait for CasADi.
-    from railgrip.campaign import Asked
+    from railgrip.campaign.run import Asked
+    from railgrip.campaign.tune_control import Found
     from railgrip.controllers.tuning import SlipSource
-    from railgrip.one_stop import Runner
     from railgrip.report.baseline import Baseline, Findings
     from railgrip.report.row import Row
-    from railgrip.tune_control import Found
 
-WRONG_QUESTION = 2
-RUN_FAILED = 3
-
-app = typer.Typer(
-    name="railgrip",
-    help="The open bench for railway braking at low adhesion.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
-DrawnPanels = Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")]
-File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
-]
-ImportFrom = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--import-from",
-        metavar="DIR",
-        help="Folder of modules that a scenario names as module:Class; their code runs. Repeatable.",
-    ),
-]
-Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
-
-
-@app.command()
-def run(
-    file: File,
-    overrides: Overrides = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
-    engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
-    import_from: ImportFrom = None,
-) -> None:
-    """Run one scenario and print its figures."""
-    from railgrip.one_stop import run as run_scenario
-    from railgrip.scenario.load import load
-
-    scenario = load(file, overrides or [])
-    directory = out or Path("build/runs") / scenario.name
-    with progress(scenario.name, scenario.start.speed) as shown:
-        stop = run_scenario(
-            scenario,
-            directory,
-            _runner(engine, import_from or ()),
-            lambda speed: shown.update(done=scenario.start.speed - speed),
-            remark,
-        )
-    metrics = stop.metrics
-    # A plant from outside may not show its adhesion; then there is no share of it to tell.
-    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
-    if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
-        used += (
-            f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
-        )
-    say(f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}")
-    for sentence in metrics.doubts():
-        say(f"{scenario.name}: {sentence}")
-    say(f"{directory}/stop.json")
-    if stop.outcome.value != "standstill":
-        _fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
-
-
-@app.command()
-def export(
-    file: File,
-    overrides: Overrides = None,
-    out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
-) -> None:
-    """Make an FMU of a scenario's controller, valve logic included, for another tool on this platform."""
-    from railgrip.one_stop import make_folder
-    from railgrip.scenario.load import load
-
-    scenario = load(file, overrides or [])
-    place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
-    make_folder(place.parent, place.name)
-    # CasADi and the compiler come after the questions that need neither.
-    from railgrip.export import controller_fmu
-    from railgrip.fmus.native.package import pack
-
-    made = pack(controller_fmu(scenario), place)
-    say(str(made))
 
 
 @app.command()
@@ -130,14 +33,14 @@ def campaign(
         typer.Option(help="Folder for results, DIR/NAME for several campaigns; build/NAME unless given."),
     ] = None,
     workers: Workers = 2,
-    fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
+    fresh: Fresh = False,
     panels: Annotated[
         Panels | None, typer.Option(help="Of which stops the panels are drawn, whatever the campaigns say.")
     ] = None,
     import_from: ImportFrom = None,
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
-    from railgrip.campaign import Asked
+    from railgrip.campaign.run import Asked
     from railgrip.report.distances import rows_of
     from railgrip.report.index import write_report
     from railgrip.report.results import read_results
@@ -169,11 +72,11 @@ def conditioning(
     relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Most that a parameter moves by.")] = 1e-7,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
     workers: Workers = 2,
-    fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
+    fresh: Fresh = False,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
-    from railgrip.campaign import Asked
-    from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
+    from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
+    from railgrip.campaign.run import Asked
     from railgrip.record.atomic import write_text
     from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
@@ -202,7 +105,7 @@ def conditioning(
 @app.command()
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
-    panels: DrawnPanels = Panels.ALL,
+    panels: Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")] = Panels.ALL,
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
     from railgrip.report.index import write_report
@@ -282,8 +185,8 @@ def accept(
 @app.command()
 def calibrate() -> None:
     """Fit the levels of the scenarios to the published distances of slip-based control, and write them."""
-    from railgrip.calibrate import TARGETS
-    from railgrip.calibrate import calibrate as fit_levels
+    from railgrip.campaign.calibrate import TARGETS
+    from railgrip.campaign.calibrate import calibrate as fit_levels
 
     with progress("levels, some ten stops each"):
         fit_levels(
@@ -301,10 +204,10 @@ def tune_control(
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law."""
-    from railgrip.one_stop import make_folder
+    from railgrip.campaign.one_stop import make_folder
+    from railgrip.campaign.tune_control import RANGES, search, text_of
+    from railgrip.campaign.workers import workers as processes
     from railgrip.record.atomic import write_text
-    from railgrip.tune_control import RANGES, search, text_of
-    from railgrip.workers import workers as processes
 
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:
@@ -342,38 +245,6 @@ def readme(
     say(str(path))
 
 
-add_map(app)
-add_estimate(app)
-add_bench(app)
-add_lateral(app)
-add_monitor(app)
-add_field(app)
-add_learn(app)
-
-
-def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; a user's mistake ends in a sentence, never in a traceback."""
-    try:
-        app(arguments)
-    except Exception as problem:
-        message = for_user(problem)
-        if message is None:
-            raise
-        complain(str(message))
-        sys.exit(message.exit_code)
-
-
-def _runner(engine: Engine = Engine.AUTO, import_from: Sequence[Path] = ()) -> "Runner":
-    # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
-    from railgrip.assemble import run_stop
-
-    if not import_from:
-        return partial(run_stop, engine=engine)
-    from railgrip.assemble import OwnParties
-
-    return partial(run_stop, engine=engine, own=OwnParties(folders=tuple(import_from)))
-
-
 def _run_campaigns(
     asked: "Sequence[Asked]",
     *,
@@ -386,7 +257,7 @@ def _run_campaigns(
 
     `finished` is called with the number of a campaign that is complete, and with what tells the user of its doing.
     """
-    from railgrip.campaign import Report, run_campaigns
+    from railgrip.campaign.run import Report, run_campaigns
 
     names = ", ".join(one.campaign.name for one in asked)
     with progress(names, sum(len(one.campaign.stops) for one in asked), counted=True) as shown:
@@ -401,17 +272,17 @@ def _run_campaigns(
             shown.update(doing="")
 
         reports = run_campaigns(
-            asked, _runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
+            asked, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
         )
     states = {report.state for reported in reports for report in reported}
     if "refused" in states:
-        return WRONG_QUESTION
+        return ScenarioError.exit_code
     return RUN_FAILED if states & {"failed", "ended_badly"} else 0
 
 
 def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
-    from railgrip.campaign import Asked
+    from railgrip.campaign.run import Asked
     from railgrip.report.baseline import findings_of, write_findings
     from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign
@@ -449,8 +320,3 @@ _NOT_ON_SCREEN = frozenset(
     {"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS", "outside ±2σ"}
 )
 """Columns of the table that a screen has no room for."""
-
-
-def _fail(sentence: str) -> NoReturn:
-    complain(sentence)
-    raise typer.Exit(RUN_FAILED)

@@ -22,7 +22,7 @@ from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 
-RAILS = Path(__file__).parent / "scenario" / "campaigns" / "training.toml"
+RAILS = Path(__file__).parents[1] / "scenario" / "campaigns" / "training.toml"
 EDGES = {"ideal": "ideal", "pneumatic": "service"}
 """Kind of actuation → variant of the axis `edge` whose stops it is tuned on."""
 

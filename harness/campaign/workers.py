@@ -6,8 +6,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Generator
-from concurrent.futures import Executor, Future
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import CancelledError, Executor, Future, as_completed
 from contextlib import contextmanager, nullcontext
 from multiprocessing import get_context, resource_tracker
 from types import FrameType
@@ -15,6 +15,7 @@ from typing import Final, ParamSpec, TypeVar
 
 import pebble
 
+from railgrip.errors import RailgripError, for_user
 from railgrip.interrupted import deaf_children
 from railgrip.scratch import scratch
 
@@ -24,6 +25,7 @@ _THREADS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
 
 P = ParamSpec("P")
 T = TypeVar("T")
+K = TypeVar("K")
 
 
 @contextmanager
@@ -63,6 +65,26 @@ class _Pool(Executor):
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         with deaf_children():
             return self._pool.schedule(fn, args=args, kwargs=kwargs)
+
+
+def ended(running: Mapping[Future[T], K]) -> Iterator[tuple[K, T | RailgripError]]:
+    """Yield what is asked for with each task as it ends, and its result; an error where its process was lost."""
+    for future in as_completed(running):
+        try:
+            yield running[future], future.result()
+        except (pebble.ProcessExpired, CancelledError) as problem:
+            yield running[future], RailgripError(f"the process that ran it ended: {problem}")
+
+
+def answer(call: Callable[[], T]) -> T | RailgripError:
+    """Return what a call returns, or the sentence for the user that it ends with; any other exception is raised."""
+    try:
+        return call()
+    except Exception as problem:
+        message = for_user(problem)
+        if message is None:
+            raise
+        return message
 
 
 @contextmanager

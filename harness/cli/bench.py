@@ -1,11 +1,11 @@
-"""The command `bench`; `add_to` puts it on the command line."""
+"""How fast everything is."""
 
-import typer
-
+from railgrip.cli.app import app
 from railgrip.console import progress, show_table
 from railgrip.engine import Engine
 
 
+@app.command()
 def bench() -> None:
     """Measure speed: medians, and ratios of what ran in turn. Times are shown beside their targets, never judged."""
     from railgrip.bench.estimation import estimation_cost
@@ -71,8 +71,3 @@ def bench() -> None:
             add("  a cycle of the compiled engine, figures included", f"{compiled.cycle:.0f} µs", "")
             add("  Python over compiled", f"{python.cycle / compiled.cycle:.1f}", "")
     show_table(Table.of(("what", "measured", "target"), rows, title=machine()))
-
-
-def add_to(app: typer.Typer) -> None:
-    """Put the command on the command line."""
-    app.command()(bench)

@@ -1,0 +1,42 @@
+"""The program that the commands belong to, and the arguments that several of them take."""
+
+from pathlib import Path
+from typing import Annotated, NoReturn
+
+import typer
+
+from railgrip.console import complain
+
+RUN_FAILED = 3
+"""Exit code of a run that ended badly; errors bring their own."""
+
+app = typer.Typer(
+    name="railgrip",
+    help="The open bench for railway braking at low adhesion.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
+]
+ImportFrom = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--import-from",
+        metavar="DIR",
+        help="Folder of modules that a scenario names as module:Class; their code runs. Repeatable.",
+    ),
+]
+Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
+Fresh = Annotated[bool, typer.Option(help="Run also what already has a result.")]
+
+
+def fail(*sentences: str) -> NoReturn:
+    """End with the exit code of a run that failed, and with why."""
+    for sentence in sentences:
+        complain(sentence)
+    raise typer.Exit(RUN_FAILED)

@@ -1,0 +1,282 @@
+"""Studies of papers: the field test, a wandering wheelset, axle-box accelerations and the brake monitor."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from railgrip.cli.app import Workers, app
+from railgrip.console import progress, say, show_table
+from railgrip.errors import ScenarioError
+from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
+
+if TYPE_CHECKING:
+    from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+
+OUT: Final = Path("build/learn")
+
+FieldTest = Annotated[
+    Path | None, typer.Option("--scenario", metavar="FILE.toml", help="Field test; the library's unless given.")
+]
+
+
+@app.command()
+def learn(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE.toml]", help="Your own runs, see harness/studies/learn/own_file.py.")
+    ] = None,
+    inputs: Annotated[
+        str | None,
+        typer.Option(help="What the paper's networks listen to, as 'left, right'; longitudinal unless given."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option(help="A small study that shows everything works; its figures mean nothing.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for report, figures, estimators and FMUs; build/learn or …/learn_NAME.")
+    ] = None,
+    workers: Workers = 2,
+) -> None:
+    """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
+    from railgrip.estimators.learned.channels import COMBINATIONS
+
+    if inputs is not None and inputs not in COMBINATIONS:
+        raise ScenarioError(f"--inputs is '{inputs}'; there is {'; '.join(COMBINATIONS)}.")
+    if file is not None and quick:
+        raise ScenarioError("--quick is of the paper's study; your own runs are taken as they are.")
+    page = _paper(inputs, quick, out or OUT, workers) if file is None else _own(file, inputs, out, workers)
+    say(str(page))
+
+
+@app.command()
+def ride(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A ride, see harness/studies/learn/ride.py.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for trace and figure; build/rides/NAME unless given.")
+    ] = None,
+) -> None:
+    """Run the instrumented car with a trained estimator beside it, sample by sample."""
+    from railgrip.record.atomic import write_bytes
+    from railgrip.report.style import save
+    from railgrip.studies.learn.ride import read_ride, ride_beside, ride_figure
+
+    asked = read_ride(file)
+    folder = out or Path("build/rides") / asked.name
+    with progress(asked.name, 1.0) as shown:
+        ridden = ride_beside(asked, file.parent, lambda share: shown.update(done=share))
+    write_bytes(folder / "ride.nc", bytes(ridden.trace.to_netcdf(engine="h5netcdf")))
+    save(ride_figure(ridden.trace), folder / "ride.png")
+    last = ridden.trace.isel(time=-1)
+    sentence = f"{asked.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
+    if float(last["friction_sd"]) > 0:
+        sentence += f" ± {float(last['friction_sd']):.3f}"
+    sentence += f", true {asked.car.friction:.3f} in the mean"
+    if ridden.apart is not None:
+        sentence += f"; sample by sample within {ridden.apart:.1e} of the same readings at once"
+    say(sentence)
+    say(f"{folder}/ride.nc")
+
+
+@app.command()
+def field(
+    out: Annotated[Path, typer.Option(help="Folder for figures and page.")] = Path("build/estimate/field"),
+    scenario: FieldTest = None,
+) -> None:
+    """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
+    from railgrip.studies.field.report import write_report
+    from railgrip.twins.field_scenario import field_scenario
+
+    with progress("field test") as shown:
+        page = write_report(field_scenario(scenario), out, tell=lambda what: shown.update(doing=what))
+    say(page.read_text(encoding="utf-8"))
+    say(str(page))
+
+
+@app.command()
+def tune(
+    kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
+    out: Annotated[Path, typer.Option(help="File for the noises.")],
+    scenario: FieldTest = None,
+    population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
+    generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
+    stage: Annotated[int, typer.Option(min=1, help="Generations between two checkpoints.")] = 10,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Threads.")] = 2,
+) -> None:
+    """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
+    from railgrip.errors import EstimationError
+    from railgrip.studies.field.filtering import filter_of, follow, lost, prediction, task_of
+    from railgrip.studies.field.noise import save_noise
+    from railgrip.studies.field.objective import DIVERGED
+    from railgrip.studies.field.runs import TUNING, brakings
+    from railgrip.studies.field.tune import Search
+    from railgrip.studies.field.tune import tune as search_for
+    from railgrip.twins.field_scenario import field_scenario
+
+    if kind != "paper" and kind != "consistent":
+        raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
+    chosen = field_scenario(scenario)
+    model = prediction()
+    with progress("twin") as shown:
+        made = brakings(chosen, TUNING, lambda case: shown.update(doing=case))
+    tasks = [task_of(braking, model) for _, braking in made.values()]
+    search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
+    checkpoint = Path("build/tune") / f"{chosen.name}-{kind}.npz"
+    with progress("generations", generations, counted=True) as shown:
+        found = search_for(
+            kind,
+            tasks,
+            model,
+            search,
+            checkpoint,
+            lambda generation, best: shown.update(done=generation, doing=f"best {best:.6f} m/s"),
+        )
+    command = (
+        f"railgrip tune {kind} --population {population} --generations {generations} --stage {stage} --seed {seed} "
+        f"--out {out}"
+    )
+    save_noise(
+        found.noise,
+        out,
+        title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
+        command=command,
+        results={"objective": found.value, "generations": float(len(found.history))},
+    )
+    say(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations")
+    filter_ = filter_of(model, chosen.period)
+    for case, task in zip(made, tasks, strict=True) if found.value < DIVERGED else ():
+        instant = lost(task, follow(task, filter_, found.noise))
+        if instant is not None:
+            say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
+    say(str(out))
+
+
+@app.command()
+def lateral(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for results and report.")] = Path("build/lateral"),
+    quick: Annotated[bool, typer.Option(help="A few short runs: shows that it works, not what is true.")] = False,
+    workers: Workers = 2,
+) -> None:
+    """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
+    from railgrip.studies.lateral.report import write_report
+    from railgrip.studies.lateral.study import FULL, QUICK, conduct
+
+    plan = QUICK if quick else FULL
+    folder = out / "quick" if quick else out
+    with progress("lateral", len(plan.cases), counted=True) as shown:
+        results = conduct(plan, folder, workers=workers, tell=lambda case, found: shown.advance())
+        shown.update(doing="report")
+        page = write_report(plan, results, folder, tell=lambda what: shown.update(doing=what))
+    say(str(page))
+
+
+@app.command()
+def monitor(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of stops, in the order of their names.")],
+    column_map: Annotated[
+        Path | None, typer.Option("--map", metavar="FILE.toml", help="Estimation whose [data] maps recorded files.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Figure; DIR/monitor.png unless given.")] = None,
+) -> None:
+    """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
+    from railgrip.estimation.spec import load_specification
+    from railgrip.studies.monitor.folder import stops_in
+    from railgrip.studies.monitor.page import draw, health_table, verdict_on
+    from railgrip.studies.monitor.watch import Design, watch
+
+    with progress("reading") as shown:
+        found = stops_in(
+            folder,
+            None if column_map is None else load_specification(column_map),
+            lambda done, of: shown.update(doing=f"stop {done} of {of}"),
+        )
+    for sentence in found.sentences:
+        say(sentence)
+    if not found.evidence:
+        from railgrip.errors import EstimationError
+
+        raise EstimationError(f"{folder}: none of its stops can be used.")
+    design = Design()
+    history = watch(found.evidence, design)
+    show_table(health_table(history, found.names))
+    say(verdict_on(history, design))
+    say(str(draw(history, design, out or folder / "monitor.png")))
+
+
+@app.command("monitor-study")
+def monitor_study(
+    out: Annotated[Path, typer.Option(help="Folder for figure and figures.")] = Path("build/monitor"),
+    seeds: Annotated[int, typer.Option(min=1, help="Lives.")] = 20,
+    stops: Annotated[int, typer.Option(min=40, help="Stops of each.")] = 200,
+    workers: Workers = 2,
+    pressure_offset: Annotated[
+        float, typer.Option(min=0.0, help="1σ of what pressure transducers are off for a whole life [Pa].")
+    ] = PRESSURE_OFFSET,
+) -> None:
+    """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
+    from railgrip.studies.monitor.page import draw
+    from railgrip.studies.monitor.study import evidence_of_life, lives, study
+    from railgrip.studies.monitor.watch import Design, watch
+
+    design, asked = Design(), lives(seeds, stops, pressure_offset)
+    with progress("lives", seeds, counted=True) as shown:
+        verdict = study(asked, design, workers=workers, tell=lambda done: shown.update(done=done))
+    show_table(verdict.table())
+    first = watch(evidence_of_life(asked[0]), design)
+    say(str(draw(first, design, out / "life.png")))
+
+
+def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
+    """Run the study of the paper and write its report, figures, estimators and their FMUs."""
+    from railgrip.record.atomic import write_text
+    from railgrip.studies.learn.figures import draw
+    from railgrip.studies.learn.study import FULL, QUICK, estimators_of, pieces, study
+    from railgrip.studies.learn.tables import report
+
+    size = QUICK if quick else FULL
+    with progress("learn", pieces(size), counted=True) as shown:
+        made = study(size, inputs=inputs or "longitudinal", workers=workers, tell=shown.advance)
+        shown.update(doing="figures and FMUs")
+        drawn = draw(made, out)
+        _export(estimators_of(made), out)
+    page = out / "report.md"
+    write_text(page, report(made, [path.stem for path in drawn]))
+    return page
+
+
+def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
+    """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
+    from railgrip.record.atomic import write_text
+    from railgrip.studies.learn.own import judge_own, own_pieces
+    from railgrip.studies.learn.own_file import read_own
+    from railgrip.studies.learn.users import read_folder, read_labels
+
+    asked = read_own(file)
+    network = asked.network if inputs is None else asked.network.model_copy(update={"inputs": inputs})
+    folder = out or OUT.with_name(f"learn_{asked.name}")
+    labels = file.parent / asked.runs.labels
+    with progress("learn", len(read_labels(labels)), counted=True) as shown:
+        read = read_folder(file.parent / asked.runs.folder, labels, asked.data, shown.advance)
+        shown.update(doing="training and judging", total=len(read.runs) + own_pieces(read.runs))
+        text, trained = judge_own(
+            read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=shown.advance
+        )
+        shown.update(doing="FMUs")
+        _export(trained, folder)
+    page = folder / "report.md"
+    write_text(page, text)
+    return page
+
+
+def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
+    """Write every estimator as a file of numbers and as an FMU."""
+    from railgrip.estimators.learned.trained import save
+    from railgrip.fmus.native.package import pack
+    from railgrip.record.atomic import replacing
+    from railgrip.studies.learn.export import as_fmu
+
+    for name, one in trained.items():
+        with replacing(out / f"{name}.json") as partial:
+            save(one, partial)
+        pack(as_fmu(one.online()), out / f"{name}.fmu")
