@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from railgrip.record.atomic import write_text
+from railgrip.atomic import write_text
 from railgrip.scenario.load import load
 from railgrip.workers import workers
 

@@ -11,11 +11,11 @@ from typing import Literal
 import pebble
 
 from railgrip import workers as processes
+from railgrip.atomic import PARTIAL, write_text
 from railgrip.errors import InputError, RecordError, for_user
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.one_stop import SOURCES, Runner, make_folder, run
-from railgrip.record.atomic import PARTIAL, write_text
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop
 from railgrip.report.compilers import OURS, makers

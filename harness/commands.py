@@ -172,9 +172,9 @@ def conditioning(
     fresh: Annotated[bool, typer.Option(help="Run also what already has a result.")] = False,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
+    from railgrip.atomic import write_text
     from railgrip.campaign import Asked
     from railgrip.conditioning import campaign_of, conditioning_of, repeats_of
-    from railgrip.record.atomic import write_text
     from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
     from railgrip.scenario.conditioning import text_of
@@ -301,8 +301,8 @@ def tune_control(
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law."""
+    from railgrip.atomic import write_text
     from railgrip.one_stop import make_folder
-    from railgrip.record.atomic import write_text
     from railgrip.tune_control import RANGES, search, text_of
     from railgrip.workers import workers as processes
 
