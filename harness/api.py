@@ -145,13 +145,13 @@ def sweep(
 
 
 def estimate(
-    recording: "xarray.Dataset | str | Path", model: str | Path, changes: Mapping[str, Any] | None = None
+    recording: "xarray.Dataset | str | Path", model: str | Path = "stop", changes: Mapping[str, Any] | None = None
 ) -> "xarray.Dataset":
     """Return what a filter believes at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
 
     Args:
-        recording: Signals by name on an even grid, or a file (csv, parquet, mat, mf4) that [data] of the model's file
-            describes.
+        recording: A trace, such as `stop.trace`, or a file: trace.nc of a stop, or csv, parquet, mat or mf4 that
+            [data] of the model's file describes.
         model: An estimation file: model, noises, start; or the name of one of ours, such as "wagon".
         changes: As for `Scenario.load`.
 
@@ -159,7 +159,7 @@ def estimate(
         ScenarioError: The file is no estimation.
         EstimationError: The recording does not fit it.
     """
-    from railgrip.estimation.sources import recording_of_estimation
+    from railgrip.estimation.sources import completed, recording_of_estimation
     from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 
     path = Path(model)
@@ -167,8 +167,8 @@ def estimate(
     overrides = [f"{key}={value}" for key, value in (changes or {}).items()]
     specification = load_specification(ours if not path.suffix and ours.is_file() else path, overrides)
     if isinstance(recording, str | Path):
-        recording = recording_of_estimation(specification, data=Path(recording))
-    return estimate_of(specification, recording)
+        return estimate_of(specification, recording_of_estimation(specification, data=Path(recording)))
+    return estimate_of(specification, completed(specification, recording))
 
 
 def _asked(scenario: Asked, plant: str | Path | None) -> schema.Scenario:

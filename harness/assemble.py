@@ -53,7 +53,6 @@ from railgrip.record.metrics import measure
 from railgrip.record.motion import braking_distance as distance_of
 from railgrip.record.motion import since_brake_demand
 from railgrip.record.outcome import Outcome
-from railgrip.record.recorder import Recorder
 from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.custom import Custom, Role
@@ -66,6 +65,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge
 from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, Layout, layout_of, sent
+from railgrip.trace.recorder import Recorder
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit

@@ -19,13 +19,13 @@ from railgrip.errors import ScenarioError
 from railgrip.loop.ended import Ended
 from railgrip.record.bound import with_bound
 from railgrip.record.outcome import Outcome
-from railgrip.record.recorder import Recorder
 from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import track_force_of
 from railgrip.signals import PLANT, SENT
+from railgrip.trace.recorder import Recorder
 from railgrip.train import GRAVITY, brake_of, masses_of
 
 Array = NDArray[np.float64]

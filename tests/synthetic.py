@@ -11,9 +11,9 @@ from railgrip.record.bound import Brake, with_bound
 from railgrip.record.metrics import measure
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import Stop
-from railgrip.record.trace import trace_of
 from railgrip.scenario.adhesion import profile_of
 from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
+from railgrip.trace.recorder import trace_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 

@@ -11,6 +11,7 @@ ROOMS = ("fmus", "estimators", "controllers", "harness")
 # Room or module → what it may import of ours; the longest matching name decides.
 ALLOWED = {
     "railgrip.errors": (),
+    "railgrip.atomic": (),
     "railgrip.fmus": ("railgrip.fmus",),
     "railgrip.estimators": ("railgrip.estimators", "railgrip.fmus.native"),
     "railgrip.controllers": ("railgrip.controllers",),
@@ -20,23 +21,26 @@ ALLOWED = {
     "railgrip.limits": (),
     "railgrip.formation": ("railgrip.controllers.brake",),
     "railgrip.signals": ("railgrip.formation",),
-    "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.record.recorder", "railgrip.signals",
+    "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.trace.recorder", "railgrip.signals",
                       "railgrip.formation", "railgrip.controllers.observation", "railgrip.estimators.belief",
                       "railgrip.fmus.native.toolchain"),
     "railgrip.track": ("railgrip.track",),
     "railgrip.scenario": ("railgrip.scenario", "railgrip.track", "railgrip.formation", "railgrip.units",
                           "railgrip.limits", "railgrip.fmus.native.library"),
+    "railgrip.trace": ("railgrip.trace", "railgrip.formation", "railgrip.signals", "railgrip.units",
+                       "railgrip.scenario"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
-    "railgrip.record": ("railgrip.record", "railgrip.scenario", "railgrip.formation", "railgrip.signals",
+    "railgrip.record": ("railgrip.record", "railgrip.trace", "railgrip.scenario", "railgrip.formation",
+                        "railgrip.signals",
                         "railgrip.estimators.consistency"),
-    "railgrip.report": ("railgrip.report", "railgrip.record", "railgrip.scenario", "railgrip.units"),
+    "railgrip.report": ("railgrip.report", "railgrip.record", "railgrip.trace", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
                      "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction", "railgrip.loop.compiled.Calls",
                      "railgrip.loop.ports.Edge"),
 }  # fmt: skip
 
-GROUND = ("railgrip.errors",)
+GROUND = ("railgrip.errors", "railgrip.atomic")
 """What every room may import."""
 
 

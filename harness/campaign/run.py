@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from railgrip.atomic import PARTIAL, write_text
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.errors import InputError, RailgripError, RecordError
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
-from railgrip.record.atomic import PARTIAL, write_text
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import read_stop
 from railgrip.report.compilers import OURS, makers

@@ -75,9 +75,9 @@ def conditioning(
     fresh: Fresh = False,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
+    from railgrip.atomic import write_text
     from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
     from railgrip.campaign.run import Asked
-    from railgrip.record.atomic import write_text
     from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
     from railgrip.scenario.conditioning import text_of
@@ -204,10 +204,10 @@ def tune_control(
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law."""
+    from railgrip.atomic import write_text
     from railgrip.campaign.one_stop import make_folder
     from railgrip.campaign.tune_control import RANGES, search, text_of
     from railgrip.campaign.workers import workers as processes
-    from railgrip.record.atomic import write_text
 
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:

@@ -21,7 +21,8 @@ Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/es
 Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Of the source; the scenario's own unless given.")]
 Data = Annotated[
-    Path | None, typer.Option(metavar="RUN", help="Recorded csv, parquet, mat or mf4 file, read by [data].")
+    Path | None,
+    typer.Option(metavar="RUN", help="Trace of a stop (.nc), or csv, parquet, mat or mf4 file, read by [data]."),
 ]
 
 
@@ -81,10 +82,10 @@ def estimate(
     data: Data = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
+    from railgrip.atomic import write_bytes
     from railgrip.estimation.plausible import strange_estimates, strange_signals
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
-    from railgrip.record.atomic import write_bytes
     from railgrip.report.estimated import estimated
 
     specification = load_specification(file, overrides or [])
@@ -127,13 +128,13 @@ def _say_flags(recording: "xarray.Dataset") -> None:
 def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
     """Print how far off each state was whose truth is known."""
     from railgrip.estimation.judge import judge
-    from railgrip.estimation.recording import TRUTH
+    from railgrip.trace.samples import knows
 
     say(
         f"{recording.attrs['name']}: median NIS is {told.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
         "filter is surer than its readings allow."
     )
-    known = [str(state) for state in told["state"].values if TRUTH + str(state) in recording]
+    known = [str(state) for state in told["state"].values if knows(recording, str(state))]
     if not known:
         return
     rows = [
@@ -160,6 +161,9 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
 
 def _write_windows(windows: "xarray.Dataset", path: Path) -> None:
     """Write smallest singular values and deviations as CSV, a row a window."""
+    import xarray
+
+    assert isinstance(windows, xarray.Dataset)
     states = [str(state) for state in windows["state"].values]
     columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))

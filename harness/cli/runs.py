@@ -97,7 +97,7 @@ def map_(
 
     description = describe(file)
     formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or catalogue_counts()))
-    inputs, outputs, start = plant_signals(formation, pneumatic=False, track_force=False)
+    inputs, outputs, start = plant_signals(layout_of(formation), pneumatic=False, track_force=False)
     wanted: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
     wanted |= {s.name: (s, "output") for s in outputs}
     wanted[start.name] = (start, "parameter")

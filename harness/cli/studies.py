@@ -57,7 +57,7 @@ def ride(
     ] = None,
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
-    from railgrip.record.atomic import write_bytes
+    from railgrip.atomic import write_bytes
     from railgrip.report.style import save
     from railgrip.studies.learn.ride import read_ride, ride_beside, ride_figure
 
@@ -229,7 +229,7 @@ def monitor_study(
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     """Run the study of the paper and write its report, figures, estimators and their FMUs."""
-    from railgrip.record.atomic import write_text
+    from railgrip.atomic import write_text
     from railgrip.studies.learn.figures import draw
     from railgrip.studies.learn.study import FULL, QUICK, estimators_of, pieces, study
     from railgrip.studies.learn.tables import report
@@ -247,7 +247,7 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
 
 def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
     """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
-    from railgrip.record.atomic import write_text
+    from railgrip.atomic import write_text
     from railgrip.studies.learn.own import judge_own, own_pieces
     from railgrip.studies.learn.own_file import read_own
     from railgrip.studies.learn.users import read_folder, read_labels
@@ -271,9 +271,9 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
 
 def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
     """Write every estimator as a file of numbers and as an FMU."""
+    from railgrip.atomic import replacing
     from railgrip.estimators.learned.trained import save
     from railgrip.fmus.native.package import pack
-    from railgrip.record.atomic import replacing
     from railgrip.studies.learn.export import as_fmu
 
     for name, one in trained.items():

@@ -5,7 +5,7 @@ or from a file, and carries what a prediction asks for under the prediction's ow
 outputs, arrays as scalars `cylinder_pressure[1]`. What the twin knows and no filter may see stands beside them as
 `true_<state>`, for `judge` alone.
 
-    from railgrip.estimation.recording import recording_of
+    from railgrip.trace.samples import recording_of
     from railgrip.estimation.run import Settings, estimate, prediction_of
     from railgrip.estimation.judge import judge
 

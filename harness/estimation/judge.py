@@ -7,7 +7,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import truth_of
+from railgrip.trace.samples import truth_of
 
 Vector = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import TRUTH, columns, period_of
 from railgrip.estimation.run import by_name, units_of
 from railgrip.estimation.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
 from railgrip.estimators.observability import Observability, along, observability
 from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
 
 Matrix = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def observe(
     period = period_of(recording)
     settings = settings_for(specification, period)
     states = _states(recording, prediction)
-    inputs = columns(recording, prediction.inputs, [recording[n].attrs["units"] for n in prediction.inputs])
+    inputs = samples(recording, prediction.inputs)
     gated: list[int] = []
     if settings.gate is not None:
         gated = [prediction.inputs.index(name) for name in settings.gate.inputs]
@@ -96,19 +96,17 @@ def with_estimates_as_truth(specification: Specification, recording: xarray.Data
         raise EstimationError(f"{specification.name}: {told.attrs['ended']} There is no trajectory to ask along.")
     units = units_of(specification.model.class_)
     states = [str(state) for state in told["state"].values]
-    return recording.assign(
-        {TRUTH + s: (("time",), told["mean"].sel(state=s).values, {"units": units[s]}) for s in states}
-    )
+    return with_signals(recording, truth={s: (told["mean"].sel(state=s).values, units[s]) for s in states})
 
 
 def _states(recording: xarray.Dataset, prediction: CasadiPrediction) -> Matrix:
-    unknown = [state for state in prediction.states if TRUTH + state not in recording]
+    unknown = [state for state in prediction.states if not knows(recording, state)]
     if unknown:
         raise EstimationError(
             f"observability: the recording does not tell {', '.join(unknown)}; a trajectory of all states is wanted, "
             "from a twin or as true_<state> from an estimate."
         )
-    return np.stack([recording[TRUTH + state].values for state in prediction.states], axis=1)
+    return np.stack([truth_of(recording, state) for state in prediction.states], axis=1)
 
 
 def _points(

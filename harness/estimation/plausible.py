@@ -11,6 +11,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.trace.samples import reading_of, unit_of
+
 Vector = NDArray[np.float64]
 
 
@@ -51,10 +53,10 @@ def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str
     """Return a sentence for each signal that is beyond its bounds in more than `FEW` of its samples."""
     found: list[str] = []
     for name in names:
-        bounds, values = SIGNALS.get(_family(name)), recording[name].values
+        bounds, values = SIGNALS.get(_family(name)), reading_of(recording, name)
         if bounds is not None:
             beyond = ~((values >= bounds.low) & (values <= bounds.high)) & ~np.isnan(values)
-            unit = str(recording[name].attrs.get("units", ""))
+            unit = unit_of(recording, name)
             found += _sentences(f"{name} is", "wrong unit, sign or column?", values, beyond, recording, bounds, unit)
     return found
 

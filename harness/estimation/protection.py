@@ -7,6 +7,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.estimation.judge import errors
+from railgrip.trace.samples import period_of, reading_of
 
 Mask = NDArray[np.bool_]
 
@@ -48,7 +49,7 @@ def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
     The first `settled` seconds are left out: there the estimate comes from its start.
     """
     time = recording["time"].values
-    busy = recording["protecting"].values > 0.5
+    busy = reading_of(recording, "protecting") > 0.5
     last = np.where(busy, time, -np.inf)
     since = time - np.maximum.accumulate(last)
     return (since > RECOVERY) & (time >= time[0] + settled)
@@ -63,7 +64,7 @@ def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: fl
     # A filter that ended early is off for good: what is not a number is over the limit.
     over = ~(error <= LIMIT) & after
     edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
-    lengths = (edges[1::2] - edges[::2]) * float(recording.attrs["period"])
+    lengths = (edges[1::2] - edges[::2]) * period_of(recording)
     return Excursions(
         largest_outside=float(np.max(error[outside], initial=0.0)),
         largest=float(np.max(error[after], initial=0.0)),

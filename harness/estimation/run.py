@@ -11,7 +11,6 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError, FilterDiverged
-from railgrip.estimation.recording import columns, period_of
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import FAR, lost_at, nis_ratio
@@ -20,6 +19,7 @@ from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
 from railgrip.fmus.native import Model, lower
+from railgrip.trace.samples import period_of, samples
 
 Matrix = NDArray[np.float64]
 
@@ -111,10 +111,10 @@ def estimate(
     """Return what a filter believes at every sample of a recording.
 
     Args:
-        recording: Holds the prediction's inputs and outputs; its truth is not touched.
+        recording: A trace whose readings are the prediction's inputs and outputs; its truth is not touched.
         prediction: The model.
         settings: Noises, start and gate.
-        units: Of inputs and outputs, checked against the recording's where given.
+        units: Of inputs and outputs, which the recording's are converted to where given.
         compiled: In C; otherwise the filter in numpy, which needs no compiler.
         covariance: Keep the whole covariance at every sample, too.
         progress: Told how many of how many samples are done.
@@ -134,7 +134,7 @@ def estimate(
     known = dict(units or {})
     period = period_of(recording)
     inputs = _inputs(recording, prediction, known, settings.between)
-    seen = columns(recording, outputs, _units(recording, outputs, known))
+    seen = samples(recording, outputs, [known.get(name) for name in outputs])
     process = by_name("process", settings.process, states)
     readings = by_name("readings", settings.readings, outputs)
     parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
@@ -290,7 +290,7 @@ def _stepped(
 def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:
     """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
     names = prediction.inputs
-    found = columns(recording, names, _units(recording, names, units))
+    found = samples(recording, names, [units.get(name) for name in names])
     for name, values in zip(names, found.T, strict=True):
         if np.isnan(values).any():
             at = recording["time"].values[int(np.argmax(np.isnan(values)))]
@@ -300,11 +300,6 @@ def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapp
             )
     earlier = np.vstack([found[:1], found[:-1]])
     return 0.5 * (earlier + found) if between == "mean" else earlier
-
-
-def _units(recording: xarray.Dataset, names: Sequence[str], known: Mapping[str, str]) -> list[str]:
-    """Return the unit wanted of each signal: the model's where known, else whatever the recording has."""
-    return [known.get(n, str(recording[n].attrs.get("units", "")) if n in recording else "") for n in names]
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:

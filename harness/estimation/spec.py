@@ -25,6 +25,9 @@ threshold = "1.5 kN"
 mass = "84 t"
 curve_law = "bogie"
 
+[inputs]                                    # optional: inputs that nobody records, constant
+track_force = "0 N"
+
 [source]
 kind = "roller_rig"                         # a twin, see railgrip.estimation.sources
 scenario = "slide"
@@ -38,7 +41,6 @@ import xarray
 from pydantic import Field, model_validator
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recorded.table import DataTable
 from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimation.selection import prediction_seeing
 from railgrip.estimators.gate import Gate
@@ -48,6 +50,8 @@ from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
 from railgrip.scenario.track import CurveLaw
+from railgrip.trace.samples import period_of
+from railgrip.trace.table import DataTable
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -143,13 +147,12 @@ class Specification(Table):
     between: Literal["held", "mean"] = "held"
     observability: ObservabilityTable | None = None
     course: CourseTable | None = None
+    inputs: dict[str, Magnitude] = Field(default_factory=dict)
     source: SourceTable | None = None
-    data: DataTable | None = Field(default=None, description="how a user's file is read, see estimate.recorded")
+    data: DataTable | None = Field(default=None, description="how a user's file is read, see railgrip.trace.table")
 
     @model_validator(mode="after")
-    def _has_a_source(self) -> Self:
-        if self.source is None and self.data is None:
-            raise broken("has neither [source], a twin, nor [data], the columns of a file")
+    def _has_one_track_force(self) -> Self:
         if self.course is not None and self.data is not None and "track_force" in self.data.columns:
             raise broken("has track_force in [data.columns] and [course], which makes it; take one of them out")
         return self
@@ -158,10 +161,10 @@ class Specification(Table):
         """Return the twin of the estimation.
 
         Raises:
-            EstimationError: It has none; its recording comes from a file.
+            EstimationError: It has none; its recording comes from a trace or a file.
         """
         if self.source is None:
-            raise EstimationError(f"{self.name}: has no [source]; name the file to read, --data FILE.")
+            raise EstimationError(f"{self.name}: has no [source]; name the trace or file to read, --data FILE.")
         return self.source
 
 
@@ -263,7 +266,7 @@ def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarr
     return estimate(
         recording,
         prediction_for(specification),
-        settings_for(specification, float(recording.attrs["period"])),
+        settings_for(specification, period_of(recording)),
         units=units_of(specification.model.class_),
     )
 

@@ -18,8 +18,8 @@ from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, Pl
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, Believer, complete
-from railgrip.record.recorder import Recorder
 from railgrip.signals import BELIEVED, INNOVATION, SENT, SPREAD, Layout, length, places
+from railgrip.trace.recorder import Recorder
 
 Vector = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from railgrip.loop.ended import (
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Plant, Rail, Sensors
 from railgrip.loop.watch import Believer, watch_of
-from railgrip.record.recorder import Recorder
 from railgrip.signals import SENT, Layout
+from railgrip.trace.recorder import Recorder
 
 
 def run(*, controller: Controller, **parties: Any) -> Ended:

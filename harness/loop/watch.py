@@ -12,8 +12,8 @@ from railgrip import signals
 from railgrip.controllers.observation import Observation
 from railgrip.errors import EstimatorFailed
 from railgrip.loop.ports import DirectEstimator, Filter
-from railgrip.record.recorder import Recorder
 from railgrip.signals import Layout
+from railgrip.trace.recorder import Recorder
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from railgrip.record.trace import formation_in
+from railgrip.trace.recorder import formation_in
 
 
 def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:

@@ -11,7 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.record.contact import Contact, peak
-from railgrip.record.trace import formation_in
+from railgrip.trace.recorder import formation_in
 
 Array = NDArray[np.float64]
 

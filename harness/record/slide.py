@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.record.trace import formation_in
+from railgrip.trace.recorder import formation_in
 
 Array = NDArray[np.float64]
 

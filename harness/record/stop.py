@@ -9,13 +9,14 @@ from typing import Any
 
 import xarray
 
+from railgrip.atomic import write_text
 from railgrip.errors import RecordError, Unwritten
-from railgrip.record.atomic import write_text
 from railgrip.record.metrics import Metrics
 from railgrip.record.outcome import Outcome
-from railgrip.record.trace import FILE_NAME as TRACE_FILE
-from railgrip.record.trace import read_trace, thinned, write_trace
 from railgrip.scenario.schema import Scenario
+from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
+from railgrip.trace.netcdf import read_trace, write_trace
+from railgrip.trace.recorder import thinned
 
 STOP_FILE = "stop.json"
 FILES = (STOP_FILE, TRACE_FILE)

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from railgrip.record.atomic import write_text
+from railgrip.atomic import write_text
 from railgrip.record.outcome import Outcome
 from railgrip.report.compilers import from_elsewhere, makers
 from railgrip.report.conditioning import spread_text

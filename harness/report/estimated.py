@@ -21,6 +21,7 @@ from railgrip.report.style import (
     readable,
     save,
 )
+from railgrip.trace.samples import knows, reading_of, truth_of, unit_of
 
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION)
 _WORDS = {
@@ -48,9 +49,9 @@ def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[
     panels = list(np.atleast_1d(made.subplots(len(given) + len(states) + 1, 1, sharex=True)))
     time = told["time"].values
     for panel, (family, names) in zip(panels, given.items(), strict=False):
-        factor, unit = readable(str(recording[names[0]].attrs["units"]))
+        factor, unit = readable(unit_of(recording, names[0]))
         for name, colour in zip(names, _COLOURS, strict=False):
-            panel.plot(time, factor * recording[name], color=colour, lw=0.9, label=_element(name))
+            panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_element(name))
         dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
         _legend(panel, len(names))
     settled = time >= time[0] + _SETTLED * (time[-1] - time[0])
@@ -61,9 +62,9 @@ def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[
             panel.fill_between(time, mean - 2 * sd, mean + 2 * sd, color=colour, alpha=0.15, lw=0)
             panel.plot(time, mean, color=colour, lw=1.0, label=_element(name))
             shown.append(mean[settled])
-            if f"true_{name}" in recording:
-                panel.plot(time, recording[f"true_{name}"], color=colour, lw=1.0, ls="--")
-                shown.append(recording[f"true_{name}"].values[settled])
+            if knows(recording, name):
+                panel.plot(time, truth_of(recording, name), color=colour, lw=1.0, ls="--")
+                shown.append(truth_of(recording, name)[settled])
         dress(panel, y=_WORDS.get(family, family))
         panel.set_ylim(*_reach(np.concatenate(shown)))
         _legend(panel, len(names))
@@ -72,7 +73,7 @@ def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[
     last.axhline(1.0, color=BLACK, lw=0.8, ls=":")
     last.set_ylim(1e-2, 1e2)
     dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
-    truth = "; dashed: truth" if any(str(name).startswith("true_") for name in recording.data_vars) else ""
+    truth = "; dashed: truth" if any(knows(recording, str(state)) for state in told["state"].values) else ""
     nis = f"; median NIS {told.attrs['nis_ratio']:.2g} of the expected one"
     made.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}{nis}", fontsize=10)
     return save(made, path)

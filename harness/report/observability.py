@@ -6,6 +6,7 @@ import numpy as np
 import xarray
 
 from railgrip.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, figure, readable, save
+from railgrip.trace.samples import reading_of, unit_of
 
 _COLORS = (BLUE, BLACK, VERMILION, GREEN, ORANGE, PURPLE, SKY)
 _DASHES = ("-", "--", ":", "-.")
@@ -19,8 +20,10 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     made = figure(10, 6.5)
     above, below = made.subplots(2, 1, sharex=True, height_ratios=(1, 2))
     for name, color in zip(inputs, (ORANGE, BLUE), strict=False):
-        factor, unit = readable(recording[name].units)
-        above.plot(recording["time"], factor * recording[name], color=color, lw=0.8, label=f"{name} [{unit}]")
+        factor, unit = readable(unit_of(recording, name))
+        above.plot(
+            recording["time"], factor * reading_of(recording, name), color=color, lw=0.8, label=f"{name} [{unit}]"
+        )
     dress(above, title=f"{windows.attrs['name']}: windows of {windows.attrs['window']:g} s")
     above.legend(fontsize=8, frameon=False, loc="upper left")
     time = windows["time"].values

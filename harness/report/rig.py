@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from railgrip.report.style import BLACK, BLUE, GREEN, GREY, KMH, ORANGE, SKY, VERMILION, dress, figure, save
+from railgrip.trace.samples import reading_of, truth_of
 
 RADIUS = 0.46  # m, of the rig's wheelset
 
@@ -20,18 +21,22 @@ def rig_run(
     time = recording["time"].values
     made = figure(10, 6.5)
     above, below = made.subplots(2, 1, sharex=True)
-    above.plot(time, KMH * recording["speed"], color=BLACK, lw=1.2, label="roller")
-    above.plot(time, KMH * radius * recording["wheelset_speed"], color=BLUE, lw=0.8, label="wheelset, at the rim")
+    above.plot(time, KMH * reading_of(recording, "speed"), color=BLACK, lw=1.2, label="roller")
+    above.plot(
+        time, KMH * radius * reading_of(recording, "wheelset_speed"), color=BLUE, lw=0.8, label="wheelset, at the rim"
+    )
     made.suptitle(title, fontsize=10)
     dress(above, y="speed [km/h]")
     force = above.twinx()
-    force.plot(time, recording["pad_force"] / 1e3, color=ORANGE, lw=0.7, alpha=0.8, label="pad force (right)")
+    force.plot(
+        time, reading_of(recording, "pad_force") / 1e3, color=ORANGE, lw=0.7, alpha=0.8, label="pad force (right)"
+    )
     force.set_ylabel("pad force [kN]")
     force.set_ylim(0, None)
     force.spines["top"].set_visible(False)
     lines = [*above.get_lines(), *force.get_lines()]
     _legend(above, lines)
-    measured = recording["contact_force"] / recording["wheelset_load"]
+    measured = reading_of(recording, "contact_force") / reading_of(recording, "wheelset_load")
     adhesion, pads = (estimates["mean"].sel(state=state) for state in ("alpha", "mu_b"))
     below.plot(time, measured, color=ORANGE, lw=2.0, label="adhesion by load cells")
     below.plot(time, adhesion, color=BLUE, lw=0.7, label="adhesion, estimated")
@@ -39,7 +44,7 @@ def rig_run(
     below.set_ylim(-0.01, top)
     dress(below, x="time [s]", y="adhesion")
     friction = below.twinx()
-    friction.plot(time, recording["true_mu_b"], color=BLACK, lw=1.0, ls="--", label="pad friction, true (right)")
+    friction.plot(time, truth_of(recording, "mu_b"), color=BLACK, lw=1.0, ls="--", label="pad friction, true (right)")
     friction.plot(time, pads, color=VERMILION, lw=1.0, label="pad friction, estimated (right)")
     friction.set_ylim(0.0, 0.5)
     friction.set_ylabel("pad friction")
@@ -59,14 +64,20 @@ def over_slip(
 ) -> Path:
     """Draw adhesion over slip and its error (figure 6), for every filter, from `between[0]` to `between[1]` seconds."""
     part = recording.sel(time=slice(*between))
-    slip = part["true_slip"].values
+    slip = truth_of(part, "slip")
     made = figure(10, 7)
     above, below = made.subplots(2, 1, sharex=True)
-    above.plot(slip, part["contact_force"] / part["wheelset_load"], color=GREY, lw=2.0, label="load cells")
+    above.plot(
+        slip,
+        reading_of(part, "contact_force") / reading_of(part, "wheelset_load"),
+        color=GREY,
+        lw=2.0,
+        label="load cells",
+    )
     for (name, told), color in zip(estimates.items(), (VERMILION, BLUE, GREEN), strict=False):
         seen = told.sel(time=slice(*between))["mean"].sel(state="alpha").values
         above.plot(slip, seen, color=color, lw=0.9, label=name)
-        below.plot(slip, np.abs(seen - part["true_alpha"].values), ".-", color=color, lw=0.6, ms=2.5, label=name)
+        below.plot(slip, np.abs(seen - truth_of(part, "alpha")), ".-", color=color, lw=0.6, ms=2.5, label=name)
     dress(above, y="adhesion", title=f"{part.attrs['name']}, {between[0]:g} to {between[1]:g} s")
     above.legend(fontsize=8, frameon=False)
     below.axhline(limit, color=BLACK, lw=0.8, ls=":")
@@ -82,7 +93,7 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset], 
     for column, (name, told) in enumerate(estimates.items()):
         for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
             at = axes[row, column]
-            error = told["mean"].sel(state=state).values - recording[f"true_{state}"].values
+            error = told["mean"].sel(state=state).values - truth_of(recording, state)
             spread = 2.0 * told["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
             at.fill_between(time, -spread, spread, color=SKY, alpha=0.35, lw=0, label="± 2 sd claimed")

@@ -1,7 +1,7 @@
 """Twins: simulated rigs and vehicles that are measured, scenario → recording.
 
 A twin steps a plant FMU through `railgrip.fmu`, with whatever controls it, and returns a recording
-(`railgrip.estimation.recording`): readings with the noise of their sensors, drawn from the scenario's seed, and the
+(`railgrip.trace.samples`): readings with the noise of their sensors, drawn from the scenario's seed, and the
 truth beside them. `plant` opens the FMU; `roller_rig` and `wagon` show how little is left:
 
     with plant("RollerRig", inputs={"valve_command": "1", "mu0": "1"}, outputs={"speed": "m/s"},

@@ -14,9 +14,9 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import force_along
+from railgrip.trace.samples import recording_of
 from railgrip.track.laid import Plan
 from railgrip.twins.field_scenario import Case, FieldScenario, Patch, SensorTable
 from railgrip.twins.plant import parameters, plant

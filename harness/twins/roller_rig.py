@@ -11,8 +11,8 @@ from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.tuning import VALVE_BAND, VALVE_PULSE_MIN
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
+from railgrip.trace.samples import reading_of, recording_of
 from railgrip.twins.plant import defaults, parameters, plant
 from railgrip.twins.rig_scenario import RigScenario
 
@@ -102,7 +102,7 @@ def run_rig(scenario: RigScenario, seed: int | None = None) -> xarray.Dataset:
 
 def measured_adhesion(recording: xarray.Dataset) -> Vector:
     """Return the adhesion that the load cells show: force along the track over load."""
-    return recording["contact_force"].values / recording["wheelset_load"].values
+    return reading_of(recording, "contact_force") / reading_of(recording, "wheelset_load")
 
 
 class _Protection:

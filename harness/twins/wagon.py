@@ -9,10 +9,10 @@ import xarray
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from railgrip.estimation.recording import recording_of
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.seed import generator
 from railgrip.scenario.table import Duration, Friction, Name, Parameters, Seed, Speed, Table
+from railgrip.trace.samples import recording_of
 from railgrip.twins.load import Pressure, Time, in_order, load_twin
 from railgrip.twins.plant import parameters, plant
 

@@ -8,6 +8,7 @@ from railgrip.studies.monitor.folder import stops_in, write_recording
 from railgrip.studies.monitor.life import Life, live
 from railgrip.studies.monitor.study import Verdict, judged
 from railgrip.studies.monitor.watch import Design, threshold_for, watch
+from railgrip.trace.samples import reading_of, truth_of
 
 DESIGN = Design()
 
@@ -62,7 +63,7 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
     ratios = []
     for stop in live(life, range(4)):
         found = evidence_of(stop.recording, stop.temperature)
-        true = [stop.recording[f"true_mu_b[{g + 1}]"].values[-200:].mean() for g in range(4)]
+        true = [truth_of(stop.recording, f"mu_b[{g + 1}]")[-200:].mean() for g in range(4)]
         ratios.append(found.health / np.array(true))
     spread = np.array(ratios) / np.mean(ratios, axis=1, keepdims=True)
     # Load is taken out by the mean over groups; what is left is the evidence's own deviation, 1.5 to 5 %.
@@ -154,9 +155,11 @@ def test_a_pressure_read_too_high_makes_the_pads_look_as_much_worse_as_the_evide
     plain = evidence_of(stop.recording, stop.temperature)
     for g in range(4):
         name = f"cylinder_pressure[{g + 1}]"
-        pressed = stop.recording[name] > 2e4  # a released cylinder reads zero either way
-        off = stop.recording.assign({name: stop.recording[name] + PRESSURE_OFFSET * pressed})
-        moved = evidence_of(off.assign_attrs(stop.recording.attrs), stop.temperature).health - plain.health
+        pressure = reading_of(stop.recording, name)
+        shifted = pressure + PRESSURE_OFFSET * (pressure > 2e4)  # a released cylinder reads zero either way
+        off = stop.recording.copy(deep=True)
+        off["reading_cylinder_pressure"][:, g] = shifted
+        moved = evidence_of(off, stop.temperature).health - plain.health
         # A disc that seems hotter excuses pads by 5 to 15 % of it; 3 to 5 % are the square of the offset. The others
         # give way to what one group is thought to brake less.
         assert moved[g] == pytest.approx(-plain.offset[g], rel=0.2)

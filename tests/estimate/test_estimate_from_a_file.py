@@ -9,11 +9,10 @@ from typer.testing import CliRunner
 
 from railgrip.cli.main import app
 from railgrip.errors import EstimationError
-from railgrip.estimation.recorded.specified import taken_for
-from railgrip.estimation.recording import recording_of
 from railgrip.estimation.run import estimate
-from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.sources import recording_of_estimation, taken_for
 from railgrip.estimation.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
+from railgrip.trace.samples import recording_of
 
 MAP = """
 [data]

@@ -9,11 +9,12 @@ from typer.testing import CliRunner
 
 import railgrip.scenario
 from railgrip.cli.main import app
-from railgrip.estimation.recorded.specified import taken_for
+from railgrip.estimation.sources import taken_for
 from railgrip.estimation.spec import load_specification
 from railgrip.studies.monitor.evidence import evidence_of
 from railgrip.studies.monitor.folder import stops_in
 from railgrip.studies.monitor.life import Life, live
+from railgrip.trace.samples import reading_of
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
@@ -68,12 +69,12 @@ def test_stops_that_do_not_tell_groups_apart_say_so(slid):
 def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     stop = next(live(Life(stops=60, seed=3), range(7, 8)))
     recording = stop.recording
-    columns = {"t": recording["time"].values, "v": 3.6 * recording["speed"].values}
-    columns["a"] = recording["acceleration"].values
+    columns = {"t": recording["time"].values, "v": 3.6 * reading_of(recording, "speed")}
+    columns["a"] = reading_of(recording, "acceleration")
     text = MAP
     for g in range(1, 5):
-        columns[f"n{g}"] = recording[f"wheelset_speed[{g}]"].values * 30.0 / np.pi
-        columns[f"p{g}"] = recording[f"cylinder_pressure[{g}]"].values / 1e5
+        columns[f"n{g}"] = reading_of(recording, f"wheelset_speed[{g}]") * 30.0 / np.pi
+        columns[f"p{g}"] = reading_of(recording, f"cylinder_pressure[{g}]") / 1e5
         text += f'"wheelset_speed[{g}]" = {{ column = "n{g}", unit = "rev/min" }}\n'
         text += f'"cylinder_pressure[{g}]" = {{ column = "p{g}", unit = "bar" }}\n'
     (tmp_path / "map.toml").write_text(text, encoding="utf-8")

@@ -3,7 +3,7 @@ import pytest
 import xarray
 
 from railgrip.estimation.protection import excursions, outside_events
-from railgrip.estimation.recording import recording_of
+from railgrip.trace.samples import recording_of
 
 PERIOD = 0.01
 

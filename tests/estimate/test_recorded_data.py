@@ -9,12 +9,13 @@ import pytest
 from scipy.io import savemat
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recorded.cleaning import spikes, standing
-from railgrip.estimation.recorded.flag import Flag, summary
-from railgrip.estimation.recorded.grid import input_on_grid, on_grid
-from railgrip.estimation.recorded.read import Taken, recorded
-from railgrip.estimation.recorded.table import DataTable
 from railgrip.scenario.load import validated
+from railgrip.trace.cleaning import spikes, standing
+from railgrip.trace.flag import Flag, summary
+from railgrip.trace.grid import input_on_grid, on_grid
+from railgrip.trace.read import Taken, recorded
+from railgrip.trace.samples import reading_of, unit_of
+from railgrip.trace.table import DataTable
 
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
 INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]
@@ -98,14 +99,14 @@ def test_every_format_gives_the_signals_in_the_units_of_the_model(tmp_path, suff
     signals = result.recording
     assert not [flag for flag in result.flags if flag.signal != "disc_temperature"]
     # Text keeps 16 digits, MDF the time as double: what is left is rounding.
-    np.testing.assert_allclose(signals["speed"], frame["v"] / 3.6, rtol=1e-9)
-    np.testing.assert_allclose(signals["wheelset_speed"], frame["n"] * np.pi / 30.0, rtol=1e-9)
-    np.testing.assert_allclose(signals["pad_force"], frame["F"] * 1e3, rtol=1e-9, atol=1e-6)
-    celsius = signals["disc_temperature"].values - 273.15
+    np.testing.assert_allclose(reading_of(signals, "speed"), frame["v"] / 3.6, rtol=1e-9)
+    np.testing.assert_allclose(reading_of(signals, "wheelset_speed"), frame["n"] * np.pi / 30.0, rtol=1e-9)
+    np.testing.assert_allclose(reading_of(signals, "pad_force"), frame["F"] * 1e3, rtol=1e-9, atol=1e-6)
+    celsius = reading_of(signals, "disc_temperature") - 273.15
     there = np.isfinite(celsius)
     np.testing.assert_allclose(celsius[there], frame["T"].to_numpy()[there], rtol=1e-9)
     assert there.sum() == (100 if suffix == ".mf4" else 1000)
-    assert signals["speed"].attrs["units"] == "m/s"
+    assert unit_of(signals, "speed") == "m/s"
 
 
 def test_a_structure_of_a_mat_file_is_reached_by_a_dot(tmp_path):
@@ -122,7 +123,7 @@ def test_a_structure_of_a_mat_file_is_reached_by_a_dot(tmp_path):
         )
     }
     result = taken(path, columns=columns, time={"column": "log.t", "unit": "ms"})
-    np.testing.assert_allclose(result.recording["speed"], frame["v"] / 3.6, rtol=1e-12)
+    np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-12)
 
 
 def test_decimal_commas_and_time_stamps_are_read_when_the_map_says_so(tmp_path):
@@ -130,7 +131,7 @@ def test_decimal_commas_and_time_stamps_are_read_when_the_map_says_so(tmp_path):
     stamps = pd.Timestamp("2021-03-28T01:59:58+01:00") + pd.to_timedelta(frame["t"], unit="ms")
     path = csv(tmp_path, frame.assign(t=stamps.astype(str)), sep=";", decimal=",")
     result = taken(path, separator=";", decimal=",", time={"column": "t", "unit": "timestamp"})
-    np.testing.assert_allclose(result.recording["speed"], frame["v"] / 3.6, rtol=1e-9)
+    np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-9)
 
 
 def test_a_spike_is_left_out_and_a_step_is_not(tmp_path):
@@ -140,9 +141,9 @@ def test_a_spike_is_left_out_and_a_step_is_not(tmp_path):
     (flag,) = result.flags
     assert (flag.signal, flag.kind, flag.begin, flag.samples) == ("wheelset_speed", "spike", 5.0, 1)
     # The sensor has nothing new there, so that no made-up number reaches the filter.
-    assert np.flatnonzero(np.isnan(result.recording["wheelset_speed"].values)).tolist() == [500]
+    assert np.flatnonzero(np.isnan(reading_of(result.recording, "wheelset_speed"))).tolist() == [500]
     # The pad force steps from 0 to 20 kN at 2 s and keeps every sample.
-    np.testing.assert_allclose(result.recording["pad_force"], frame["F"] * 1e3)
+    np.testing.assert_allclose(reading_of(result.recording, "pad_force"), frame["F"] * 1e3)
 
 
 def test_white_noise_alone_is_not_thinned():
@@ -225,8 +226,8 @@ def test_a_frozen_sensor_is_left_out_after_its_last_reading(tmp_path):
     kinds = {flag.kind: flag for flag in result.flags}
     frozen = kinds["frozen"]
     assert (frozen.begin, frozen.end, frozen.samples) == (pytest.approx(3.01), pytest.approx(4.99), 199)
-    assert np.isnan(result.recording["speed"].values[301:500]).all()
-    assert np.isfinite(result.recording["speed"].values[[300, 500]]).all()
+    assert np.isnan(reading_of(result.recording, "speed")[301:500]).all()
+    assert np.isfinite(reading_of(result.recording, "speed")[[300, 500]]).all()
 
 
 def test_a_wheel_that_reads_zero_is_said_but_reaches_the_filter(tmp_path):
@@ -234,7 +235,7 @@ def test_a_wheel_that_reads_zero_is_said_but_reaches_the_filter(tmp_path):
     frame.loc[300:499, "n"] = 0.0
     result = taken(csv(tmp_path, frame))
     assert [(flag.kind, flag.begin, flag.samples) for flag in result.flags] == [("zero", 3.0, 200)]
-    assert (result.recording["wheelset_speed"].values[300:500] == 0.0).all()
+    assert (reading_of(result.recording, "wheelset_speed")[300:500] == 0.0).all()
 
 
 def test_a_long_run_of_nan_in_a_reading_is_a_gap_and_a_short_one_is_not_invented(tmp_path):
@@ -243,8 +244,8 @@ def test_a_long_run_of_nan_in_a_reading_is_a_gap_and_a_short_one_is_not_invented
     frame.loc[700, "v"] = np.nan
     result = taken(csv(tmp_path, frame))
     assert [flag.kind for flag in result.flags if flag.signal == "speed"] == ["gap"]
-    assert np.isnan(result.recording["speed"].values[200:240]).all()
-    assert np.isnan(result.recording["speed"].values[700])
+    assert np.isnan(reading_of(result.recording, "speed")[200:240]).all()
+    assert np.isnan(reading_of(result.recording, "speed")[700])
 
 
 def test_a_short_gap_of_an_input_is_bridged_and_said_and_a_long_one_refused(tmp_path):
@@ -253,7 +254,9 @@ def test_a_short_gap_of_an_input_is_bridged_and_said_and_a_long_one_refused(tmp_
     whole = frame["F"].to_numpy() * 1e3
     frame.loc[400:405, "F"] = np.nan
     result = taken(csv(tmp_path, frame))
-    np.testing.assert_allclose(result.recording["pad_force"], whole, rtol=1e-12)  # a ramp is its own interpolation
+    np.testing.assert_allclose(
+        reading_of(result.recording, "pad_force"), whole, rtol=1e-12
+    )  # a ramp is its own interpolation
     (flag,) = result.flags
     assert (flag.kind, flag.begin, flag.end) == ("bridged", pytest.approx(3.99), pytest.approx(4.06))
     frame.loc[400:450, "F"] = np.nan
@@ -273,7 +276,7 @@ def test_a_signal_that_holds_its_value_is_new_only_when_it_changes(tmp_path):
     frame = stop()
     frame["v"] = frame["v"].to_numpy()[np.arange(1000) // 10 * 10]
     result = taken(csv(tmp_path, frame), columns={"speed": {"column": "v", "unit": "km/h", "holds": True}})
-    new = np.flatnonzero(np.isfinite(result.recording["speed"].values))
+    new = np.flatnonzero(np.isfinite(reading_of(result.recording, "speed")))
     assert new.tolist() == list(range(0, 1000, 10))
 
 
@@ -304,7 +307,7 @@ def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
     result = taken(
         csv(tmp_path, frame), columns={"pad_force": {"column": "F", "unit": "kN", "factor": -1.0, "offset": 1.0}}
     )
-    np.testing.assert_allclose(result.recording["pad_force"], 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
+    np.testing.assert_allclose(reading_of(result.recording, "pad_force"), 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
 
 
 REFUSALS = [
@@ -329,7 +332,7 @@ def test_a_wrong_map_gets_a_sentence(tmp_path, columns, sentence):
 
 def test_a_unit_in_the_header_that_contradicts_the_map_gets_a_sentence(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
-    assert taken(path, columns={"speed": {"column": "v [km/h]"}}).recording["speed"].values[0] == pytest.approx(
+    assert reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")[0] == pytest.approx(
         20.0, abs=0.05
     )
     with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):

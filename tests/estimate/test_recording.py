@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import columns, period_of, recording_of, truth_of
+from railgrip.trace.samples import period_of, recording_of, samples, truth_of
 
 
 def recorded(**changes):
@@ -17,19 +17,23 @@ def test_time_is_counted_from_the_start():
 
 
 def test_columns_come_in_the_order_asked_for():
-    found = columns(recorded(), ["pad_force", "speed"], ["N", "m/s"])
+    found = samples(recorded(), ["pad_force", "speed"], ["N", "m/s"])
     assert found.shape == (5, 2)
     assert found[:, 1].tolist() == np.linspace(20.0, 19.0, 5).tolist()
 
 
 def test_a_missing_signal_is_named_with_those_that_are_there():
     with pytest.raises(EstimationError, match=r"'short' has no signal wheelset_speed; it has speed, pad_force\."):
-        columns(recorded(), ["wheelset_speed"], ["rad/s"])
+        samples(recorded(), ["wheelset_speed"], ["rad/s"])
 
 
-def test_a_signal_in_another_unit_is_refused():
-    with pytest.raises(EstimationError, match=r"speed is in 'km/h', the prediction wants 'm/s'; convert it"):
-        columns(recorded(speed=(np.zeros(5), "km/h")), ["speed"], ["m/s"])
+def test_a_signal_that_measures_something_else_is_refused():
+    with pytest.raises(EstimationError, match=r"speed is in 'bar', the prediction wants 'm/s'"):
+        samples(recorded(speed=(np.zeros(5), "bar")), ["speed"], ["m/s"])
+
+
+def test_samples_come_in_the_unit_asked_for():
+    assert samples(recorded(speed=(np.full(5, 36.0), "km/h")), ["speed"], ["m/s"])[:, 0] == pytest.approx(10.0)
 
 
 def test_a_gap_in_time_is_told_where_it_is():

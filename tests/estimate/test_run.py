@@ -6,10 +6,10 @@ from scipy.linalg import expm
 
 from railgrip.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
-from railgrip.estimation.recording import recording_of
 from railgrip.estimation.run import Settings, by_name, estimate, per_step, prediction_of, units_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.gate import Gate
+from railgrip.trace.samples import recording_of
 
 PERIOD = 0.01
 EQUATION_20 = {"w": 10.0, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}
@@ -63,7 +63,7 @@ def test_without_drag_the_filter_is_the_plain_kalman_filter_with_q_and_r_as_prin
     drift = np.array([-0.46 * 98.1e3 / 130 * resistance, 0, 0, 0]) * PERIOD
     phi, H = expm(A * PERIOD), np.eye(2, 4)
     Q, R = np.diag(list(EQUATION_20.values())), np.diag(list(READINGS_20.values()))
-    y = np.stack([seen["wheelset_speed"].values, seen["speed"].values], axis=1)
+    y = np.stack([seen["reading_wheelset_speed"].values, seen["reading_speed"].values], axis=1)
     mean, P = np.array([*y[0], 0.35, 0.0]), np.diag([0.3, 0.1, 0.04, 0.02]) ** 2
     for k in range(1, len(y)):
         mean, P = phi @ mean + drift, phi @ P @ phi.T + Q
@@ -95,7 +95,7 @@ def test_normalised_innovations_are_those_of_the_reference(undragged):
     process = by_name("process", SETTINGS.process, undragged.states)
     reference = ExtendedKalmanFilter(undragged, process, [1e-9, 1e-7], PERIOD)
     belief = reference.start(told["mean"].values[0], by_name("s", SETTINGS.start_deviation, undragged.states) ** 2)
-    y = np.stack([seen["wheelset_speed"].values, seen["speed"].values], axis=1)
+    y = np.stack([seen["reading_wheelset_speed"].values, seen["reading_speed"].values], axis=1)
     for k in range(1, 20):
         predicted = reference.predict(belief, np.array([2e4]))
         innovation = reference.innovation(predicted, np.array([2e4]), y[k])
@@ -127,12 +127,12 @@ def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
 def test_inputs_may_be_held_or_averaged(undragged):
     """A ramp of the pad force: half a period of delay is what holding costs, and averaging saves."""
     seen = braked()
-    ramp = seen["pad_force"].values + 1e5 * seen["time"].values
-    rate = np.gradient(seen["wheelset_speed"].values, PERIOD).mean()
+    ramp = seen["reading_pad_force"].values + 1e5 * seen["time"].values
+    rate = np.gradient(seen["reading_wheelset_speed"].values, PERIOD).mean()
     time = seen["time"].values
     w = 60.0 + rate * time - 2 * 0.35 * 0.25 / 130 * 1e5 * time**2 / 2
-    seen["pad_force"].values[:] = ramp
-    seen["wheelset_speed"].values[:] = w
+    seen["reading_pad_force"].values[:] = ramp
+    seen["reading_wheelset_speed"].values[:] = w
     sharp = replace(SETTINGS, process={"w": 1e-9, "v": 1e-9, "mu_b": 1e-3, "alpha": 1e-6})
     errors = {}
     for between in ("held", "mean"):
@@ -143,7 +143,7 @@ def test_inputs_may_be_held_or_averaged(undragged):
 
 def test_a_reading_that_is_missing_is_not_used(undragged):
     seen = braked()
-    seen["speed"].values[20:30] = np.nan
+    seen["reading_speed"].values[20:30] = np.nan
     told = estimate(seen, undragged, SETTINGS)
     assert told["readings"].values[20:30].tolist() == [1.0] * 10
     assert np.isnan(told["innovation"].values[20:30, 1]).all()
@@ -152,16 +152,16 @@ def test_a_reading_that_is_missing_is_not_used(undragged):
 
 def test_an_input_that_is_missing_is_refused(undragged):
     seen = braked()
-    seen["pad_force"].values[7] = np.nan
+    seen["reading_pad_force"].values[7] = np.nan
     with pytest.raises(EstimationError, match=r"input pad_force is not a number at 0\.070 s"):
         estimate(seen, undragged, SETTINGS)
 
 
 def test_a_filter_that_diverges_ends_with_a_reason(undragged):
     seen = braked()
-    seen["wheelset_speed"].values[30] = 1e300
-    seen["wheelset_speed"].values[31] = -1e308
-    seen["wheelset_speed"].values[32] = 1e308
+    seen["reading_wheelset_speed"].values[30] = 1e300
+    seen["reading_wheelset_speed"].values[31] = -1e308
+    seen["reading_wheelset_speed"].values[32] = 1e308
     told = estimate(seen, undragged, SETTINGS)
     assert "At 0.3" in told.attrs["ended"]
     assert np.isnan(told["mean"].values[-1]).all()
@@ -183,7 +183,7 @@ def test_a_filter_that_is_lost_says_since_when(undragged, limit):
     told = estimate(seen, undragged, honest)
     assert told.attrs["ended"] == ""
     assert told.attrs["nis_ratio"] == pytest.approx(1.0, abs=0.25)
-    for name in ("wheelset_speed", "speed"):
+    for name in ("reading_wheelset_speed", "reading_speed"):
         seen[name].values[150:] += 0.3 * np.random.default_rng(4).standard_normal(150)
     told = estimate(seen, undragged, honest)
     assert told.attrs["ended"].startswith("Filter: lost;")

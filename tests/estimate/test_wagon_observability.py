@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from railgrip.estimation.observable import observe
-from railgrip.estimation.recording import recording_of
 from railgrip.estimation.run import prediction_of
 from railgrip.estimation.spec import LIBRARY, load_specification
 from railgrip.estimators.observability import ReadingsAndRates, observability
+from railgrip.trace.samples import recording_of
 
 G = 9.81
 M, J, R_WHEEL, R_FRICTION, UNITS, H, A = 40e3, 130.0, 0.46, 0.25, 2.0, 1.5, 9.0

@@ -9,8 +9,8 @@ import pytest
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.recorded.specified import taken_for
 from railgrip.estimation.selection import prediction_seeing
+from railgrip.estimation.sources import taken_for
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braking_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -20,6 +20,7 @@ from railgrip.studies.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_n
 from railgrip.studies.field.objective import terms_of, value
 from railgrip.studies.field.score import score, track_score
 from railgrip.studies.field.tune import Search, tune
+from railgrip.trace.samples import reading_of, truth_of
 from railgrip.twins.field_scenario import field_scenario
 from railgrip.twins.field_train import driven, measured
 
@@ -50,18 +51,18 @@ def task(braking, model) -> Task:
 
 
 def test_the_case_is_driven_as_table_4_says(run):
-    brakes = int(np.argmax(run["braking"].values))
+    brakes = int(np.argmax(reading_of(run, "braking")))
     # The driver looks at his speed every 5 ms: 65 km/h to 1 mm/s.
-    assert run["true_v"].values[brakes] * 3.6 == pytest.approx(65.0, abs=0.01)
-    pressures = [run[f"cylinder_pressure[{i}]"].values[-1] / 1e5 for i in (1, 2)]
+    assert truth_of(run, "v")[brakes] * 3.6 == pytest.approx(65.0, abs=0.01)
+    pressures = [reading_of(run, f"cylinder_pressure[{i}]")[-1] / 1e5 for i in (1, 2)]
     # Filled through a first-order lag of 0.9 s over 15 s, read to 1 kPa.
     assert pressures == pytest.approx([3.4, 2.0], abs=0.05)
 
 
 def test_other_sensors_read_the_same_run_otherwise(train, run):
     other = measured(field_scenario(), train, 1)
-    np.testing.assert_array_equal(other["true_v"].values, run["true_v"].values)
-    apart = (other["speed"] - run["speed"]).values
+    np.testing.assert_array_equal(truth_of(other, "v"), truth_of(run, "v"))
+    apart = reading_of(other, "speed") - reading_of(run, "speed")
     # Two of 0.02 m/s white, and two scales of 0.1 %, which of 18 m/s are as much again.
     assert 0.02 < apart.std() < 0.06
 
@@ -137,7 +138,7 @@ def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path:
     columns = {"time": run["time"].values}
     factors = {"km/h": 3.6, "rev/min": 30.0 / np.pi, "bar": 1e-5}
     for name, column in data.columns.items():
-        columns[column.column] = run[name].values * factors.get(column.unit, 1.0)
+        columns[column.column] = reading_of(run, name) * factors.get(column.unit, 1.0)
     mapped = {name: column for name, column in data.columns.items() if name != "braking"}
     spec = specification().model_copy(update={"data": data.model_copy(update={"columns": mapped})})
     pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
@@ -216,6 +217,6 @@ def test_an_output_that_is_not_there_is_refused():
 def test_a_run_without_braking_or_position_is_refused(run):
     with pytest.raises(EstimationError, match="nobody braked"):
         braking_of(run.isel(time=slice(0, 2500)), 84e3)
-    lost = run.assign(height=run["height"] * np.nan).isel(time=slice(0, 100))
+    lost = run.assign(reading_height=run["reading_height"] * np.nan).isel(time=slice(0, 100))
     with pytest.raises(EstimationError, match="GNSS gave no position"):
         braking_of(lost, 84e3)

@@ -18,13 +18,14 @@ from synthetic import LAYOUT, TWO_PART_TRAIN
 
 import railgrip.scenario
 from railgrip.errors import ScenarioError
-from railgrip.estimation.recorded.read import recorded
-from railgrip.estimation.recorded.table import DataTable
 from railgrip.instruments import sensors_of
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.track import track_force_of
+from railgrip.trace.read import recorded
+from railgrip.trace.samples import reading_of
+from railgrip.trace.table import DataTable
 
 ROOM = Path(railgrip.scenario.__file__).parent
 SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem not in ("polach", "foreign_train")]
@@ -236,6 +237,6 @@ def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
         read = validated(DataTable, table, directory=tmp_path, origin="map.toml")
         taken = recorded(path, read, UNITS, inputs, ["speed", "wheelset_speed"])
         assert taken.recording.sizes["time"] >= 2
-        assert np.isfinite(taken.recording["pad_force"].values).all()
+        assert np.isfinite(reading_of(taken.recording, "pad_force")).all()
 
     answered(question)

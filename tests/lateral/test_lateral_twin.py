@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from railgrip.estimation.recording import columns, period_of, truth_of
 from railgrip.fmus.native.dae import LIBRARY
 from railgrip.studies.lateral.filters import prediction
 from railgrip.studies.lateral.recording import recorded
 from railgrip.studies.lateral.run import Case
+from railgrip.trace.samples import knows, period_of, samples, truth_of
 from railgrip.twins.lateral import (
     ACCELEROMETER,
     CONDITIONS,
@@ -82,10 +82,10 @@ def test_a_recording_has_what_the_prediction_wants():
     """Inputs and readings by the prediction's names, truth by its states, on an even grid."""
     recording = recorded(Case(test=TESTS[0].shortened(0.02), speed=25.0, plant="paper", seed=1))
     model = prediction("known_track")
-    assert columns(recording, model.inputs, ("m/s", "m")).shape == (400, 2)
-    readings = columns(recording, model.outputs, ("m/s2", "rad/s"))
+    assert samples(recording, model.inputs, ("m/s", "m")).shape == (400, 2)
+    readings = samples(recording, model.outputs, ("m/s2", "rad/s"))
     assert period_of(recording) == PERIOD
     rate = truth_of(recording, "dpsi")
     # Five standard deviations: one draw in two million is further off, and there are 400.
     assert np.max(np.abs(readings[:, 1] - rate)) < 5 * GYROSCOPE
-    assert {name for name in model.states if f"true_{name}" in recording} == set(model.states)
+    assert {name for name in model.states if knows(recording, name)} == set(model.states)

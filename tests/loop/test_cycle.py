@@ -11,7 +11,7 @@ from railgrip.loop.ended import Clock
 from railgrip.loop.sensors import IdealSensors
 from railgrip.loop.watch import Believer
 from railgrip.record.outcome import Outcome
-from railgrip.record.recorder import Recorder
+from railgrip.trace.recorder import Recorder
 
 PERIOD = 0.01
 

@@ -32,9 +32,9 @@ from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import Believer
 from railgrip.record.outcome import Outcome
-from railgrip.record.recorder import Recorder
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
+from railgrip.trace.recorder import Recorder
 
 RADIUS = (0.38,) * 4
 GROUPS = (

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
+from railgrip.atomic import replacing, write_text
 from railgrip.errors import RecordError
-from railgrip.record.atomic import replacing, write_text
-from railgrip.record.recorder import Recorder
 from railgrip.record.stop import read_stop, write_stop
-from railgrip.record.trace import read_trace, thinned, write_trace
 from railgrip.scenario.load import load
 from railgrip.signals import PLANT, SENT
+from railgrip.trace.netcdf import read_trace, write_trace
+from railgrip.trace.recorder import Recorder, thinned
 
 
 @pytest.fixture(scope="module")

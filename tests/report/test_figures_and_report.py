@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from railgrip.errors import RecordError
-from railgrip.record.trace import write_trace
 from railgrip.report import style
 from railgrip.report.distances import rows_of
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.index import write_report
 from railgrip.report.panels import Panels
 from railgrip.report.results import read_results
+from railgrip.trace.netcdf import write_trace
 
 KEPT = {"slip_two_state", "adhesion_based"}
 

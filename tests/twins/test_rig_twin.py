@@ -6,6 +6,7 @@ import pytest
 from railgrip.estimation.judge import judge
 from railgrip.estimation.protection import excursions
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
+from railgrip.trace.samples import reading_of, truth_of
 from railgrip.twins.rig_scenario import rig_scenario
 from railgrip.twins.roller_rig import measured_adhesion, run_rig
 
@@ -21,15 +22,15 @@ def sand():
 
 def test_the_roller_loses_what_contact_and_drag_take(sand):
     """m dv = -(contact force + drag) dt: the imitated wagon, from outputs of the rig alone."""
-    v, time = sand["true_v"].values, sand["time"].values
-    force = sand["contact_force"].values + 1.2 / 2 * 0.9 * 5.2 * v**2
+    v, time = truth_of(sand, "v"), sand["time"].values
+    force = reading_of(sand, "contact_force") + 1.2 / 2 * 0.9 * 5.2 * v**2
     lost = np.trapezoid(force, time) / 20e3
     # Load cells: 100 N of white noise over 2400 samples of 5 ms are 25 N.s, 1e-3 m/s; the rest is the trapezoid rule.
     assert v[0] - v[-1] == pytest.approx(lost, abs=5e-3)
 
 
 def test_load_cells_show_the_adhesion_without_bias(sand):
-    error = measured_adhesion(sand) - sand["true_alpha"].values
+    error = measured_adhesion(sand) - truth_of(sand, "alpha")
     # 100 N on 98 kN is 1e-3 a sample; the mean over 2400 of them 2e-5.
     assert np.std(error) == pytest.approx(1.0e-3, rel=0.1)
     assert np.mean(error) == pytest.approx(0.0, abs=1e-4)
@@ -38,7 +39,7 @@ def test_load_cells_show_the_adhesion_without_bias(sand):
 def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
     """Figure 6 of Schwarz and Keck (2020): 0.1, 0.05, after release 0.1 again, then 0."""
     part = sand.sel(time=slice(3.0, 8.0))
-    alpha, slip = part["true_alpha"].values, part["true_slip"].values
+    alpha, slip = truth_of(part, "alpha"), truth_of(part, "slip")
     deepest = int(np.argmax(slip))
     first, second = alpha[:deepest], alpha[deepest:]
     assert first.max() == pytest.approx(0.095, abs=0.01)
@@ -57,7 +58,7 @@ def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
     judged = judge(sand, told, "alpha", settled)
     assert judged.rmse < 0.3 * judged.constant
     constant = told.copy(deep=True)
-    constant["mean"].loc[{"state": "alpha"}] = sand["true_alpha"].values[settled].mean()
+    constant["mean"].loc[{"state": "alpha"}] = truth_of(sand, "alpha")[settled].mean()
     assert not excursions(sand, constant, settled=0.5).kept
 
 
@@ -71,9 +72,9 @@ def test_equation_20_claims_far_less_than_it_knows_and_ours_about_what_it_knows(
 
 def test_short_brakings_under_oil_slide_at_two_to_five_hundredths():
     slide = run_rig(shortened("slide", 22.0))
-    sliding = slide["true_slip"].values > 0.05
+    sliding = truth_of(slide, "slip") > 0.05
     assert sliding.sum() > 100
-    alpha = slide["true_alpha"].values[sliding]
+    alpha = truth_of(slide, "alpha")[sliding]
     assert alpha.min() > 0.015
     assert alpha.max() < 0.055
 
@@ -92,7 +93,7 @@ def test_the_same_seed_gives_the_same_recording_and_another_seed_another_one():
     short = shortened("sand", 1.0)
     first, again, other = run_rig(short), run_rig(short), run_rig(short, seed=1)
     assert first.identical(again)
-    assert not np.array_equal(first["speed"].values, other["speed"].values)
+    assert not np.array_equal(reading_of(first, "speed"), reading_of(other, "speed"))
 
 
 def test_half_the_period_moves_the_speed_by_little():
@@ -110,4 +111,4 @@ def test_half_the_period_moves_the_speed_by_little():
         for period in (5e-3, 2.5e-3)
     )
     # mu0 is held over a period: half a period of its slowest ramp is nothing; tolerance 1e-5 of the solver over 55 m/s.
-    assert fine["true_v"].values[-1] == pytest.approx(coarse["true_v"].values[-1], abs=5e-3)
+    assert truth_of(fine, "v")[-1] == pytest.approx(truth_of(coarse, "v")[-1], abs=5e-3)

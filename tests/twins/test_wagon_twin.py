@@ -4,6 +4,7 @@ import pytest
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import estimate, prediction_of, units_of
 from railgrip.estimation.spec import LIBRARY, load_specification, settings_for
+from railgrip.trace.samples import truth_of
 from railgrip.twins.plant import plant
 from railgrip.twins.wagon import INPUTS, OUTPUTS, run_wagon, wagon_scenario
 
@@ -42,7 +43,7 @@ def test_load_moves_to_the_front_by_inertia():
 
 def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_much(stop):
     pressed = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
-    truth = stop["true_alpha"].values[pressed].mean()
+    truth = truth_of(stop, "alpha")[pressed].mean()
     corrected, printed = (believed(stop, **p)["mean"].sel(state="alpha").values[pressed].mean() for p in ({}, PRINTED))
     assert corrected == pytest.approx(truth, rel=0.01)
     assert printed == pytest.approx(2 * truth, rel=0.01)
@@ -52,7 +53,7 @@ def test_the_printed_factor_puts_the_rest_on_the_pads(stop):
     pressed = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     for pads in ("mu_b[1]", "mu_b[2]"):
         # Better than what it started from; pads that hardly move within the window are no test of more.
-        unmoved = np.sqrt(np.mean((stop[f"true_{pads}"].values[pressed] - 0.35) ** 2))
+        unmoved = np.sqrt(np.mean((truth_of(stop, f"{pads}")[pressed] - 0.35) ** 2))
         assert judge(stop, believed(stop), pads, pressed).rmse < 0.8 * unmoved
     assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", pressed).bias > 0.3
 

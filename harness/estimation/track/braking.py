@@ -7,10 +7,10 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import columns, period_of
 from railgrip.estimation.track.course import LowPass
 from railgrip.estimation.track.motion import Motion, Trust, motion_of
 from railgrip.scenario.track import CurveLaw, force_along
+from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.track.geodesy import Place, local
 
 Array = NDArray[np.float64]
@@ -72,10 +72,10 @@ def braking_of(
         EstimationError: A reading is missing, or nobody braked, or the train was still being driven then.
     """
     period = period_of(run)
-    sensors = sorted(str(name) for name in run.data_vars if str(name).startswith("acceleration_along["))
+    sensors = readings_in(run, "acceleration_along")
     if not sensors:
         raise EstimationError(f"recording '{run.attrs.get('name')}' has no acceleration_along[1]; map one or more.")
-    position = columns(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
+    position = samples(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
     position[~np.isfinite(position).all(axis=1)] = np.nan  # half a position is none
     fixed = np.flatnonzero(np.isfinite(position[:, 0]))
     if fixed.size == 0:
@@ -85,8 +85,8 @@ def braking_of(
         origin = Place(latitude=float(middle[0]), longitude=float(middle[1]), height=float(middle[2]))
     motion = motion_of(
         period=period,
-        speed=columns(run, ("speed",), ("m/s",))[:, 0],
-        accelerations=columns(run, sensors, ["m/s2"] * len(sensors)),
+        speed=samples(run, ("speed",), ("m/s",))[:, 0],
+        accelerations=samples(run, sensors, ["m/s2"] * len(sensors)),
         horizontal=local(position[:, 0], position[:, 1], position[:, 2], origin)[:, :2],
         height=position[:, 2],
         trust=trust,
@@ -94,8 +94,8 @@ def braking_of(
     )
     slope, curvature = motion.course.slope_at(motion.distance), motion.course.curvature_at(motion.distance)
     force = force_along(slope, curvature, mass, curve_law)
-    driving = columns(run, ("driving",), ("1",))[:, 0]
-    brakes = columns(run, ("braking",), ("1",))[:, 0] if "braking" in run else _filled(run)
+    driving = samples(run, ("driving",), ("1",))[:, 0]
+    brakes = samples(run, ("braking",), ("1",))[:, 0] if has_reading(run, "braking") else _filled(run)
     if not brakes.any():
         raise EstimationError(f"recording '{run.attrs.get('name')}': nobody braked.")
     begins = int(np.argmax(brakes > 0.5))
@@ -107,7 +107,7 @@ def braking_of(
             f"recording '{run.attrs.get('name')}': braking began {(begins - driven[-1]) * period:.2f} s after driving; "
             "the filter knows no traction and wants 2 s of coasting before."
         )
-    with_force = run.assign(track_force=(("time",), force, {"units": "N"}))
+    with_force = with_signals(run, {"track_force": (force, "N")})
     return Braking(
         name=str(run.attrs.get("name", "")),
         recording=with_force.isel(time=slice(first, None)),
@@ -119,6 +119,6 @@ def braking_of(
 
 def _filled(run: xarray.Dataset) -> Array:
     """Return 1 where a cylinder holds pressure, 0 elsewhere, shape (k,)."""
-    cylinders = sorted(str(name) for name in run.data_vars if str(name).startswith("cylinder_pressure["))
-    pressures = columns(run, cylinders, ["Pa"] * len(cylinders))
+    cylinders = readings_in(run, "cylinder_pressure")
+    pressures = samples(run, cylinders, ["Pa"] * len(cylinders))
     return np.asarray(np.any(pressures > FILLED, axis=1), dtype=np.float64)

@@ -6,7 +6,6 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from railgrip.estimation.recording import truth_of
 from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.compiled import Followed
 from railgrip.report import style
@@ -14,6 +13,7 @@ from railgrip.studies.field.degeneracy import Sweep
 from railgrip.studies.field.filtering import Task
 from railgrip.studies.field.noise import GROUPS
 from railgrip.studies.field.objective import R_WHEEL
+from railgrip.trace.samples import reading_of, truth_of
 from railgrip.track.laid import Plan
 
 MB1, JTB1 = 0, 1
@@ -69,9 +69,9 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     made = style.figure(9, 3)
     panel = made.subplots()
     time = run["time"].values
-    panel.plot(time, style.KMH * run["speed"].values, color=style.BLUE, linewidth=1.4, label="optical sensor")
+    panel.plot(time, style.KMH * reading_of(run, "speed"), color=style.BLUE, linewidth=1.4, label="optical sensor")
     for name, colour, label in (("driving", style.GREEN, "driving"), ("braking", style.VERMILION, "braking")):
-        on = run[name].values > 0.5
+        on = reading_of(run, name) > 0.5
         panel.fill_between(time, 0, 1, where=on, transform=panel.get_xaxis_transform(), color=colour, alpha=0.15,
                            linewidth=0, label=label)  # fmt: skip
     style.dress(panel, x="time [s]", y="speed [km/h]")
@@ -88,11 +88,13 @@ def readings_figure(braking: Braking) -> Figure:
     made = style.figure(9, 5)
     upper, lower = made.subplots(2, 1, sharex=True)
     for group in (MB1, JTB1):
-        pressure = recording[f"cylinder_pressure[{group + 1}]"].values / 1e5
+        pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
         upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=NAMES[group])
-    lower.plot(time, style.KMH * recording["speed"].values, color=style.BLACK, linewidth=1.4, label="train, optical")
+    lower.plot(
+        time, style.KMH * reading_of(recording, "speed"), color=style.BLACK, linewidth=1.4, label="train, optical"
+    )
     for group in (MB1, JTB1):
-        rim = style.KMH * R_WHEEL * recording[f"wheelset_speed[{group + 1}]"].values
+        rim = style.KMH * R_WHEEL * reading_of(recording, f"wheelset_speed[{group + 1}]")
         lower.plot(time, rim, color=COLOURS[group], linewidth=1.0, label=f"{NAMES[group]}, rim")
     style.dress(upper, y="cylinder pressure [bar]")
     style.dress(lower, x="time since the brake was applied [s]", y="speed [km/h]")

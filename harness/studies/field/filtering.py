@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimation.recording import columns, period_of, truth_of
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
 from railgrip.estimation.track.braking import Braking
@@ -15,6 +14,7 @@ from railgrip.estimators.compiled import CompiledFilter, Followed
 from railgrip.estimators.consistency import lost_at
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field.noise import GROUPS, PHYSICAL, Noise
+from railgrip.trace.samples import knows, period_of, samples, truth_of
 
 Array = NDArray[np.float64]
 
@@ -58,9 +58,9 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
         EstimationError: A reading is missing.
     """
     recording = braking.recording
-    held = columns(recording, model.inputs, [*["Pa"] * GROUPS, "N"])
-    seen = columns(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
-    known = all(f"true_{state}" in recording for state in model.states)
+    held = samples(recording, model.inputs, [*["Pa"] * GROUPS, "N"])
+    seen = samples(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
+    known = all(knows(recording, state) for state in model.states)
     truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if known else None
     start = specification().start
     frictions = by_name("start", start.mean, model.states[1 + GROUPS :])

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import NoiseTable
-from railgrip.record.atomic import replacing
 from railgrip.scenario.load import read_toml, validated
 
 Array = NDArray[np.float64]

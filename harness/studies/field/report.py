@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import truth_of
 from railgrip.report import style
 from railgrip.report.page import write_page
 from railgrip.report.table import Table
@@ -25,6 +24,7 @@ from railgrip.studies.field.objective import terms_of
 from railgrip.studies.field.runs import TEST, TUNING, brakings
 from railgrip.studies.field.score import Score, TrackScore, score, track_score
 from railgrip.studies.field.seeds import SEEDS, Spread, over_seeds
+from railgrip.trace.samples import truth_of
 from railgrip.twins.field_scenario import FieldScenario
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}

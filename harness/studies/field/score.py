@@ -7,12 +7,12 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recording import truth_of
 from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.compiled import Followed
 from railgrip.studies.field.filtering import Task
 from railgrip.studies.field.noise import GROUPS
 from railgrip.studies.field.objective import terms_of
+from railgrip.trace.samples import reading_of, truth_of
 
 Array = NDArray[np.float64]
 
@@ -117,7 +117,7 @@ def track_score(run: xarray.Dataset, braking: Braking) -> TrackScore:
     """
     distance, motion = truth_of(run, "distance"), braking.motion
     course = motion.course
-    force = braking.recording["track_force"].values - truth_of(braking.recording, "track_force")
+    force = reading_of(braking.recording, "track_force") - truth_of(braking.recording, "track_force")
     return TrackScore(
         distance=float(motion.distance[-1] / distance[-1]) - 1.0,
         curvature=_rms(course.curvature - np.interp(course.distance, distance, truth_of(run, "curvature"))),

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
+from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.record.atomic import replacing
 from railgrip.studies.field.filtering import Task, filter_of
 from railgrip.studies.field.noise import NAMES, PHYSICAL, Noise
 from railgrip.studies.field.objective import Kind, evaluate

@@ -3,9 +3,9 @@
 import numpy as np
 import xarray
 
-from railgrip.estimation.recording import recording_of
 from railgrip.loop.compiled import run
 from railgrip.studies.lateral.run import Case
+from railgrip.trace.samples import recording_of
 from railgrip.twins.lateral import PERIOD, PLANTS, READINGS, course, output_columns, wheelset
 
 

@@ -10,10 +10,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
+from railgrip.atomic import write_text
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
-from railgrip.record.atomic import write_text
 from railgrip.studies.lateral.filters import CLASSES
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate

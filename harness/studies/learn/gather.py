@@ -20,9 +20,9 @@ import railgrip.studies.learn.reduction
 import railgrip.twins.accelerometer
 import railgrip.twins.instrumented_car
 import railgrip.twins.irregularity
+from railgrip.atomic import replacing
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
-from railgrip.record.atomic import replacing
 from railgrip.studies.learn.measured import VEHICLE, readings
 from railgrip.studies.learn.reduction import SLOW, SPECTRAL, Run, reduce
 from railgrip.twins.accelerometer import AXLE_BOX

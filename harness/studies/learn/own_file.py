@@ -28,11 +28,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictInt, field_validator
 
-from railgrip.estimation.recorded.table import DataTable
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Name, Table, broken
 from railgrip.studies.learn.evaluate import Recipe
+from railgrip.trace.table import DataTable
 
 
 class RunsTable(Table):

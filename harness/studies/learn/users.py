@@ -1,6 +1,6 @@
 """Somebody's own runs: a folder of recordings, a table of labels, and a column map as every estimation has one.
 
-Recordings are read as `railgrip.estimation.recorded` reads them (csv, parquet, mat, mf4; units, gaps, outliers, sensors
+Recordings are read as `railgrip.trace.read` does (csv, parquet, mat, mf4; units, gaps, outliers, sensors
 that froze). Their signals: `left[1]` … `left[4]` and `right[1]` … `right[4]`, longitudinal accelerations of the axle
 boxes, `lateral[1]` … `lateral[4]`, all in axes of the car, and `speed`.
 
@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.recorded.flag import Flag, summary
-from railgrip.estimation.recorded.read import Taken, recorded
-from railgrip.estimation.recorded.table import Column, DataTable, TimeColumn
 from railgrip.estimators.learned.online import BOXES
 from railgrip.studies.learn.gather import SETTLED
 from railgrip.studies.learn.reduction import SLOW, SPECTRAL, Readings, Run, reduce
+from railgrip.trace.flag import Flag, summary
+from railgrip.trace.read import Taken, recorded
+from railgrip.trace.samples import reading_of
+from railgrip.trace.table import Column, DataTable, TimeColumn
 
 Array = NDArray[np.float64]
 
@@ -143,7 +144,7 @@ def _readings(name: str, taken: Taken, table: DataTable, label: Label, bridged: 
     there = np.flatnonzero(np.isfinite(boxes).all(axis=1))
     # Loggers do not all begin and end at once; between, nothing is missing any more.
     part = slice(there[0], there[-1] + 1) if there.size else slice(0, 0)
-    boxes, speed = boxes[part], recording["speed"].values[part]
+    boxes, speed = boxes[part], reading_of(recording, "speed")[part]
     metres = float(np.abs(speed).sum()) * PERIOD
     seconds = len(boxes) * PERIOD
     if seconds <= 2 * SPECTRAL.settling or metres <= SETTLED:
@@ -163,7 +164,7 @@ def _whole(name: str, box: str, taken: Taken, longest_gap: float, bridged: list[
     Raises:
         EstimationError: A hole is too long, or the sensor too slow.
     """
-    values, time = taken.recording[box].values, taken.recording["time"].values
+    values, time = reading_of(taken.recording, box), taken.recording["time"].values
     known = np.flatnonzero(np.isfinite(values))
     if known.size < 2:
         raise EstimationError(f"{name}: {box} has {known.size} usable samples{_why(box, taken)}.")

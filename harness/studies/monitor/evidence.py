@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from railgrip.errors import EstimationError, FilterDiverged
-from railgrip.estimation.recording import columns, period_of
 from railgrip.estimation.run import model_of, prediction_of, units_of
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import pressure_spread
 from railgrip.studies.monitor.nominal import NOMINAL, nominal_friction
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
+from railgrip.trace.samples import period_of, samples
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -87,8 +87,8 @@ def evidence_of(
     period = period_of(recording)
     prediction, filter_ = _filter(period, tuple(sorted(parameters.items())))
     names = [f"cylinder_pressure[{g + 1}]" for g in range(GROUPS)]
-    pressure = columns(recording, names, ["Pa"] * GROUPS)
-    seen = columns(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs]).copy()
+    pressure = samples(recording, names, ["Pa"] * GROUPS)
+    seen = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
     at = prediction.outputs.index
     speed = _filled(seen[:, at("speed")], "speed")
     wheels = np.stack([_filled(seen[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1)

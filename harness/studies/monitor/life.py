@@ -10,9 +10,9 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimation.recording import recording_of
 from railgrip.scenario.seed import generator
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
+from railgrip.trace.samples import recording_of
 from railgrip.twins.plant import defaults, plant
 
 Vector = NDArray[np.float64]

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from railgrip.atomic import write_text
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
-from railgrip.record.atomic import write_text
 from railgrip.report.table import Table
 from railgrip.studies.monitor import evidence, life, nominal
 from railgrip.studies.monitor.evidence import Evidence, evidence_of

@@ -11,13 +11,13 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError, UnitError
-from railgrip.estimation.recorded.cleaning import Treatment, cleaned
-from railgrip.estimation.recorded.files import Series, read_series
-from railgrip.estimation.recorded.flag import Flag, flags_of, summary
-from railgrip.estimation.recorded.grid import gaps_of, input_on_grid, on_grid
-from railgrip.estimation.recorded.table import Column, DataTable
-from railgrip.estimation.recording import TRUTH, recording_of
 from railgrip.scenario.quantity import Magnitude
+from railgrip.trace.cleaning import Treatment, cleaned
+from railgrip.trace.files import Series, read_series
+from railgrip.trace.flag import Flag, flags_of, summary
+from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
+from railgrip.trace.samples import recording_of
+from railgrip.trace.table import Column, DataTable
 from railgrip.units import Unit, conversion, short, unit
 
 Vector = NDArray[np.float64]
@@ -26,6 +26,8 @@ _MOST_SAMPLES = 5_000_000
 """Of a recording on its grid: a day at 50 Hz."""
 _LARGEST = 1e30
 """What no sensor reads in any SI unit; sums of larger ones are no numbers."""
+TRUTH = "true_"
+"""Prefix of columns that tell a state."""
 _LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still tells microseconds there
 
 

@@ -1,10 +1,5 @@
-"""The signals of a stop on their sample grid: an xarray data set with units, and its NetCDF file.
+"""The NetCDF file of a trace: the only format that is written, and read without being told what is in it."""
 
-Dimensions are `time` [s since the brake demand], `group` and `wheelset`, both counted from 1, lead to trail;
-`group_of_wheelset` says which wheelsets turn as one.
-"""
-
-from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -15,66 +10,14 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.atomic import write_bytes
 from railgrip.errors import RecordError
-from railgrip.formation import Formation, formation_of
-from railgrip.record.atomic import write_bytes
-from railgrip.signals import Signal
 
 FILE_NAME = "trace.nc"
 
 _ATTRIBUTES = ("units", "long_name")
-
-
-_GROUPS = "group_of_wheelset"
-
-
-def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation, period: float) -> xarray.Dataset:
-    """Return a trace of signals sampled together.
-
-    Args:
-        blocks: Signal → its samples, shape (n, width); the arrays are kept, not copied.
-        formation: Of the vehicle.
-        period: Of the samples [s]; the first is the brake demand.
-    """
-    count = len(next(iter(blocks.values())))
-    variables = {
-        signal.name: (
-            ("time",) if signal.extent == "train" else ("time", signal.extent),
-            block.reshape(count) if signal.extent == "train" else block,
-            {"units": signal.unit, "long_name": signal.meaning},
-        )
-        for signal, block in blocks.items()
-    }
-    membership = {"long_name": "group that the wheelset turns with"}
-    return xarray.Dataset(
-        variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
-        coords={
-            # Time is counted and multiplied, never summed.
-            "time": (
-                "time",
-                np.arange(count) * period,
-                {"units": "s", "long_name": "time since the brake demand"},
-            ),
-            "group": (
-                "group",
-                np.arange(1, formation.groups + 1),
-                {"long_name": "group of wheelsets that turn as one"},
-            ),
-            "wheelset": ("wheelset", np.arange(1, formation.wheelsets + 1), {"long_name": "wheelset, lead to trail"}),
-        },
-    )
-
-
-def formation_in(trace: xarray.Dataset) -> Formation:
-    """Return the formation of the vehicle that a trace is of."""
-    return formation_of(trace[_GROUPS].values.tolist())
-
-
-def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:
-    """Return every so many-th sample and the last one."""
-    count = trace.sizes["time"]
-    kept = np.unique(np.append(np.arange(0, count, every), count - 1))
-    return trace.isel(time=kept)
+_OF_ALL = ("name", "period")
+"""Attributes of a recording; a stop has none."""
 
 
 def write_trace(trace: xarray.Dataset, path: Path) -> None:
@@ -86,6 +29,9 @@ def write_trace(trace: xarray.Dataset, path: Path) -> None:
     image = BytesIO()  # HDF5 answers a full disk by a crash; a file that is made in memory is written by Python
     with h5netcdf.File(image, "w") as file:
         file.dimensions = {str(name): size for name, size in trace.sizes.items()}
+        for key in _OF_ALL:
+            if key in trace.attrs:
+                file.attrs[key] = trace.attrs[key]
         for name in (*trace.coords, *trace.data_vars):
             samples = trace[name]
             values = np.ascontiguousarray(samples.values)
@@ -116,6 +62,7 @@ def read_trace(path: Path) -> xarray.Dataset:
     try:
         with h5py.File(path, "r") as file:
             variables = {str(name): _variable(str(name), samples) for name, samples in file.items()}
+            attributes = {key: np.asarray(file.attrs[key]).reshape(()).item() for key in _OF_ALL if key in file.attrs}
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
     except (OSError, ValueError) as problem:
@@ -126,6 +73,7 @@ def read_trace(path: Path) -> xarray.Dataset:
     return xarray.Dataset(
         {name: variable for name, variable in variables.items() if name not in scales},
         coords={name: variables[name] for name in scales},
+        attrs=attributes,
     )
 
 

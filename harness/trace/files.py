@@ -16,8 +16,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError, UnitError
-from railgrip.estimation.recorded.table import DataTable
 from railgrip.scenario.file import is_file
+from railgrip.trace.table import DataTable
 from railgrip.units import conversion, cut, place, short, unit
 
 Vector = NDArray[np.float64]

@@ -1,0 +1,21 @@
+"""A trace: the signals of a run on one even time grid, whether a stop gave it or a train's recorder.
+
+It is an xarray data set with the dimension `time` [s] and, where a signal has one value each, `group` or `wheelset`,
+both counted from 1, lead to trail. Every variable has its unit. The prefix says who says it, as in `railgrip.signals`:
+
+    reading_wheelset_speed   what a sensor showed, NaN where it had nothing new; all that a filter may see
+    wheelset_speed           what it really was, or what the plant was given; of a recorder only where somebody knows
+    estimate_wheelset_speed  what the estimator in the loop believed
+
+    from railgrip.trace.netcdf import read_trace
+    from railgrip.trace.read import recorded
+    from railgrip.trace.samples import recording_of, samples, truth_of
+
+    trace = read_trace(Path("build/trapezoid/trace.nc"))          # a stop's own
+    trace = recorded(Path("run.csv"), table, …).recording         # csv, parquet, mat, mf4 by a map of columns
+    trace = recording_of({"speed": (v, "m/s"), "wheelset_speed[1]": (w, "rad/s")}, period=0.01)
+    samples(trace, ["speed", "wheelset_speed[1]"], ["m/s", "rad/s"])       # by the names of a model, shape (k, 2)
+
+`table` is the map of columns, `files` reads formats, `cleaning` finds what is wrong with a signal, `grid` puts it on an
+even grid: what can be mended is mended and said, never silently; the rest is refused in a sentence.
+"""

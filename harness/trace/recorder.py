@@ -1,0 +1,100 @@
+"""Rows of a stop while it runs, one preallocated block written in place by the loop, and the trace that they become."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from railgrip.formation import Formation, formation_of
+from railgrip.signals import Signal, length, places
+
+_GROUPS = "group_of_wheelset"
+
+
+class Recorder:
+    """Preallocated rows and where each signal stands in them.
+
+    The loop keeps `rows` and the columns it needs as locals and writes `rows[k, columns["slip"]] = slip`, or signals
+    that stand side by side at once in their `block`; a signal of the train may also be written by its number,
+    `rows[k, at["speed"]] = speed`.
+
+    Attributes:
+        rows: Shape (capacity, width). Memory is taken as they are written: what was not written means nothing.
+        written: Number of rows that the loop filled, from the first on.
+        columns: Signal name → columns of a row.
+        at: Signal name → first column.
+    """
+
+    __slots__ = ("_formation", "_signals", "at", "columns", "rows", "written")
+
+    def __init__(self, signals: Iterable[Signal], formation: Formation, capacity: int) -> None:
+        """Make room for `capacity` samples of the signals of a vehicle, in their order."""
+        self._signals, self._formation = tuple(signals), formation
+        self.columns = places(self._signals, formation)
+        self.at = MappingProxyType({name: columns.start for name, columns in self.columns.items()})
+        # Not filled with NaN: a stop of half a minute leaves most of its horizon unused, some 50 MB.
+        self.rows = np.empty((capacity, length(self.columns)))
+        self.written = 0
+
+    def block(self, signals: Sequence[Signal]) -> slice:
+        """Return the columns of signals that stand side by side in the rows, in their order."""
+        return slice(self.columns[signals[0].name].start, self.columns[signals[-1].name].stop)
+
+    def trace(self, count: int, period: float) -> xarray.Dataset:
+        """Return the first `count` rows, sampled every `period` [s] from the brake demand on, as a trace.
+
+        The arrays are views: the recorder must not be written to afterwards.
+        """
+        blocks = {signal: self.rows[:count, self.columns[signal.name]] for signal in self._signals}
+        return trace_of(blocks, self._formation, period)
+
+
+def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation, period: float) -> xarray.Dataset:
+    """Return a trace of signals sampled together.
+
+    Args:
+        blocks: Signal → its samples, shape (n, width); the arrays are kept, not copied.
+        formation: Of the vehicle.
+        period: Of the samples [s]; the first is the brake demand.
+    """
+    count = len(next(iter(blocks.values())))
+    variables = {
+        signal.name: (
+            ("time",) if signal.extent == "train" else ("time", signal.extent),
+            block.reshape(count) if signal.extent == "train" else block,
+            {"units": signal.unit, "long_name": signal.meaning},
+        )
+        for signal, block in blocks.items()
+    }
+    membership = {"long_name": "group that the wheelset turns with"}
+    return xarray.Dataset(
+        variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
+        coords={
+            # Time is counted and multiplied, never summed.
+            "time": (
+                "time",
+                np.arange(count) * period,
+                {"units": "s", "long_name": "time since the brake demand"},
+            ),
+            "group": (
+                "group",
+                np.arange(1, formation.groups + 1),
+                {"long_name": "group of wheelsets that turn as one"},
+            ),
+            "wheelset": ("wheelset", np.arange(1, formation.wheelsets + 1), {"long_name": "wheelset, lead to trail"}),
+        },
+    )
+
+
+def formation_in(trace: xarray.Dataset) -> Formation:
+    """Return the formation of the vehicle that a trace is of."""
+    return formation_of(trace[_GROUPS].values.tolist())
+
+
+def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:
+    """Return every so many-th sample and the last one."""
+    count = trace.sizes["time"]
+    kept = np.unique(np.append(np.arange(0, count, every), count - 1))
+    return trace.isel(time=kept)

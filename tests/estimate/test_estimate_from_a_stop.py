@@ -1,0 +1,107 @@
+"""What was estimated while a train stopped is estimated from the trace of that stop, whatever file it went through."""
+
+import dataclasses
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import railgrip as rg
+from railgrip.commands import app
+from railgrip.errors import EstimationError
+from railgrip.estimation.spec import LIBRARY
+from railgrip.estimators.tuning import TRAIN_IDEAL
+from railgrip.trace.netcdf import read_trace
+from railgrip.trace.samples import reading_of, readings_in, unit_of
+
+SPECIFICATION = LIBRARY / "stop.toml"
+
+
+@pytest.fixture(scope="module")
+def stop():
+    """Two seconds and a half of a stop: the rail falls off at four, full brake slides on it from the first on."""
+    return rg.run(
+        rg.Scenario.load("trapezoid").changed(
+            {"limits.horizon": "2.5 s", "adhesion.first_fall": "1 s", "periods.trace": "1 ms"}
+        )
+    )
+
+
+def recorded_in_the_loop(stop, state):
+    """Return what the loop recorded of a state and of its elements, shape (k, elements)."""
+    values = stop.trace[f"estimate_{state}"].values
+    return values if values.ndim > 1 else values[:, None]
+
+
+def from_the_trace(estimated, state, count):
+    names = [state] if count == 1 and state == "v" else [f"{state}[{i + 1}]" for i in range(count)]
+    return estimated["mean"].sel(state=names).values
+
+
+RECORDED = {"v": "speed", "w": "wheelset_speed", "alpha": "adhesion", "mu_b": "pad_friction"}
+
+
+def test_the_filter_over_the_readings_of_a_stop_believes_what_it_did_in_the_loop(stop):
+    """The same filter, noises, start and readings: the same bits."""
+    # The squares of the file have few digits, those of the loop all.
+    squares = {f"noise.process.{entry.name}": entry.deviation**2 for entry in TRAIN_IDEAL.process}
+    squares |= {f"noise.readings.{entry.name}": entry.deviation**2 for entry in TRAIN_IDEAL.readings}
+    estimated = rg.estimate(stop.trace, changes=squares)
+    np.testing.assert_allclose(rg.estimate(stop.trace)["mean"], estimated["mean"], rtol=1e-9, atol=1e-12)
+    for state, name in RECORDED.items():
+        loop = recorded_in_the_loop(stop, name)
+        np.testing.assert_array_equal(from_the_trace(estimated, state, loop.shape[1]), loop)
+    np.testing.assert_array_equal(estimated["nis"][1:], stop.trace["estimate_nis"][1:])
+    assert np.ptp(stop.trace["estimate_adhesion"].values) > 0.05
+
+
+def test_a_trace_on_disk_gives_the_estimates_of_the_stop_in_memory(stop, tmp_path):
+    stop.write(tmp_path / "mine")
+    file = tmp_path / "mine" / "trace.nc"
+    assert rg.estimate(file).drop_attrs().equals(rg.estimate(stop.trace).drop_attrs())
+    result = CliRunner().invoke(
+        app, ["estimate", str(SPECIFICATION), "--data", str(file), "--out", str(tmp_path / "out")]
+    )
+    assert result.exit_code == 0, result.output
+    assert "mine: median NIS" in " ".join(result.output.split())
+    assert "alpha[4]" in result.output
+    assert (tmp_path / "out" / "estimates.nc").exists()
+
+
+def test_a_trace_that_was_thinned_is_estimated_from_up_to_its_last_even_sample(stop, tmp_path):
+    thin = dataclasses.replace(stop, scenario=stop.scenario.changed({"periods.trace": "7 ms"}))
+    thin.write(tmp_path)
+    trace = read_trace(tmp_path / "trace.nc")
+    assert np.ptp(np.diff(trace["time"].values)) > 1e-4
+    assert rg.estimate(tmp_path / "trace.nc").sizes["time"] == trace.sizes["time"] - 1
+
+
+def test_a_trace_that_went_through_a_csv_file_gives_the_same_estimates(stop, tmp_path):
+    """Text keeps 17 digits and units are SI: the numbers are the same, and nothing in them looks like a fault."""
+    names = readings_in(stop.trace)
+    columns = {"time": stop.trace["time"].values} | {name: reading_of(stop.trace, name) for name in names}
+    pd.DataFrame(columns).to_csv(tmp_path / "stop.csv", index=False, float_format="%.17g")
+    mapped = "".join(
+        f'"{name}" = {{ column = "{name}", unit = "{unit_of(stop.trace, name)}", may_rest = true }}\n' for name in names
+    )
+    table = """
+[data]
+time = { column = "time", unit = "s" }
+period = "1 ms"
+longest_gap = "10 ms"
+frozen = "1 s"
+spike = 1e9
+[data.columns]
+"""
+    toml = tmp_path / "mine.toml"
+    toml.write_text(SPECIFICATION.read_text(encoding="utf-8") + table + mapped, encoding="utf-8")
+    through, direct = rg.estimate(tmp_path / "stop.csv", toml), rg.estimate(stop.trace, toml)
+    np.testing.assert_allclose(through["mean"], direct["mean"], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(through["sd"], direct["sd"], rtol=1e-9)
+
+
+def test_a_stop_that_nobody_read_is_refused_by_name(stop):
+    blind = stop.trace.drop_vars("reading_deflection")
+    with pytest.raises(EstimationError, match=r"has no signal deflection\[1\], .*deflection\[6\]; it has speed, "):
+        rg.estimate(blind)
