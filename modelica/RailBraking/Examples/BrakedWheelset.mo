@@ -15,18 +15,22 @@ model BrakedWheelset "One braked wheelset under a mass, put together from compon
     annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));
 equation
   cylinder.command = 2e5*tanh(time);
-  rigging.pressure = cylinder.pressure;
-  brake.pad_force = rigging.pad_force;
+  connect(cylinder.pressure, rigging.pressure)
+    annotation(Line(points={{-33, 40}, {-27, 40}, {-27, 40}, {-20, 40}}, color={0, 0, 127}));
+  connect(rigging.pad_force, brake.pad_force)
+    annotation(Line(points={{20, 40}, {26, 40}, {26, 40}, {33, 40}}, color={0, 0, 127}));
   brake.w = wheelset.w;
   brake.speed = body.v;
-  wheelset.brake_torque = brake.torque;
+  connect(brake.torque, wheelset.brake_torque)
+    annotation(Line(points={{73, 40}, {0, 40}, {0, -40}, {-73, -40}}, color={0, 0, 127}));
   wheelset.v = body.v;
   wheelset.load[1] = m*g;
   wheelset.mu0[1] = wet.mu0;
   wheelset.standstill = body.standstill;
   body.F = wheelset.F[1];
   body.track_force = 0;
-  body.capacity = wheelset.capacity;
+  connect(wheelset.capacity, body.capacity)
+    annotation(Line(points={{-33, -40}, {-27, -40}, {-27, -40}, {-20, -40}}, color={0, 0, 127}));
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

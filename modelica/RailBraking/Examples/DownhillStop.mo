@@ -10,10 +10,14 @@ model DownhillStop "Stop on a falling gradient in a curve, and the same on level
   Tracks.LevelTrack level(m=84000) "Straight level track"
     annotation(Placement(transformation(extent={{20, -60}, {60, -20}})));
 equation
-  track.distance = train.distance;
-  level.distance = train_level.distance;
-  train.track_force = track.track_force;
-  train_level.track_force = level.track_force;
+  connect(train.distance, track.distance)
+    annotation(Line(points={{-20, 40}, {-40, 40}, {-40, -40}, {-60, -40}}, color={0, 0, 127}));
+  connect(train_level.distance, level.distance)
+    annotation(Line(points={{60, 40}, {40, 40}, {40, -40}, {20, -40}}, color={0, 0, 127}));
+  connect(track.track_force, train.track_force)
+    annotation(Line(points={{-20, -40}, {-40, -40}, {-40, 40}, {-60, 40}}, color={0, 0, 127}));
+  connect(level.track_force, train_level.track_force)
+    annotation(Line(points={{60, -40}, {40, -40}, {40, 40}, {20, 40}}, color={0, 0, 127}));
   train.pressure_command = train.p_max;
   train_level.pressure_command = train_level.p_max;
   train.mu0 = fill(0.3, 6);
