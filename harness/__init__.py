@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from railgrip import testing
     from railgrip.api import Scenario, estimate, open, run, sweep
     from railgrip.controllers.observation import Observation
-    from railgrip.custom import Controller, Estimate, Estimator, Sensors
+    from railgrip.custom import Controller, Estimate, Estimator, Plant, Sensors
     from railgrip.errors import RailgripError
     from railgrip.formation import Formation
     from railgrip.record.outcome import Outcome
@@ -26,6 +26,7 @@ __all__ = [
     "Formation",
     "Observation",
     "Outcome",
+    "Plant",
     "RailgripError",
     "Scenario",
     "Sensors",
@@ -40,7 +41,7 @@ __all__ = [
 _PLACES = {
     "railgrip.api": ("Scenario", "estimate", "open", "run", "sweep"),
     "railgrip.controllers.observation": ("Observation",),
-    "railgrip.custom": ("Controller", "Estimate", "Estimator", "Sensors"),
+    "railgrip.custom": ("Controller", "Estimate", "Estimator", "Plant", "Sensors"),
     "railgrip.errors": ("RailgripError",),
     "railgrip.formation": ("Formation",),
     "railgrip.record.outcome": ("Outcome",),

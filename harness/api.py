@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from railgrip.assemble import OwnParties
     from railgrip.by_hand import Bench
     from railgrip.campaign.sweep import Sweep
-    from railgrip.custom import Controller, Estimator, Sensors
+    from railgrip.custom import Controller, Estimator, Plant, Sensors
     from railgrip.record.stop import Stop
 
 
@@ -50,11 +50,20 @@ class Scenario(schema.Scenario):
         """Return the scenario with other values; see `load`."""
         return self._of(merged(self.resolved(), _tree(changes)), self._directory, self.name)
 
-    def with_plant(self, plant: Path) -> Self:
-        """Return the scenario with a recipe or an .fmu as its plant, whatever it had before."""
+    def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
+        """Return the scenario with a recipe, an .fmu, or keys of [vehicle] for its plant, whatever that was before.
+
+        Paths are from the current folder.
+        """
+        given = dict(plant) if isinstance(plant, Mapping) else {"plant": plant}
+        for key, value in given.items():
+            if key == "library" or (key == "plant" and str(value).endswith(".fmu")):
+                given[key] = str(Path(value).resolve())
+            elif key == "plant":
+                given[key] = str(value)
         table = self.resolved()
-        before = {key: value for key, value in table["vehicle"].items() if key not in ("model", "library")}
-        table["vehicle"] = before | {"plant": str(plant.resolve() if plant.suffix == ".fmu" else plant)}
+        before = {key: value for key, value in table["vehicle"].items() if key not in ("plant", "model", "library")}
+        table["vehicle"] = before | given
         return self._of(table, self._directory, self.name)
 
     @classmethod
@@ -63,6 +72,9 @@ class Scenario(schema.Scenario):
         scenario._directory = directory
         return scenario
 
+
+_WRITTEN = (str, Path, Mapping)
+"""What a plant is that a scenario can name."""
 
 Asked = schema.Scenario | str | Path | Mapping[str, Any]
 """A scenario, or what `Scenario.load` takes for one."""
@@ -73,7 +85,7 @@ def run(
     controller: "Controller | type[Controller] | None" = None,
     estimator: "Estimator | type[Estimator] | None" = None,
     sensors: "Sensors | type[Sensors] | None" = None,
-    plant: str | Path | None = None,
+    plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
     engine: Literal["auto", "python", "compiled"] = "auto",
     import_from: Iterable[str | Path] = (),
@@ -83,7 +95,8 @@ def run(
     Args:
         scenario: What to run.
         controller: Object or class of one's own in place of the scenario's; likewise estimator and sensors.
-        plant: Recipe or .fmu in place of the scenario's.
+        plant: In place of the scenario's a recipe, an .fmu, keys of [vehicle] such as {"model": "MyLib.MyTrain",
+            "library": "MyLib/package.mo"}, or an object or class of one's own.
         engine: What steps the parties; the stop is the same to the last bit.
         import_from: Folders of modules that the scenario names as module:Class.
 
@@ -95,7 +108,7 @@ def run(
     from railgrip.campaign.one_stop import with_sources
     from railgrip.engine import Engine
 
-    own = _own(controller, estimator, sensors, import_from)
+    own = _own(controller, estimator, sensors, plant, import_from)
     return with_sources(run_stop(_asked(scenario, plant), engine=Engine(engine), own=own))
 
 
@@ -103,14 +116,14 @@ def open(
     scenario: Asked,
     estimator: "Estimator | type[Estimator] | None" = None,
     sensors: "Sensors | type[Sensors] | None" = None,
-    plant: str | Path | None = None,
+    plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
     import_from: Iterable[str | Path] = (),
 ) -> "Bench":
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.by_hand import Bench
 
-    return Bench(_asked(scenario, plant), _own(None, estimator, sensors, import_from))
+    return Bench(_asked(scenario, plant), _own(None, estimator, sensors, plant, import_from))
 
 
 def sweep(
@@ -119,7 +132,7 @@ def sweep(
     controller: "Controller | type[Controller] | None" = None,
     estimator: "Estimator | type[Estimator] | None" = None,
     sensors: "Sensors | type[Sensors] | None" = None,
-    plant: str | Path | None = None,
+    plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
     workers: int = 1,
     import_from: Iterable[str | Path] = (),
@@ -141,7 +154,7 @@ def sweep(
     asked = _asked(scenario, plant)
     whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
     values = {key: [_plain(value) for value in given] for key, given in axes.items()}
-    return swept(whole.name, whole.changed, values, _own(controller, estimator, sensors, import_from), workers)
+    return swept(whole.name, whole.changed, values, _own(controller, estimator, sensors, plant, import_from), workers)
 
 
 def estimate(
@@ -171,21 +184,21 @@ def estimate(
     return estimate_of(specification, completed(specification, recording))
 
 
-def _asked(scenario: Asked, plant: str | Path | None) -> schema.Scenario:
+def _asked(scenario: Asked, plant: Any) -> schema.Scenario:
     asked = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
-    if plant is None:
+    if not isinstance(plant, _WRITTEN):
         return asked
     whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
-    return whole.with_plant(Path(plant))
+    return whole.with_plant(plant)
 
 
-def _own(controller: Any, estimator: Any, sensors: Any, folders: Iterable[str | Path]) -> "OwnParties":
+def _own(controller: Any, estimator: Any, sensors: Any, plant: Any, folders: Iterable[str | Path]) -> "OwnParties":
     from railgrip.assemble import OwnParties
 
-    law, filter_, instruments = (
-        party() if isinstance(party, type) else party for party in (controller, estimator, sensors)
-    )
-    return OwnParties(controller=law, estimator=filter_, sensors=instruments, folders=tuple(map(Path, folders)))
+    given = {"controller": controller, "estimator": estimator, "sensors": sensors}
+    given["plant"] = None if isinstance(plant, _WRITTEN) else plant
+    parties: dict[str, Any] = {name: party() if isinstance(party, type) else party for name, party in given.items()}
+    return OwnParties(**parties, folders=tuple(map(Path, folders)))
 
 
 def _tree(changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -63,7 +63,7 @@ from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
-from railgrip.scenario.vehicle import FormationTable, Nudge
+from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
 from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, Layout, layout_of, sent
 from railgrip.trace.recorder import Recorder
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
@@ -75,7 +75,7 @@ Vector = NDArray[np.float64]
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the nominal data of a plant of the same formation that does not say its own."""
 
-_NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
+NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
 """Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
 
 _MOST_OF_THE_RAIL = 1.005
@@ -93,19 +93,24 @@ class OwnParties:
     """Objects of the user's own that take the place of what a scenario names; see `railgrip.custom`.
 
     Attributes:
-        controller, estimator, sensors: None leaves it to the scenario.
+        controller, estimator, sensors, plant: None leaves it to the scenario.
         folders: Where modules that a scenario names are looked for, beside the installed environment.
     """
 
     controller: custom.Controller | None = None
     estimator: custom.Estimator | None = None
     sensors: custom.Sensors | None = None
+    plant: custom.Plant | None = None
     folders: tuple[Path, ...] = ()
 
     def standing_for(self, scenario: Scenario) -> Scenario:
         """Return the scenario that names these objects' classes, as the results of a stop with them must."""
         given = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
-        return scenario.model_copy(update={name: table_of(own) for name, own in given.items() if own is not None})
+        tables: dict[str, Any] = {name: table_of(own) for name, own in given.items() if own is not None}
+        if self.plant is not None:
+            vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
+            tables["vehicle"] = Vehicle.model_validate(vehicle)
+        return scenario.model_copy(update=tables)
 
 
 SCENARIOS_OWN = OwnParties()
@@ -167,7 +172,7 @@ def run_stop(
         ScenarioError: The scenario asks for something that its parties cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
-    if scenario.controller.kind == "ideal_bound" and own.controller is None:
+    if scenario.controller.kind == "ideal_bound" and own.controller is None and own.plant is None:
         from railgrip.ideal import ideal_stop  # it needs this module to run its reference stop
 
         return ideal_stop(scenario, progress)
@@ -208,7 +213,7 @@ def assembled(
     """
     scenario = own.standing_for(scenario)
     plant_file = plant_description(scenario)
-    fmus = {plant_file.file.name: plant_file}
+    fmus = {} if scenario.vehicle.own_class else {plant_file.file.name: plant_file}
     formation = controlled_formation(scenario)
     layout, groups = layout_of_plant(scenario, plant_file, formation), formation.brakes
     radius = tuple(group.wheel_radius for group in groups)
@@ -223,7 +228,12 @@ def assembled(
         return found
 
     with ExitStack() as stack:
-        plant = stack.enter_context(_plant(scenario, plant_file, layout, radius, tell))
+        if (named := scenario.vehicle.own_class) is not None:
+            arguments = {name: value.written for name, value in scenario.vehicle.parameters.items()}
+            table = Custom(kind=named, parameters=arguments) if own.plant is None else table_of(own.plant)
+            plant = _own_plant(scenario, party("plants", table, own.plant), layout, radius)
+        else:
+            plant = stack.enter_context(_plant(scenario, plant_file, layout, radius, tell))
         believer: Believer | custom.CustomEstimator | None = None
         if (estimator := party("estimators", scenario.estimator, own.estimator)) is not None:
             believer = custom.CustomEstimator(estimator, formation)
@@ -397,8 +407,14 @@ def class_file(class_name: str, library: NamedFile, interface: Literal["me", "cs
 
 
 def plant_description(scenario: Scenario) -> Description:
-    """Return the description of the plant FMU of a scenario."""
+    """Return the description of the plant FMU of a scenario; of a plant in Python, which has none, an empty one."""
     vehicle = scenario.vehicle
+    if vehicle.own_class is not None:
+        return Description(
+            file=Path(vehicle.own_class), digest="", model=vehicle.own_class, guid="", generator="", variables={},
+            states=(), derivatives=(), event_indicators=0, log_categories=(), co_simulation=None, model_exchange=None,
+            blemishes="",
+        )  # fmt: skip
     if vehicle.model is not None and vehicle.library is not None:
         return description_of(class_file(vehicle.model, vehicle.library, "cs"))
     if isinstance(vehicle.plant, NamedFile):
@@ -524,7 +540,7 @@ def nominal_parameters(scenario: Scenario, plant: Description) -> dict[str, floa
     written = in_units(f"{where} brakes", table.brakes, units_of_brakes(formation))
     written |= {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
     written = spread(written, formation)
-    if isinstance(scenario.vehicle.plant, NamedFile):
+    if isinstance(scenario.vehicle.plant, NamedFile) or scenario.vehicle.own_class:
         catalogue = parameters_of(description_of(recipe_file(CATALOGUE)))
         alike = formation.wheelsets_per_group == counts_of(catalogue)
         return (catalogue if alike else {}) | written
@@ -555,6 +571,8 @@ def plant_parameters(scenario: Scenario, description: Description) -> dict[str, 
     Raises:
         ScenarioError: There is no such parameter, its unit has another dimension, or it only describes the plant.
     """
+    if scenario.vehicle.own_class:
+        return {}  # they are arguments of the class
     fixed = next((name for name in scenario.vehicle.parameters if name.partition("[")[0] in _FORMATION), None)
     if fixed is not None:
         raise ScenarioError(
@@ -601,7 +619,7 @@ def plant_signals(
             name=s.name,
             unit=s.unit,
             size=0 if s.extent == "train" else formation.width(s.extent),
-            needed=s.name in _NEEDED,
+            needed=s.name in NEEDED,
         )
         for s in layout.plant_signals
     )
@@ -694,9 +712,31 @@ def _plant(
             suppress(PlantFailed),
             opening(tell=lambda sentence: None) as first,
         ):  # the stop itself will say how it failed
-            _refuse_unfit(scenario, description, _trial_of(scenario, layout, first))
+            who = f"[vehicle.map] does not fit {description.file.name}"
+            _refuse_unfit(who, _trial_of(scenario, layout, first))
     with opening(tell=tell) as opened:
         yield _WithSlip(opened, layout, radius) if "slip" in binding.outputs.absent else opened
+
+
+def _own_plant(scenario: Scenario, own: custom.Plant, layout: Layout, radius: tuple[float, ...]) -> Plant:
+    """Return a plant in Python, bound to the vectors of the loop."""
+    _track_fits(scenario, plant_description(scenario), layout.formation)
+    plant = _WithSlip(
+        custom.CustomPlant(
+            own,
+            layout,
+            speed=scenario.start.speed,
+            period=scenario.periods.communication,
+            needed=NEEDED,
+            command="valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command",
+        ),
+        layout,
+        radius,
+    )
+    with suppress(PlantFailed):  # the stop itself will say how it failed
+        who = f"{scenario.name}: the plant {type(own).__name__} is none"
+        _refuse_unfit(who, _trial_of(scenario, layout, plant))
+    return plant
 
 
 def _trial_of(scenario: Scenario, layout: Layout, plant: Plant) -> tuple[Finding, ...]:
@@ -715,17 +755,14 @@ def _trial_of(scenario: Scenario, layout: Layout, plant: Plant) -> tuple[Finding
     return findings(trial, speed=scenario.start.speed, radius=radius, pressure=pressure)
 
 
-def _refuse_unfit(scenario: Scenario, description: Description, found: tuple[Finding, ...]) -> None:
+def _refuse_unfit(who: str, found: tuple[Finding, ...]) -> None:
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in found if not finding.good]
     if wrong:
-        raise ScenarioError(
-            f"[vehicle.map] does not fit {description.file.name}: in a short run before the stop "
-            f"{'; '.join(wrong[:4])}."
-        )
+        raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")
 
 
 class _WithSlip:
-    """A foreign plant that does not show slip: it follows from the speeds it shows and the nominal radii."""
+    """A plant that may not show slip: it follows from the speeds it shows and the nominal radii."""
 
     def __init__(self, plant: Plant, layout: Layout, radius: tuple[float, ...]) -> None:
         self._plant, self._at = plant, layout.output
@@ -738,8 +775,9 @@ class _WithSlip:
         return self._whole(self._plant.step(inputs))
 
     def _whole(self, truth: Vector) -> Vector:
-        speed = max(float(truth[self._at["speed"]][0]), 1e-3)
-        truth[self._at["slip"]] = 1.0 - self._radius * truth[self._at["wheelset_speed"]] / speed
+        if np.isnan(truth[self._at["slip"]]).any():
+            speed = max(float(truth[self._at["speed"]][0]), 1e-3)
+            truth[self._at["slip"]] = 1.0 - self._radius * truth[self._at["wheelset_speed"]] / speed
         return truth
 
 

@@ -1,8 +1,8 @@
-"""Controllers, estimators and sensors of a user's own: what each is asked, and how it takes part in a stop."""
+"""Controllers, estimators, sensors and plants of a user: what each is asked, and how it takes part in a stop."""
 
 import inspect
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railgrip.controllers.observation import Observation
-from railgrip.errors import ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
+from railgrip.errors import ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Extent, Formation
 from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, Layout
 
@@ -94,6 +94,35 @@ class Sensors(Protocol):
             truth: By the names of a trace's variables, such as speed, wheelset_speed and slip.
 
         A reading that is left out, or NaN, brings nothing new.
+        """
+        ...
+
+
+@runtime_checkable
+class Plant(Protocol):
+    """The train itself."""
+
+    def start(self, formation: Formation, speed: float, period: float) -> Mapping[str, ArrayLike]:
+        """Begin a stop, also after another one, and return what the train shows at the brake demand; see `step`.
+
+        Args:
+            formation: Of the scenario; brakes and loads are nominal.
+            speed: At the start [m/s].
+            period: Of each step [s].
+        """
+        ...
+
+    def step(self, inputs: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
+        """Hold `inputs` over one period and return what the train shows at its end.
+
+        Args:
+            inputs: pressure_command (groups,) [Pa], or valve_command [1] with pneumatic actuation; mu0 (wheelsets,)
+                [1], track_force () [N].
+
+        Returns:
+            By the names of a trace's variables and in their units, the same at each step: distance, speed,
+            acceleration, wheelset_speed and cylinder_pressure, and of slip, adhesion, wheelset_load, brake_torque and
+            the others what the plant has. Slip that it does not show follows from the speeds.
         """
         ...
 
@@ -247,6 +276,91 @@ class CustomSensors:
                 )
             reading[self._layout.reading[name]] = value
         return reading
+
+
+class CustomPlant:
+    """A plant of the user's own in the loop."""
+
+    def __init__(
+        self, own: Plant, layout: Layout, *, speed: float, period: float, needed: Collection[str], command: str
+    ) -> None:
+        """Take it; the loop starts it.
+
+        Args:
+            own: The plant.
+            layout: Of the loop's vectors.
+            speed: At the start [m/s].
+            period: Of a step [s].
+            needed: Names of outputs that it cannot do without.
+            command: Name of its command to the brakes.
+
+        Raises:
+            ScenarioError: It is no plant.
+        """
+        _demand_methods(own, "a plant", "start", "step")
+        self._own, self._layout, self._speed, self._period = own, layout, speed, period
+        self._needed, self._shown, self._steps = frozenset(needed), frozenset[str](), 0
+        self._inputs = np.empty(layout.inputs)
+        given = self._inputs.view()
+        given.flags.writeable = False
+        self._given = {
+            command if name == "command" else name: given[place].reshape(()) if name == "track_force" else given[place]
+            for name, place in layout.input.items()
+        }
+        self._shapes = {
+            name: () if name in _OF_TRAIN else (place.stop - place.start,) for name, place in layout.output.items()
+        }
+
+    def start(self, inputs: Array) -> Array:
+        """Start it and return what it shows; NaN for what it does not.
+
+        Raises:
+            PlantFailed: It raised an exception, or showed something else.
+        """
+        self._steps = 0
+        shown = self._called("start", lambda: self._own.start(self._layout.formation, self._speed, self._period))
+        if not isinstance(shown, Mapping) or not self._needed <= shown.keys() <= self._shapes.keys():
+            raise PlantFailed(
+                f"{_place(self._own, 'start')} returned {_short(shown)}; a plant shows "
+                f"{', '.join(sorted(self._needed))}, and may show "
+                f"{', '.join(sorted(self._shapes.keys() - self._needed))}."
+            )
+        self._shown = frozenset(shown)
+        return self._vector("start", shown)
+
+    def step(self, inputs: Array) -> Array:
+        """Step it and return what it shows, as `start`."""
+        self._inputs[:] = inputs
+        self._steps += 1
+        shown = self._called("step", lambda: self._own.step(self._given))
+        if not isinstance(shown, Mapping) or self._shown.symmetric_difference(shown):
+            raise PlantFailed(
+                f"{_place(self._own, 'step')} returned {_short(shown)}, not what it showed at the start, "
+                f"{', '.join(sorted(self._shown))}.{self._when}"
+            )
+        return self._vector("step", shown)
+
+    @property
+    def _when(self) -> str:
+        return f" At {self._steps * self._period:.3f} s."
+
+    def _called(self, method: str, call: Callable[[], Any]) -> Any:
+        try:
+            return call()
+        except Exception as problem:
+            raise PlantFailed(_failure(self._own, method, problem) + self._when) from problem
+
+    def _vector(self, method: str, shown: Mapping[str, ArrayLike]) -> Array:
+        truth = np.full(self._layout.outputs, np.nan)
+        for name, value in shown.items():
+            problem = problem_with(value, self._shapes[name])
+            if problem:
+                raise PlantFailed(
+                    f"{_place(self._own, method)} showed {name} as {problem}, not finite numbers of shape "
+                    f"{self._shapes[name]}.{self._when}"
+                )
+            truth[self._layout.output[name]] = value
+        return truth
 
 
 _OF_TRAIN = frozenset(

@@ -147,9 +147,9 @@ class Failure:
 
 
 class PlantFailed(RailgripError):
-    """An FMU failed while it ran; `failure` says how. Survives pickling between processes."""
+    """A plant failed while it ran; `failure` says how, in words if it is in Python. Survives pickling."""
 
-    def __init__(self, failure: Failure) -> None:
+    def __init__(self, failure: Failure | str) -> None:
         """Carry `failure`."""
         super().__init__(failure)
         self.failure = failure

@@ -47,7 +47,7 @@ def party_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
     Raises:
         ScenarioError: There is no such module or class, or it does not take these parameters.
     """
-    where = f"[{role.removesuffix('s') if role != 'sensors' else role}]"
+    where = {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
     named = table.kind if ":" in table.kind else installed_names(role)[table.kind]
     module, _, name = named.partition(":")
     with _path_without_current_folder(folders):

@@ -1,4 +1,4 @@
-"""Contract tests for controllers, estimators and sensors: what a stop asks of them, asked without a train.
+"""Contract tests for controllers, estimators, sensors and plants: what a stop asks of them, asked without a train.
 
 railgrip.testing.check_controller(MyLaw)
 
@@ -14,22 +14,27 @@ from typing import Any
 
 import numpy as np
 
+from railgrip.assemble import NEEDED
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
 from railgrip.custom import (
     Controller,
     CustomController,
     CustomEstimator,
+    CustomPlant,
     CustomSensors,
     Estimator,
+    Plant,
     Sensors,
 )
-from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, ScenarioError, SensorsFailed
+from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Formation
 from railgrip.signals import layout_of
+from railgrip.trial import findings, tried
 
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
 _PERIOD = 1e-2  # s
+_SPEED = 25.0  # m/s
 _BRAKE = BrakeGroup(
     load=1.2e5, inertia=120.0, wheel_radius=0.45, units=4, friction_radius=0.24, piston_area=0.03, rigging=5.0,
     spring_force=1000.0, pressure_max=3.8e5,
@@ -134,6 +139,40 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
                 raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
             runs.append(readings)
         _demand_same(own, "read", runs)
+
+
+def check_plant(factory: Callable[[], Plant], formation: Formation | None = None) -> None:
+    """Check a plant.
+
+    In a short run it starts at the speed that it is given, coasts, and brakes on a good rail; distance, speed and
+    acceleration are integrals of each other, wheels roll when nothing brakes, cylinders fill, and what it shows of slip
+    and adhesion can be. It does the same again after `start`. Nothing is said about braking on a poor rail.
+
+    Args:
+        factory: Class or function that returns a new plant.
+        formation: Of the vehicle that it is, with brakes; several without.
+
+    Raises:
+        ContractBroken: It does something else.
+    """
+    for vehicle in formations() if formation is None else (formation,):
+        own, layout = factory(), layout_of(vehicle)
+        pressure, runs = tuple(vehicle.pressure_max.tolist()), list[list[tuple[float, ...]]]()
+        for _ in range(2):
+            plant = _made(
+                lambda own=own, layout=layout: CustomPlant(
+                    own, layout, speed=_SPEED, period=_PERIOD, needed=NEEDED, command="pressure_command"
+                )
+            )
+            try:
+                trial = tried(layout, plant, period=_PERIOD, release=(0.0,) * vehicle.groups, brake=pressure)
+            except PlantFailed as failed:
+                raise ContractBroken(str(failed)) from failed
+            found = findings(trial, speed=_SPEED, radius=tuple(vehicle.wheel_radius.tolist()), pressure=pressure)
+            for finding in (finding for finding in found if not finding.good):
+                raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
+            runs.append([tuple(row) for row in np.nan_to_num(trial.rows).tolist()])
+        _demand_same(own, "step", runs)
 
 
 def formations() -> Iterator[Formation]:

@@ -312,3 +312,85 @@ def test_an_estimate_of_a_recording():
     estimated = rg.estimate(recording, "wagon")
     assert estimated["mean"].sizes["time"] == 400
     assert rg.estimate(recording, LIBRARY / "wagon.toml").equals(estimated)
+
+
+def rolling():
+    """The plant of the page."""
+    page = PAGE.read_text()
+    source = page[page.index("class Rolling") : page.index("rg.testing.check_plant")]
+    names = {"np": np, "__name__": __name__}
+    exec(compile(source, str(PAGE), "exec"), names)
+    return names["Rolling"]
+
+
+def test_a_plant_in_python_brakes_as_its_one_equation_says(scenario, tmp_path):
+    """Full brake on a rail that takes all: s = v0 T + v0²/(2 a), with T the lag of the cylinders."""
+    whole = scenario.changed(
+        {"controller.kind": "full_brake", "start.speed": 20.0, "limits.horizon": "60 s",
+         "limits.stop_speed": "0.01 m/s", "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.9}}
+    )  # fmt: skip
+    stop = rg.run(whole, plant=rolling())
+    assert stop.outcome is rg.Outcome.STANDSTILL
+    a = 9.81 * np.mean([3.4e5, 2e5, 2e5, 3.4e5]) / 1e6
+    assert stop.metrics.distance == pytest.approx(20.0 * 0.1 + 20.0**2 / (2 * a), rel=2e-3)
+    assert np.isnan(stop.trace["adhesion"].values).all()
+    assert stop.trace["slip"].values == pytest.approx(0.0, abs=1e-12)
+    stop.write(tmp_path)
+    kept = json.loads((tmp_path / "stop.json").read_text())
+    assert kept["classes"]["plant"]["class"] == kept["scenario"]["vehicle"]["plant"] == f"{__name__}:Rolling"
+    assert "TwoPartTrain.fmu" not in kept["fmus"]
+
+
+def test_a_plant_may_be_named_and_have_a_formation_of_its_own(scenario, tmp_path):
+    source = PAGE.read_text()
+    source = source[source.index("class Rolling") : source.index("rg.testing.check_plant")]
+    (tmp_path / "my_train.py").write_text(f"import numpy as np\n\n{source}")
+    changes = {
+        "vehicle": {
+            "plant": "my_train:Rolling",
+            "formation": {
+                "wheelsets_per_group": [2, 2], "wheelset_load": ["100 kN"] * 4,
+                "brakes": {"p_max": "3 bar", "n_units": 2, "r_friction": 0.25, "r_wheel": 0.46, "J": 120.0,
+                           "A_piston": 0.03, "i_rigging": 5.0, "eta_rigging": 0.95, "F_spring": 500.0},
+            },
+        },
+        "estimator": {"kind": "none"}, "controller": {"kind": "slip_two_state"},
+    }  # fmt: skip
+    table = {**scenario.resolved(), **changes}
+    stop = rg.run(rg.Scenario.load(table), import_from=[tmp_path])
+    assert stop.trace.sizes["group"] == 2
+    assert stop.trace["cylinder_pressure"].values[-1] == pytest.approx([3e5] * 2, rel=0.2)
+
+
+@pytest.mark.parametrize(
+    ("method", "function", "words"),
+    [
+        ("step", lambda self, inputs: 1 / 0, r"Mine\.step failed in .*ZeroDivisionError.* At 0\.001 s"),
+        ("start", lambda self, formation, speed, period: {"speed": speed}, "a plant shows accel"),
+        ("step", lambda self, inputs: {"speed": 1.0}, "not what it showed at the start"),
+        ("step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_plant_is_an_outcome_and_a_sentence(scenario, method, function, words):
+    stop = rg.run(scenario, controller=BangBang, plant=type("Mine", (rolling(),), {method: function}))
+    assert stop.outcome.value == "plant_failed"
+    assert re.search(words, stop.reason)
+
+
+def test_a_plant_that_is_no_train_is_refused_before_its_stop(scenario):
+    class Wrong(rolling()):
+        def shown(self, a):
+            return super().shown(a) | {"speed": 3.6 * self.v}
+
+    with pytest.raises(ScenarioError, match=r"the plant Wrong is none: .* it looks like km/h for m/s"):
+        rg.run(scenario, controller=BangBang, plant=Wrong)
+    with pytest.raises(rg.testing.ContractBroken, match="it looks like km/h for m/s"):
+        rg.testing.check_plant(Wrong)
+
+
+def test_a_modelica_class_of_ones_own_is_a_plant(scenario):
+    keys = {"model": "SimpleTrain.Car", "library": PAGE.parent / "examples" / "SimpleTrain" / "package.mo"}
+    law = {"controller.kind": "slip_two_state", "estimator.kind": "none"}
+    stop = rg.run(scenario.changed(law), plant=keys)
+    assert stop.trace.sizes["group"] == 4
+    assert stop.scenario.vehicle.model == "SimpleTrain.Car"

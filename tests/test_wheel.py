@@ -1,12 +1,15 @@
 """The wheel: one package with everything in it, that runs where nothing of the project is around."""
 
+import json
 import os
+import re
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
+import xarray
 
 ROOT = Path(__file__).parents[1]
 DATA = {".typed", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja"}
@@ -40,15 +43,85 @@ def test_it_holds_one_package_with_every_file_of_ours(wheel):
     assert expected == names
 
 
-def test_it_runs_from_an_empty_folder_without_a_network(wheel, tmp_path):
-    """Its own FMU, filter and loop are compiled on the way, into the user's cache and nowhere else."""
-    site, here, cache = (tmp_path / name for name in ("site", "here", "cache"))
-    here.mkdir()
+TINY = {
+    "pyproject.toml": """
+[build-system]
+requires = ["setuptools"]
+build-backend = "setuptools.build_meta"
+
+[project]
+name = "tiny-laws"
+version = "1.0"
+
+[tool.setuptools]
+py-modules = ["tiny_laws"]
+
+[project.entry-points."railgrip.controllers"]
+half = "tiny_laws:Share"
+
+[project.entry-points."railgrip.estimators"]
+drag = "tiny_laws:Drag"
+
+[project.entry-points."railgrip.sensors"]
+exact = "tiny_laws:Exact"
+""",
+    "tiny_laws.py": """
+import numpy as np
+
+import railgrip as rg
+
+
+class Share:
+    def __init__(self, share=0.5):
+        self.share = share
+
+    def start(self, formation):
+        self.demand = self.share * formation.pressure_max
+
+    def decide(self, observation):
+        return self.demand
+
+
+class Drag:
+    provides = ("adhesion",)
+
+    def start(self, first, formation):
+        self.groups = formation.groups
+
+    def step(self, observation):
+        return rg.Estimate(adhesion=np.full(self.groups, -observation.acceleration / 9.81))
+
+
+class Exact:
+    def start(self, formation, random):
+        pass
+
+    def read(self, time, truth):
+        return {name: truth[name] for name in ("speed", "wheelset_speed", "acceleration", "cylinder_pressure")}
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """A folder where the wheel is installed with another package that offers parties, and an empty user's cache."""
+    site, tiny = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("tiny")
+    for name, text in TINY.items():
+        (tiny / name).write_text(text)
     install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-compile", "--no-index"]
-    subprocess.run([*install, "--target", str(site), str(wheel[0])], check=True, capture_output=True)
+    for what in (wheel[0], tiny):
+        subprocess.run(
+            [*install, "--no-build-isolation", "--target", str(site), str(what)], check=True, capture_output=True
+        )
+    return site, tmp_path_factory.mktemp("cache")
+
+
+def alone(installed, here, *arguments):
+    """Run Python in a folder with nothing but what is installed, and without a network."""
+    site, cache = installed
     nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     done = subprocess.run(
-        [sys.executable, "-m", "railgrip", "run", "trapezoid"],
+        [sys.executable, *arguments],
         cwd=here,
         env=os.environ | nowhere | {"PYTHONPATH": str(site), "RAILGRIP_CACHE": str(cache)},
         capture_output=True,
@@ -56,8 +129,76 @@ def test_it_runs_from_an_empty_folder_without_a_network(wheel, tmp_path):
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "trapezoid: standstill, 293.72 m" in done.stdout
+    return done.stdout
+
+
+def test_it_runs_from_an_empty_folder_without_a_network(installed, tmp_path):
+    """Its own FMU, filter and loop are compiled on the way, into the user's cache and nowhere else."""
+    (site, cache), here = installed, tmp_path
+    printed = alone(installed, here, "-m", "railgrip", "run", "trapezoid")
+    assert "trapezoid: standstill, 293.72 m" in printed
     assert {path.name for path in here.iterdir()} == {"build"}
     assert [path.name for path in (here / "build").iterdir()] == ["runs"]
     assert any(cache.rglob("TwoPartTrain.fmu"))
     assert not [path for path in site.rglob("*") if path.suffix in {".so", ".fmu", ".dll", ".dylib"}]
+
+
+def test_parties_of_an_installed_package_go_by_their_names(installed, tmp_path):
+    """Through their entry points, by the command line; half of 3.4 and 2 bar."""
+    kinds = {"controller": "half", "estimator": "drag", "sensors": "exact"}
+    tables = [text for role, kind in kinds.items() for text in ("--set", f"{role}={{kind='{kind}'}}")]
+    alone(installed, tmp_path, "-m", "railgrip", "run", "trapezoid", *tables, "--set", "start.speed=5 km/h")
+    (kept,) = tmp_path.rglob("stop.json")
+    classes = json.loads(kept.read_text())["classes"]
+    assert {role: party["class"] for role, party in classes.items()} == {
+        "controller": "tiny_laws:Share", "estimator": "tiny_laws:Drag", "sensors": "tiny_laws:Exact",
+    }  # fmt: skip
+    with xarray.open_dataset(kept.with_name("trace.nc")) as trace:
+        assert trace["demand"].values[-1].tolist() == [1.7e5, 1e5, 1e5, 1.7e5]
+        assert "estimate_pad_friction" not in trace
+
+
+SHORTER = """
+import railgrip.api as api
+load = api.Scenario.load.__func__
+api.Scenario.load = classmethod(lambda cls, source, changes=None: load(cls, source, {"limits.horizon": "0.2 s"}))
+"""
+
+CELLS = """
+import json, sys
+for number, cell in enumerate(c for c in json.load(open(sys.argv[1]))["cells"] if c["cell_type"] == "code"):
+    exec(compile("".join(cell["source"]), f"<cell {number}>", "exec"), globals())
+"""
+
+
+def test_the_page_about_python_runs_where_it_is_installed(installed, tmp_path):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL)
+    assert len(blocks) >= 2
+    where = "import railgrip; print(railgrip.__file__)"
+    printed = alone(installed, tmp_path, "-c", "\n".join((SHORTER, *blocks, where)))
+    assert printed.strip().startswith(str(installed[0]))
+
+
+def test_the_notebook_of_own_parties_runs_where_it_is_installed(installed, tmp_path):
+    """Cell by cell, as in a notebook: classes are of the main module and have no file."""
+    notebook = ROOT / "docs" / "examples" / "own_parties.ipynb"
+    figures = """
+print(json.dumps({
+    "distances": [stop.metrics.distance for stop in (bang_bang, noisy, sprinter)],
+    "outcomes": [stop.outcome.value for stop in (bang_bang, estimated, noisy, sprinter)],
+    "rows": len(table), "drawn": int(table["distance"].nunique()), "ended": sorted(set(table["outcome"])),
+    "classes": {role: party["class"] for role, party in (estimated.classes | noisy.classes).items()},
+}))
+"""
+    printed = json.loads(alone(installed, tmp_path, "-c", CELLS + figures, str(notebook)).splitlines()[-1])
+    assert printed["outcomes"] == ["standstill"] * 4
+    assert printed["rows"] == 50
+    assert printed["ended"] == ["standstill"]
+    assert printed["drawn"] > 25  # noise of the wheels is the seed's
+    own, noisy, light = printed["distances"]
+    assert 5.0 < light < own < 60.0
+    assert abs(noisy - own) < 5.0
+    assert printed["classes"] == {
+        "controller": "__main__:BangBang", "estimator": "__main__:Drag", "sensors": "__main__:NoisyWheels",
+    }  # fmt: skip
+    assert {path.name for path in tmp_path.iterdir()} == {"Sprinter.mo"}

@@ -143,7 +143,7 @@ def _in_processes(scenarios: Sequence[Scenario], own: OwnParties, workers: int) 
 
 def _portable(own: OwnParties) -> bool:
     """Return whether another process can have these objects: their classes are in modules that it can import."""
-    parties = (own.controller, own.estimator, own.sensors)
+    parties = (own.controller, own.estimator, own.sensors, own.plant)
     if any(type(party).__module__ == "__main__" for party in parties):
         return False
     try:

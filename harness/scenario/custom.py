@@ -9,7 +9,7 @@ from pydantic import Field
 
 from railgrip.scenario.table import Table
 
-Role = Literal["controllers", "estimators", "sensors"]
+Role = Literal["controllers", "estimators", "sensors", "plants"]
 
 OURS, CUSTOM = "of this project", "of one's own"
 """Tags of the two sorts of table; no key of a file has such a name."""

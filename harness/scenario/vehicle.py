@@ -50,6 +50,12 @@ class Nudge(Table):
     seed: Annotated[StrictInt, Field(ge=0)]
 
 
+def _is_class(written: str) -> bool:
+    """Say whether a text is module:Class, as Python writes it also for a class inside a function."""
+    module, colon, name = written.partition(":")
+    return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
+
+
 def _absent(value: object) -> bool:
     return value is None
 
@@ -60,7 +66,7 @@ class Vehicle(Table):
     plant: str | NamedFile | None = Field(
         default=None,
         exclude_if=_absent,
-        description="an FMU recipe of this project, or the path of an .fmu from the scenario's folder",
+        description="an FMU recipe of this project, the path of an .fmu from the scenario's folder, or module:Class",
     )
     model: ModelicaClass | None = Field(
         default=None, exclude_if=_absent, description="in place of `plant`: a Modelica class of one's own, full name"
@@ -89,8 +95,10 @@ class Vehicle(Table):
             return None
         if isinstance(written, NamedFile) or (isinstance(written, str) and written.endswith(".fmu")):
             return NamedFile.find(written, info)
-        if not isinstance(written, str) or not written.isidentifier():
-            raise broken(f"is {written!r}, which is neither the name of an FMU recipe nor the path of an .fmu")
+        if not isinstance(written, str) or not (written.isidentifier() or _is_class(written)):
+            raise broken(
+                f"is {written!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"
+            )
         return written
 
     @field_serializer("plant")
@@ -109,7 +117,12 @@ class Vehicle(Table):
     @property
     def recipe(self) -> str | None:
         """Name of this project's FMU recipe, None where the plant is somebody else's."""
-        return self.plant if isinstance(self.plant, str) else None
+        return self.plant if isinstance(self.plant, str) and not _is_class(self.plant) else None
+
+    @property
+    def own_class(self) -> str | None:
+        """module:Class of a plant in Python, None where it is an FMU."""
+        return self.plant if isinstance(self.plant, str) and _is_class(self.plant) else None
 
 
 class Start(Table):

@@ -116,3 +116,44 @@ def test_the_version_is_the_projects() -> None:
     version = re.search(r'version="([^"]+)"', text(LIBRARY / "package.mo"))[1]
     pyproject = (LIBRARY.parents[1] / "pyproject.toml").read_text()
     assert f'\nversion = "{version}"\n' in pyproject
+
+
+DRAWN = [
+    path
+    for room in ("Contact", "Pneumatics", "Components", "Vehicles", "Examples")
+    for path in FILES
+    if path.parent.name == room and path.name != "package.mo"
+]
+PART = re.compile(
+    r"^  (?:(?:replaceable|parameter)\s+)*"
+    r"(?:Interfaces|Friction|Pneumatics|Components|Contact|Tracks|Vehicles|FMUs)\.(?:\w+\.)*[A-Z]\w*\s+(\w+)[^;]*?;",
+    re.MULTILINE,
+)
+EXTENT = re.compile(r"extent=\{\{(-?\d+), (-?\d+)\}, \{(-?\d+), (-?\d+)\}\}")
+
+
+@pytest.mark.parametrize("path", DRAWN, ids=identify)
+def test_a_class_has_an_icon_and_a_diagram_in_which_its_components_have_a_place(path: Path) -> None:
+    """Places lie inside the diagram and do not cover each other."""
+    source = text(path)
+    assert "Icon(" in code(path)
+    assert "%name" in source
+    if not re.search(r"^(?:partial )?(?:model|block) ", source, re.MULTILINE):
+        return
+    edges = [int(x) for x in EXTENT.search(source, source.index("Diagram(")).groups()]
+    declared = re.split(r"^(?:initial )?(?:equation|algorithm)$", without_strings(source), flags=re.MULTILINE)[0]
+    places = []
+    for part in PART.finditer(declared):
+        assert "Placement(" in part[0], f"{part[1]} has no place"
+        places.append([int(x) for x in EXTENT.search(part[0]).groups()])
+    for x1, y1, x2, y2 in places:
+        assert edges[0] <= x1 < x2 <= edges[2]
+        assert edges[1] <= y1 < y2 <= edges[3]
+    for i, one in enumerate(places):
+        for other in places[:i]:
+            apart = one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
+            assert apart, f"{one} covers {other}"
+
+
+def without_strings(source: str) -> str:
+    return re.sub(r'"(?:[^"\\]|\\.)*"', '""', source)

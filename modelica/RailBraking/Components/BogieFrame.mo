@@ -11,13 +11,20 @@ model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
   parameter Types.Length r_wheel(start=0.38) "Height of the axles over the rail";
   parameter Types.Stiffness k(start=2.4e6) "Stiffness of the primary suspension over one wheelset";
   parameter Types.Damping c(start=2.4e4) "Damping of the primary suspension over one wheelset";
-  Interfaces.RealInput a(final unit="m/s2") "Acceleration along the track";
-  Interfaces.RealInput F(final unit="N") "Braking force of the track on both wheelsets together";
-  Interfaces.RealInput torque(final unit="N.m") "Brake torque on both wheelsets together";
-  Interfaces.RealOutput load[2](each final unit="N") "Load of each wheelset on the rail";
-  Interfaces.RealOutput work_power(final unit="W") "Power that the longitudinal forces put into the pitching frame";
-  Interfaces.RealOutput damper_power(final unit="W") "Heat made in the dampers";
-  Interfaces.RealOutput stored_energy(final unit="J") "Energy of the moving frame and of the springs";
+  Interfaces.RealInput a(final unit="m/s2") "Acceleration along the track"
+    annotation(Placement(transformation(extent={{-120, 57}, {-100, 77}})));
+  Interfaces.RealInput F(final unit="N") "Braking force of the track on both wheelsets together"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput torque(final unit="N.m") "Brake torque on both wheelsets together"
+    annotation(Placement(transformation(extent={{-120, -77}, {-100, -57}})));
+  Interfaces.RealOutput load[2](each final unit="N") "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
+  Interfaces.RealOutput work_power(final unit="W") "Power that the longitudinal forces put into the pitching frame"
+    annotation(Placement(transformation(extent={{100, 15}, {120, 35}})));
+  Interfaces.RealOutput damper_power(final unit="W") "Heat made in the dampers"
+    annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
+  Interfaces.RealOutput stored_energy(final unit="J") "Energy of the moving frame and of the springs"
+    annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
   Types.Length dz[2](each start=0, each fixed=true)
     "Deflection over each wheelset, change from static, compression positive";
   Types.Velocity ddz[2](each start=0, each fixed=true) "Rate of the deflection";
@@ -35,7 +42,18 @@ equation
   damper_power = c*(ddz[1]^2 + ddz[2]^2);
   stored_energy = m_frame*((ddz[1] + ddz[2])/2)^2/2 + I_frame*((ddz[1] - ddz[2])/wheelbase)^2/2
     + k*(dz[1]^2 + dz[2]^2)/2;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, 10}, {80, 10}}, color={0, 0, 127}),
+        Ellipse(extent={{-90, 0}, {-30, -60}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 In braking the front wheelset gains the load that the rear one loses; at rest on level track that is
 &plusmn;&Sigma;F h_rod/wheelbase for massless parts (see <a

@@ -17,13 +17,20 @@ model GuidedBody "Car body with six motions on two bogies"
   parameter Types.Damping c_z(start=3e4) "Vertical damping of one side";
   parameter Types.Damping c_yaw(start=1e5) "Longitudinal damping of one yaw damper";
   final parameter Types.Length arm[2] = {pivots/2, -pivots/2} "Pivots ahead of the centre";
-  Interfaces.RealInput frame_position[2, 3](each final unit="m") "x, y, z of both frames";
-  Interfaces.RealInput frame_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both frames";
-  Interfaces.RealInput frame_angle[2, 3](each final unit="rad") "phi, theta, psi of both frames";
-  Interfaces.RealInput frame_rate[2, 3](each final unit="rad/s") "wx, wy, wz of both frames";
-  Interfaces.RealInput resistance(final unit="N") "Drag, positive when it slows the car";
-  Interfaces.RealOutput F[2, 3](each final unit="N") "Force on both frames";
-  Interfaces.RealOutput M[2, 3](each final unit="N.m") "Torque on both frames";
+  Interfaces.RealInput frame_position[2, 3](each final unit="m") "x, y, z of both frames"
+    annotation(Placement(transformation(extent={{-120, 70}, {-100, 90}})));
+  Interfaces.RealInput frame_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both frames"
+    annotation(Placement(transformation(extent={{-120, 30}, {-100, 50}})));
+  Interfaces.RealInput frame_angle[2, 3](each final unit="rad") "phi, theta, psi of both frames"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput frame_rate[2, 3](each final unit="rad/s") "wx, wy, wz of both frames"
+    annotation(Placement(transformation(extent={{-120, -50}, {-100, -30}})));
+  Interfaces.RealInput resistance(final unit="N") "Drag, positive when it slows the car"
+    annotation(Placement(transformation(extent={{-120, -90}, {-100, -70}})));
+  Interfaces.RealOutput F[2, 3](each final unit="N") "Force on both frames"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput M[2, 3](each final unit="N.m") "Torque on both frames"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
   Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run";
   Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from the start";
   Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
@@ -70,7 +77,16 @@ equation
   I_roll*der(wx) = -roll[1] - roll[2] - h*(lateral[1] + lateral[2]);
   I_pitch*der(wy) = h*(rod[1] + rod[2]) + arm[1]*lift[1] + arm[2]*lift[2];
   I_yaw*der(wz) = -yaw[1] - yaw[2] - arm[1]*lateral[1] - arm[2]*lateral[2];
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-80, 50}, {80, -50}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Traction rods, springs and
 dampers act at

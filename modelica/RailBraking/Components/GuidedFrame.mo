@@ -14,18 +14,30 @@ model GuidedFrame "Bogie frame with six motions between two wheelsets and the ca
   parameter Types.Damping c_y(start=1.5e4) "Lateral damping of one axle box";
   parameter Types.Damping c_z(start=1.2e4) "Vertical damping of one axle box";
   final parameter Types.Length arm[2] = {wheelbase/2, -wheelbase/2} "Wheelsets ahead of the centre";
-  Interfaces.RealInput wheelset_position[2, 3](each final unit="m") "x, y, z of both wheelsets";
-  Interfaces.RealInput wheelset_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both wheelsets";
-  Interfaces.RealInput wheelset_yaw[2](each final unit="rad") "psi of both wheelsets";
-  Interfaces.RealInput wheelset_rate[2](each final unit="rad/s") "wz of both wheelsets";
-  Interfaces.RealInput roll_track[2](each final unit="rad") "Roll angle of the track under both wheelsets";
-  Interfaces.RealInput F[3](each final unit="N") "Force of the car body";
-  Interfaces.RealInput M[3](each final unit="N.m") "Torque of the car body and of the drive, about the three axes";
-  Interfaces.RealOutput X[2](each final unit="N") "Force on both wheelsets, forward";
-  Interfaces.RealOutput Y[2](each final unit="N") "Force on both wheelsets, to the left";
-  Interfaces.RealOutput N[2](each final unit="N") "Upward force of both wheelsets on the frame, change from static";
-  Interfaces.RealOutput M_yaw[2](each final unit="N.m") "Torque on both wheelsets about the vertical axis";
-  Interfaces.RealOutput M_roll[2](each final unit="N.m") "Torque of both wheelsets on the frame about the track";
+  Interfaces.RealInput wheelset_position[2, 3](each final unit="m") "x, y, z of both wheelsets"
+    annotation(Placement(transformation(extent={{-120, 76}, {-100, 96}})));
+  Interfaces.RealInput wheelset_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both wheelsets"
+    annotation(Placement(transformation(extent={{-120, 47}, {-100, 67}})));
+  Interfaces.RealInput wheelset_yaw[2](each final unit="rad") "psi of both wheelsets"
+    annotation(Placement(transformation(extent={{-120, 19}, {-100, 39}})));
+  Interfaces.RealInput wheelset_rate[2](each final unit="rad/s") "wz of both wheelsets"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput roll_track[2](each final unit="rad") "Roll angle of the track under both wheelsets"
+    annotation(Placement(transformation(extent={{-120, -39}, {-100, -19}})));
+  Interfaces.RealInput F[3](each final unit="N") "Force of the car body"
+    annotation(Placement(transformation(extent={{-120, -67}, {-100, -47}})));
+  Interfaces.RealInput M[3](each final unit="N.m") "Torque of the car body and of the drive, about the three axes"
+    annotation(Placement(transformation(extent={{-120, -96}, {-100, -76}})));
+  Interfaces.RealOutput X[2](each final unit="N") "Force on both wheelsets, forward"
+    annotation(Placement(transformation(extent={{100, 70}, {120, 90}})));
+  Interfaces.RealOutput Y[2](each final unit="N") "Force on both wheelsets, to the left"
+    annotation(Placement(transformation(extent={{100, 30}, {120, 50}})));
+  Interfaces.RealOutput N[2](each final unit="N") "Upward force of both wheelsets on the frame, change from static"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+  Interfaces.RealOutput M_yaw[2](each final unit="N.m") "Torque on both wheelsets about the vertical axis"
+    annotation(Placement(transformation(extent={{100, -50}, {120, -30}})));
+  Interfaces.RealOutput M_roll[2](each final unit="N.m") "Torque of both wheelsets on the frame about the track"
+    annotation(Placement(transformation(extent={{100, -90}, {120, -70}})));
   Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run";
   Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from the start";
   Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
@@ -60,7 +72,18 @@ equation
   I_roll*der(wx) = M[1] + M_roll[1] + M_roll[2] - h*(Y[1] + Y[2]);
   I_pitch*der(wy) = M[2] + h*(X[1] + X[2]) - arm[1]*N[1] - arm[2]*N[2];
   I_yaw*der(wz) = M[3] - M_yaw[1] - M_yaw[2] - arm[1]*Y[1] - arm[2]*Y[2];
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, 10}, {80, 10}}, color={0, 0, 127}),
+        Ellipse(extent={{-90, 0}, {-30, -60}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Axes as in <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>. Linear springs and dampers
 at

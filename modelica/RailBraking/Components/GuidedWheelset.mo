@@ -21,17 +21,28 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
   parameter Types.InverseVelocity B(start=0.2) "Polach: rate at which friction falls with slip speed";
   parameter Types.Velocity v_start(start=20) "Speed at the start";
   final parameter Real factor = Contact.creepFactor(r, r_rail, E, nu) "Slope of epsilon, see creepFactor";
-  Interfaces.RealInput X(final unit="N") "Force of the frame along the track, forward";
-  Interfaces.RealInput Y(final unit="N") "Force of the frame across the track, to the left";
-  Interfaces.RealInput N(final unit="N") "Upward force of the wheelset on the frame, change from static";
-  Interfaces.RealInput M_yaw(final unit="N.m") "Torque of the frame about the vertical axis";
-  Interfaces.RealInput M_roll(final unit="N.m") "Torque of the wheelset on the frame about the track";
-  Interfaces.RealInput tau(final unit="N.m") "Driving torque";
-  Interfaces.RealInput alignment(final unit="m") "Lateral irregularity, to the left";
-  Interfaces.RealInput vertical(final unit="m") "Vertical irregularity, upwards";
-  Interfaces.RealInput cross_level(final unit="m") "Left rail above right rail";
-  Interfaces.RealInput gauge(final unit="m") "Widening of the gauge";
-  Interfaces.RealInput mu0(final unit="1") "Maximum friction coefficient";
+  Interfaces.RealInput X(final unit="N") "Force of the frame along the track, forward"
+    annotation(Placement(transformation(extent={{-118, 83}, {-102, 99}})));
+  Interfaces.RealInput Y(final unit="N") "Force of the frame across the track, to the left"
+    annotation(Placement(transformation(extent={{-118, 65}, {-102, 81}})));
+  Interfaces.RealInput N(final unit="N") "Upward force of the wheelset on the frame, change from static"
+    annotation(Placement(transformation(extent={{-118, 47}, {-102, 63}})));
+  Interfaces.RealInput M_yaw(final unit="N.m") "Torque of the frame about the vertical axis"
+    annotation(Placement(transformation(extent={{-118, 28}, {-102, 44}})));
+  Interfaces.RealInput M_roll(final unit="N.m") "Torque of the wheelset on the frame about the track"
+    annotation(Placement(transformation(extent={{-118, 10}, {-102, 26}})));
+  Interfaces.RealInput tau(final unit="N.m") "Driving torque"
+    annotation(Placement(transformation(extent={{-118, -8}, {-102, 8}})));
+  Interfaces.RealInput alignment(final unit="m") "Lateral irregularity, to the left"
+    annotation(Placement(transformation(extent={{-118, -26}, {-102, -10}})));
+  Interfaces.RealInput vertical(final unit="m") "Vertical irregularity, upwards"
+    annotation(Placement(transformation(extent={{-118, -44}, {-102, -28}})));
+  Interfaces.RealInput cross_level(final unit="m") "Left rail above right rail"
+    annotation(Placement(transformation(extent={{-118, -63}, {-102, -47}})));
+  Interfaces.RealInput gauge(final unit="m") "Widening of the gauge"
+    annotation(Placement(transformation(extent={{-118, -81}, {-102, -65}})));
+  Interfaces.RealInput mu0(final unit="1") "Maximum friction coefficient"
+    annotation(Placement(transformation(extent={{-118, -99}, {-102, -83}})));
   Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run at v_start";
   Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from v_start";
   Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
@@ -89,7 +100,18 @@ equation
   der(vz) = az;
   m*az = load - load_nominal - N;
   J*der(dw) = tau - r_rolling[1]*F_x[1] - r_rolling[2]*F_x[2];
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-70, 0}, {70, 0}}, color={0, 0, 127}),
+        Rectangle(extent={{-60, 60}, {-40, -60}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{40, 60}, {60, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Axes: x along the track, y to the left, z upwards; angles follow the right-hand rule. The wheels are cones: the
 rolling radii

@@ -19,21 +19,33 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   parameter Types.Torque tau_small = 10 "Torque by which the track must exceed the brake to turn a locked group";
   parameter Types.AngularVelocity w_start(start=50) "Angular velocity at the start";
   final parameter Types.Ratio f_bearing = bearingFriction(mu_bearing, r_bearing, r) "Bearing resistance over load";
-  Interfaces.RealInput v(final unit="m/s") "Speed along the track";
-  Interfaces.RealInput load[n](each final unit="N") "Load of each wheelset";
-  Interfaces.RealInput mu0[n](each final unit="1") "Maximum friction coefficient at each wheelset";
-  Interfaces.RealInput brake_torque(final unit="N.m") "Torque that the brake can exert on the group";
-  Interfaces.BooleanInput standstill "= true, if the train stands";
-  Interfaces.RealOutput F[n](each final unit="N") "Braking force of the track on each wheelset";
-  Interfaces.RealOutput torque(final unit="N.m") "Torque that the brake does exert";
-  Interfaces.RealOutput capacity(final unit="N") "Force with which the group can hold the train at rest";
-  Interfaces.BooleanOutput locked(start=false, fixed=true) "= true, if the group does not turn";
-  Interfaces.RealOutput contact_power(final unit="W") "Heat made in the contacts";
-  Interfaces.RealOutput resistance_power(final unit="W") "Power of bearing and rolling resistance";
+  Interfaces.RealInput v(final unit="m/s") "Speed along the track"
+    annotation(Placement(transformation(extent={{-120, 70}, {-100, 90}})));
+  Interfaces.RealInput load[n](each final unit="N") "Load of each wheelset"
+    annotation(Placement(transformation(extent={{-120, 30}, {-100, 50}})));
+  Interfaces.RealInput mu0[n](each final unit="1") "Maximum friction coefficient at each wheelset"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput brake_torque(final unit="N.m") "Torque that the brake can exert on the group"
+    annotation(Placement(transformation(extent={{-120, -50}, {-100, -30}})));
+  Interfaces.BooleanInput standstill "= true, if the train stands"
+    annotation(Placement(transformation(extent={{-120, -90}, {-100, -70}})));
+  Interfaces.RealOutput F[n](each final unit="N") "Braking force of the track on each wheelset"
+    annotation(Placement(transformation(extent={{100, 73}, {120, 93}})));
+  Interfaces.RealOutput torque(final unit="N.m") "Torque that the brake does exert"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput capacity(final unit="N") "Force with which the group can hold the train at rest"
+    annotation(Placement(transformation(extent={{100, 7}, {120, 27}})));
+  Interfaces.BooleanOutput locked(start=false, fixed=true) "= true, if the group does not turn"
+    annotation(Placement(transformation(extent={{100, -27}, {120, -7}})));
+  Interfaces.RealOutput contact_power(final unit="W") "Heat made in the contacts"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
+  Interfaces.RealOutput resistance_power(final unit="W") "Power of bearing and rolling resistance"
+    annotation(Placement(transformation(extent={{100, -93}, {120, -73}})));
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
   Contact.WheelsetContact contact[n](
     each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
-    each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small) "Contacts of each wheelset";
+    each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small) "Contacts of each wheelset"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
   Types.Torque tau_track "Torque of the track, forward";
   Types.Torque tau_resistance "Torque of bearing and rolling resistance";
@@ -58,7 +70,16 @@ equation
   capacity = min((brake_torque + tau_resistance)/r, mu0*load);
   contact_power = sum(contact.heat_flow);
   resistance_power = tau_resistance*w;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Ellipse(extent={{-70, 70}, {70, -70}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 One wheelset, or several that a drive shaft couples. A brake slows rotation and never reverses it: when the
 angular velocity reaches zero while the brake is stronger than the track, the group is <code>locked</code>, its

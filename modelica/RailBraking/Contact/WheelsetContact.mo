@@ -13,14 +13,22 @@ block WheelsetContact "The two contacts of one wheelset"
   parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
   final parameter Real factor = creepFactor(r/(1 + r*curvature_rail), r_rail, E, nu)
     "Slope of epsilon, see creepFactor";
-  Interfaces.RealInput v(final unit="m/s") "Speed of the wheelset along the track";
-  Interfaces.RealInput w(final unit="rad/s") "Angular velocity";
-  Interfaces.RealInput load(final unit="N") "Load of both wheels together";
-  Interfaces.RealInput mu0(final unit="1") "Maximum friction coefficient";
-  Interfaces.RealOutput slip(final unit="1") "Slip, regularised";
-  Interfaces.RealOutput alpha(final unit="1") "Adhesion, positive in braking";
-  Interfaces.RealOutput F(final unit="N") "Force of the track on the wheelset, positive when it brakes the train";
-  Interfaces.RealOutput heat_flow(final unit="W") "Heat made in both contacts";
+  Interfaces.RealInput v(final unit="m/s") "Speed of the wheelset along the track"
+    annotation(Placement(transformation(extent={{-120, 65}, {-100, 85}})));
+  Interfaces.RealInput w(final unit="rad/s") "Angular velocity"
+    annotation(Placement(transformation(extent={{-120, 15}, {-100, 35}})));
+  Interfaces.RealInput load(final unit="N") "Load of both wheels together"
+    annotation(Placement(transformation(extent={{-120, -35}, {-100, -15}})));
+  Interfaces.RealInput mu0(final unit="1") "Maximum friction coefficient"
+    annotation(Placement(transformation(extent={{-120, -85}, {-100, -65}})));
+  Interfaces.RealOutput slip(final unit="1") "Slip, regularised"
+    annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
+  Interfaces.RealOutput alpha(final unit="1") "Adhesion, positive in braking"
+    annotation(Placement(transformation(extent={{100, 15}, {120, 35}})));
+  Interfaces.RealOutput F(final unit="N") "Force of the track on the wheelset, positive when it brakes the train"
+    annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
+  Interfaces.RealOutput heat_flow(final unit="W") "Heat made in both contacts"
+    annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
 protected
   final parameter Types.Force F_small = 100 "Rounding of the load about zero";
   Types.Force load_positive "Load, rounded to stay positive if the wheelset is unloaded";
@@ -30,7 +38,17 @@ equation
   alpha = polach(slip, v - r*w, load_positive/2, mu0, factor, k_A, k_S, A, B);
   F = alpha*load_positive;
   heat_flow = F*(v - r*w);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Ellipse(extent={{-50, 70}, {50, -30}}, lineColor={0, 0, 127}),
+        Line(points={{-80, -30}, {80, -30}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Slip is (v - r w)/sqrt(v<sup>2</sup> + v_small<sup>2</sup>): at 1 m/s it is 0.5 % smaller than 1 - r w/v, at
 standstill it is zero. Valid from rest to 60 m/s. Both wheels carry half of the load and have equal contacts.

@@ -12,7 +12,15 @@ protected
 algorithm
   (a, b) := hertz(Q, r, r_rail, E, nu);
   factor := E/(2*(1 + nu))*3.14159265358979*a*b*kalker11(a/b)/(4*Q^(2/3));
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Documentation(info="<html>
 <p>
 Everything in &epsilon; that does not change while a train runs. The slope of the force at small slip is
 2/&pi; (k_A + k_S) Q<sup>2/3</sup> <code>factor</code> for each wheel, whatever the friction.

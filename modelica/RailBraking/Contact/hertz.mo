@@ -19,7 +19,15 @@ algorithm
   ratio := (r/r_rail)^(2/3);
   a := c*sqrt(ratio);
   b := c/sqrt(ratio);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Documentation(info="<html>
 <p>
 Greenwood's approximation (Tribology International 30, 1997) of Hertz's solution with elliptic integrals: with the
 relative

@@ -19,6 +19,13 @@ algorithm
   epsilon := factor*slip/((mu + mu_small)*Q^(1/3));
   alpha := 2*mu/3.14159265358979*(k_A*epsilon/(1 + (k_A*epsilon)^2) + atan(k_S*epsilon));
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

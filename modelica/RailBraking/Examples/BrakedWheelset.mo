@@ -1,27 +1,45 @@
 within RailBraking.Examples;
 model BrakedWheelset "One braked wheelset under a mass, put together from components"
   parameter Types.Mass m = 14500 "Mass on the wheelset";
-  Pneumatics.PrescribedPressure cylinder(p_max=2e5, V=6e-3) "Cylinder with a measured pressure";
-  Pneumatics.Rigging rigging(A_piston=0.0324, i_rigging=6, eta_rigging=0.95, F_spring=1200) "Rigging";
-  Components.GroupBrake brake(n_units=2, r_friction=0.22) "Two brake units";
-  Components.Wheelsets wheelset(J=209, r=0.38, k_A=wet.k_A, k_S=wet.k_S, A=wet.A, B=wet.B, w_start=20/0.38) "Wheelset";
-  Components.TrainBody body(m=m, c_drag=0, v_start=20) "Mass along the track";
-  parameter Contact.Surfaces.Wet wet "Rail";
+  Pneumatics.PrescribedPressure cylinder(p_max=2e5, V=6e-3) "Cylinder with a measured pressure"
+    annotation(Placement(transformation(extent={{-73, 20}, {-33, 60}})));
+  Pneumatics.Rigging rigging(A_piston=0.0324, i_rigging=6, eta_rigging=0.95, F_spring=1200) "Rigging"
+    annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
+  Components.GroupBrake brake(n_units=2, r_friction=0.22) "Two brake units"
+    annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));
+  Components.Wheelsets wheelset(J=209, r=0.38, k_A=wet.k_A, k_S=wet.k_S, A=wet.A, B=wet.B, w_start=20/0.38) "Wheelset"
+    annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
+  Components.TrainBody body(m=m, c_drag=0, v_start=20) "Mass along the track"
+    annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
+  parameter Contact.Surfaces.Wet wet "Rail"
+    annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));
 equation
   cylinder.command = 2e5*tanh(time);
-  rigging.pressure = cylinder.pressure;
-  brake.pad_force = rigging.pad_force;
+  connect(cylinder.pressure, rigging.pressure)
+    annotation(Line(points={{-33, 40}, {-27, 40}, {-27, 40}, {-20, 40}}, color={0, 0, 127}));
+  connect(rigging.pad_force, brake.pad_force)
+    annotation(Line(points={{20, 40}, {26, 40}, {26, 40}, {33, 40}}, color={0, 0, 127}));
   brake.w = wheelset.w;
   brake.speed = body.v;
-  wheelset.brake_torque = brake.torque;
+  connect(brake.torque, wheelset.brake_torque)
+    annotation(Line(points={{73, 40}, {0, 40}, {0, -40}, {-73, -40}}, color={0, 0, 127}));
   wheelset.v = body.v;
   wheelset.load[1] = m*g;
   wheelset.mu0[1] = wet.mu0;
   wheelset.standstill = body.standstill;
   body.F = wheelset.F[1];
   body.track_force = 0;
-  body.capacity = wheelset.capacity;
+  connect(wheelset.capacity, body.capacity)
+    annotation(Line(points={{-33, -40}, {-27, -40}, {-27, -40}, {-20, -40}}, color={0, 0, 127}));
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=30, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>A pattern for other vehicles: equations join inputs to outputs, the body owns the speed, wheelsets own their

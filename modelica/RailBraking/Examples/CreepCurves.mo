@@ -3,18 +3,30 @@ model CreepCurves "Adhesion over slip of every named surface at 80 km/h"
   parameter Types.Velocity v = 80/3.6 "Speed of the wheelset";
   parameter Types.Force Q = 68.7e3 "Load of a wheel";
   parameter Types.Time T = 1 "Time in which slip goes from zero to one";
-  parameter Contact.Surfaces.Dry dry "Surface";
-  parameter Contact.Surfaces.Wet wet "Surface";
-  parameter Contact.Surfaces.LowAdhesion low "Surface";
-  parameter Contact.Surfaces.LowAdhesionSteep steep "Surface";
-  parameter Contact.Surfaces.VeryLow very_low "Surface";
-  parameter Contact.Surfaces.MalDry mal_dry "Surface";
-  parameter Contact.Surfaces.MalWet mal_wet "Surface";
-  parameter Contact.Surfaces.MalPoor mal_poor "Surface";
-  parameter Contact.Surfaces.MalWorst mal_worst "Surface";
-  parameter Contact.Surfaces.BroadSoap soap "Surface";
-  parameter Contact.Surfaces.BroadLeaf leaf "Surface";
-  FMUs.ContactPoint point "The contact as a block, on the surface Wet";
+  parameter Contact.Surfaces.Dry dry "Surface"
+    annotation(Placement(transformation(extent={{-75, 38}, {-45, 68}})));
+  parameter Contact.Surfaces.Wet wet "Surface"
+    annotation(Placement(transformation(extent={{-35, 38}, {-5, 68}})));
+  parameter Contact.Surfaces.LowAdhesion low "Surface"
+    annotation(Placement(transformation(extent={{5, 38}, {35, 68}})));
+  parameter Contact.Surfaces.LowAdhesionSteep steep "Surface"
+    annotation(Placement(transformation(extent={{45, 38}, {75, 68}})));
+  parameter Contact.Surfaces.VeryLow very_low "Surface"
+    annotation(Placement(transformation(extent={{-75, -15}, {-45, 15}})));
+  parameter Contact.Surfaces.MalDry mal_dry "Surface"
+    annotation(Placement(transformation(extent={{-35, -15}, {-5, 15}})));
+  parameter Contact.Surfaces.MalWet mal_wet "Surface"
+    annotation(Placement(transformation(extent={{5, -15}, {35, 15}})));
+  parameter Contact.Surfaces.MalPoor mal_poor "Surface"
+    annotation(Placement(transformation(extent={{45, -15}, {75, 15}})));
+  parameter Contact.Surfaces.MalWorst mal_worst "Surface"
+    annotation(Placement(transformation(extent={{-75, -68}, {-45, -38}})));
+  parameter Contact.Surfaces.BroadSoap soap "Surface"
+    annotation(Placement(transformation(extent={{-35, -68}, {-5, -38}})));
+  parameter Contact.Surfaces.BroadLeaf leaf "Surface"
+    annotation(Placement(transformation(extent={{5, -68}, {35, -38}})));
+  FMUs.ContactPoint point "The contact as a block, on the surface Wet"
+    annotation(Placement(transformation(extent={{45, -68}, {75, -38}})));
   Types.Ratio slip "Slip, from zero to one";
   Types.Ratio alpha_dry "Adhesion on Dry";
   Types.Ratio alpha_wet "Adhesion on Wet";
@@ -52,6 +64,14 @@ equation
   alpha_soap = Contact.polach(slip, slip*v, Q, soap.mu0, factor, soap.k_A, soap.k_S, soap.A, soap.B);
   alpha_leaf = Contact.polach(slip, slip*v, Q, leaf.mu0, factor, leaf.k_A, leaf.k_S, leaf.A, leaf.B);
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=1, Tolerance=1e-8, Interval=0.0005),
     Documentation(info="<html>
 <p>Slip grows with time. Peaks lie between 0.4 % (MalWorst) and 16 % (BroadLeaf).</p>

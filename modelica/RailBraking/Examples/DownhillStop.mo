@@ -1,20 +1,36 @@
 within RailBraking.Examples;
 model DownhillStop "Stop on a falling gradient in a curve, and the same on level track"
-  FMUs.TwoPartTrain train(speed_start=60/3.6) "Train on the gradient";
-  FMUs.TwoPartTrain train_level(speed_start=60/3.6) "Train on level track";
+  FMUs.TwoPartTrain train(speed_start=60/3.6) "Train on the gradient"
+    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
+  FMUs.TwoPartTrain train_level(speed_start=60/3.6) "Train on level track"
+    annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Tracks.UniformTrack track(m=84000, gradient=-0.02, curvature=1/500, begin=50)
-    "Twenty per mille downhill, radius 500 m";
-  Tracks.LevelTrack level(m=84000) "Straight level track";
+    "Twenty per mille downhill, radius 500 m"
+    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
+  Tracks.LevelTrack level(m=84000) "Straight level track"
+    annotation(Placement(transformation(extent={{20, -60}, {60, -20}})));
 equation
-  track.distance = train.distance;
-  level.distance = train_level.distance;
-  train.track_force = track.track_force;
-  train_level.track_force = level.track_force;
+  connect(train.distance, track.distance)
+    annotation(Line(points={{-20, 40}, {-40, 40}, {-40, -40}, {-60, -40}}, color={0, 0, 127}));
+  connect(train_level.distance, level.distance)
+    annotation(Line(points={{60, 40}, {40, 40}, {40, -40}, {20, -40}}, color={0, 0, 127}));
+  connect(track.track_force, train.track_force)
+    annotation(Line(points={{-20, -40}, {-40, -40}, {-40, 40}, {-60, 40}}, color={0, 0, 127}));
+  connect(level.track_force, train_level.track_force)
+    annotation(Line(points={{60, -40}, {40, -40}, {40, 40}, {20, 40}}, color={0, 0, 127}));
   train.pressure_command = train.p_max;
   train_level.pressure_command = train_level.p_max;
   train.mu0 = fill(0.3, 6);
   train_level.mu0 = fill(0.3, 6);
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=25, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>Both trains come to rest and are held there, one against a slope of 16 kN.</p>

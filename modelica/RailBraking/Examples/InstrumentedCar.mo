@@ -1,6 +1,7 @@
 within RailBraking.Examples;
 model InstrumentedCar "The instrumented car meets a sine in the alignment"
-  FMUs.MultiPurposeVehicle car(speed_set=17.88, k_A=0.3, k_S=0.1) "Car on wet rail";
+  FMUs.MultiPurposeVehicle car(speed_set=17.88, k_A=0.3, k_S=0.1) "Car on wet rail"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
   constant Types.Length way[4] = {0, 2.1, 14.2, 16.3} "Wheelsets behind the first";
 equation
@@ -12,6 +13,14 @@ equation
   car.gauge = zeros(4);
   car.mu0 = fill(0.2, 4);
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=10, Tolerance=1e-6, Interval=0.005),
     Documentation(info="<html>
 <p>Wavelength 25 m, amplitude 2 mm: the wheelsets follow the rails, yaw, and shake their axle boxes along the track.</p>

@@ -3,12 +3,18 @@ model WanderingWheelset "A wheelset on a wavy dry track, and what three predicti
   parameter Types.Velocity v = 25 "Speed along the track";
   parameter Types.Length amplitude = 3e-3 "Of the track";
   parameter Types.Frequency f = 1 "At which the track is passed";
-  parameter Contact.Surfaces.MalDry rail "Rail";
-  FMUs.LateralWheelset plant(speed_start=v, rolling_creep=0) "Wheelset";
-  FMUs.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track";
-  FMUs.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track";
-  FMUs.LateralLiteral literal(friction_start=rail.mu0) "Five states of the paper, on the plant's position and angle";
-  FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact by itself";
+  parameter Contact.Surfaces.MalDry rail "Rail"
+    annotation(Placement(transformation(extent={{-73, 20}, {-33, 60}})));
+  FMUs.LateralWheelset plant(speed_start=v, rolling_creep=0) "Wheelset"
+    annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
+  FMUs.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track"
+    annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));
+  FMUs.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track"
+    annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
+  FMUs.LateralLiteral literal(friction_start=rail.mu0) "Five states of the paper, on the plant's position and angle"
+    annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
+  FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact by itself"
+    annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));
 protected
   Types.Length track "Lateral position of the track";
   Types.Velocity track_rate "Its derivative";
@@ -39,6 +45,14 @@ equation
   point.mu0 = exp(known.log_mu0);
   point.speed = v;
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=3, Tolerance=1e-8, Interval=0.001),
     Documentation(info="<html>
 <p>

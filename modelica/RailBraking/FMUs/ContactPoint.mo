@@ -8,17 +8,30 @@ block ContactPoint "Adhesion of one wheelset at a given slip, speed, load and fr
   parameter Types.Length r_rail(min=1e-3) = 0.30 "Radius of the rail head across the track";
   parameter Types.Modulus E_steel(min=1e-3) = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu_steel(min=0, max=0.5) = 0.28 "Poisson's ratio of wheel and rail";
-  Interfaces.RealInput slip(final unit="1", start=0) "Slip, 0 rolling, 1 locked";
-  Interfaces.RealInput speed(final unit="m/s", start=20) "Speed of the wheelset along the track";
-  Interfaces.RealInput load(final unit="N", start=137400) "Load of both wheels together, positive";
-  Interfaces.RealInput mu0(final unit="1", start=0.3) "Maximum friction coefficient";
-  Interfaces.RealOutput adhesion(final unit="1") "Force over load, positive in braking";
+  Interfaces.RealInput slip(final unit="1", start=0) "Slip, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{-120, 65}, {-100, 85}})));
+  Interfaces.RealInput speed(final unit="m/s", start=20) "Speed of the wheelset along the track"
+    annotation(Placement(transformation(extent={{-120, 15}, {-100, 35}})));
+  Interfaces.RealInput load(final unit="N", start=137400) "Load of both wheels together, positive"
+    annotation(Placement(transformation(extent={{-120, -35}, {-100, -15}})));
+  Interfaces.RealInput mu0(final unit="1", start=0.3) "Maximum friction coefficient"
+    annotation(Placement(transformation(extent={{-120, -85}, {-100, -65}})));
+  Interfaces.RealOutput adhesion(final unit="1") "Force over load, positive in braking"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
 protected
   final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel)
     "Slope of epsilon, see creepFactor";
 equation
   adhesion = Contact.polach(slip, slip*speed, load/2, mu0, factor, k_A, k_S, A_falling, B_falling);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 For programs that need the contact by itself: peaks of adhesion, the ideal braking distance. It calls the same
 <a href=\"modelica://RailBraking.Contact.polach\">polach</a> as the plants.

@@ -2,17 +2,27 @@ within RailBraking.FMUs;
 block LateralLiteral "Lateral dynamics as five states, creep, friction and creep force among them"
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Ratio friction_start = 0.46 "Friction coefficient at the start";
-  Interfaces.RealInput lateral_position(final unit="m", start=0) "Integral of the lateral velocity";
-  Interfaces.RealInput yaw_angle(final unit="rad", start=0) "Integral of the yaw rate";
-  Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track";
-  Interfaces.RealInput track_rate(final unit="m/s", start=0) "Derivative of track";
-  Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track";
-  Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient, known";
+  Interfaces.RealInput lateral_position(final unit="m", start=0) "Integral of the lateral velocity"
+    annotation(Placement(transformation(extent={{-120, 78}, {-100, 98}})));
+  Interfaces.RealInput yaw_angle(final unit="rad", start=0) "Integral of the yaw rate"
+    annotation(Placement(transformation(extent={{-120, 52}, {-100, 72}})));
+  Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track"
+    annotation(Placement(transformation(extent={{-120, 28}, {-100, 48}})));
+  Interfaces.RealInput track_rate(final unit="m/s", start=0) "Derivative of track"
+    annotation(Placement(transformation(extent={{-120, 2}, {-100, 22}})));
+  Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track"
+    annotation(Placement(transformation(extent={{-120, -22}, {-100, -2}})));
+  Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient, known"
+    annotation(Placement(transformation(extent={{-120, -48}, {-100, -28}})));
   Interfaces.RealInput A_falling(final unit="1", start=0.4)
-    "Polach: friction at infinite creep speed over maximum friction";
-  Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed";
-  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Reading of the accelerometer";
-  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope";
+    "Polach: friction at infinite creep speed over maximum friction"
+    annotation(Placement(transformation(extent={{-120, -72}, {-100, -52}})));
+  Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed"
+    annotation(Placement(transformation(extent={{-120, -98}, {-100, -78}})));
+  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Reading of the accelerometer"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
   Types.Velocity dy(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral velocity";
   Types.AngularVelocity dpsi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw rate";
   Types.Ratio gamma(start=creep_small, fixed=true, stateSelect=StateSelect.always) "Total creep of each wheel";
@@ -45,7 +55,15 @@ equation
   der(gamma) = creep_rate;
   der(U) = friction_rate;
   der(F) = F_by_creep*creep_rate + F_by_friction*friction_rate;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Mal et al. (2020), equations (20) to (24). Lateral position and yaw angle are needed but are no states there: whoever
 runs this model integrates its two velocities and hands the integrals back as inputs.

@@ -12,7 +12,15 @@ equation
   displacement = y - track;
   der(track) = track_rate;
   der(track_rate) = -w_track^2*track - 2*track_damping*w_track*track_rate;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Seven states: y, dy, psi, dpsi, log_mu0, track, track_rate, in this order. The irregularity is white noise through a
 low-pass of second order; the noise enters as process noise of <code>track_rate</code>.

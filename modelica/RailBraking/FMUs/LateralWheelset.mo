@@ -7,24 +7,40 @@ block LateralWheelset "Conical wheelset on two halves of a torsional axle, distu
   parameter Types.RotationalDamping c_torsion = 0 "Torsional damping of the axle";
   parameter Types.Ratio rolling_creep(min=0, max=1) = 1
     "1 for creepages that follow the rotation of each wheel, 0 for those of lateral and yaw motion alone";
-  Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track";
-  Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient";
+  Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track"
+    annotation(Placement(transformation(extent={{-120, 70}, {-100, 90}})));
+  Interfaces.RealInput mu0(final unit="1", start=0.46) "Maximum friction coefficient"
+    annotation(Placement(transformation(extent={{-120, 30}, {-100, 50}})));
   Interfaces.RealInput A_falling(final unit="1", start=0.4)
-    "Polach: friction at infinite creep speed over maximum friction";
-  Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed";
-  Interfaces.RealInput motor_torque(final unit="N.m", start=0) "Torque of the motor on the right half";
-  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Lateral acceleration of the wheelset";
-  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Yaw rate";
-  Interfaces.RealOutput lateral_position(final unit="m") = y "Lateral position of the wheelset";
-  Interfaces.RealOutput lateral_velocity(final unit="m/s") = dy "Lateral velocity of the wheelset";
-  Interfaces.RealOutput yaw_angle(final unit="rad") = psi "Yaw angle";
-  Interfaces.RealOutput speed(final unit="m/s") = v "Speed along the track";
-  Interfaces.RealOutput wheel_speed[2](each final unit="rad/s") = w "Angular velocity of right and left wheel";
-  Interfaces.RealOutput twist(final unit="rad") = theta "Angle by which the right half of the axle leads";
-  Interfaces.RealOutput creep[2](each final unit="1") "Total creep of right and left wheel";
-  Interfaces.RealOutput creep_force[2](each final unit="N") "Total creep force of right and left wheel";
+    "Polach: friction at infinite creep speed over maximum friction"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput B_falling(final unit="s/m", start=0.6) "Polach: rate at which friction falls with creep speed"
+    annotation(Placement(transformation(extent={{-120, -50}, {-100, -30}})));
+  Interfaces.RealInput motor_torque(final unit="N.m", start=0) "Torque of the motor on the right half"
+    annotation(Placement(transformation(extent={{-120, -90}, {-100, -70}})));
+  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Lateral acceleration of the wheelset"
+    annotation(Placement(transformation(extent={{102, 83}, {118, 99}})));
+  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Yaw rate"
+    annotation(Placement(transformation(extent={{102, 65}, {118, 81}})));
+  Interfaces.RealOutput lateral_position(final unit="m") = y "Lateral position of the wheelset"
+    annotation(Placement(transformation(extent={{102, 47}, {118, 63}})));
+  Interfaces.RealOutput lateral_velocity(final unit="m/s") = dy "Lateral velocity of the wheelset"
+    annotation(Placement(transformation(extent={{102, 28}, {118, 44}})));
+  Interfaces.RealOutput yaw_angle(final unit="rad") = psi "Yaw angle"
+    annotation(Placement(transformation(extent={{102, 10}, {118, 26}})));
+  Interfaces.RealOutput speed(final unit="m/s") = v "Speed along the track"
+    annotation(Placement(transformation(extent={{102, -8}, {118, 8}})));
+  Interfaces.RealOutput wheel_speed[2](each final unit="rad/s") = w "Angular velocity of right and left wheel"
+    annotation(Placement(transformation(extent={{102, -26}, {118, -10}})));
+  Interfaces.RealOutput twist(final unit="rad") = theta "Angle by which the right half of the axle leads"
+    annotation(Placement(transformation(extent={{102, -44}, {118, -28}})));
+  Interfaces.RealOutput creep[2](each final unit="1") "Total creep of right and left wheel"
+    annotation(Placement(transformation(extent={{102, -63}, {118, -47}})));
+  Interfaces.RealOutput creep_force[2](each final unit="N") "Total creep force of right and left wheel"
+    annotation(Placement(transformation(extent={{102, -81}, {118, -65}})));
   Interfaces.RealOutput friction[2](each final unit="1")
-    "Friction coefficient of right and left wheel at their creep speed";
+    "Friction coefficient of right and left wheel at their creep speed"
+    annotation(Placement(transformation(extent={{102, -99}, {118, -83}})));
 protected
   Types.Length y(start=0, fixed=true) "Lateral position";
   Types.Velocity dy(start=0, fixed=true) "Lateral velocity";
@@ -62,7 +78,15 @@ equation
   J[1]*der(w[1]) = motor_torque - torsion - r_wheel*F_x[1];
   J[2]*der(w[2]) = torsion - r_wheel*F_x[2];
   der(theta) = w[1] - w[2];
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Mal et al. (2020), equations (1) to (17): Polach's force at the total creep of each wheel, shared out along its
 components. The surface comes in as <code>mu0</code>, <code>A_falling</code> and <code>B_falling</code>, so that it

@@ -7,16 +7,26 @@ block RollerRig "One braked wheelset on a roller that stands for the rail and fo
     annotation(Dialog(group="Brake"));
   parameter Types.Time dead_vent(min=0, max=0.126) = 0.04 "Dead time of the vent valve"
     annotation(Dialog(group="Brake"));
-  Interfaces.RealInput valve_command(final unit="1", start=0) "Valves: -1 vent, 0 hold, 1 fill";
+  Interfaces.RealInput valve_command(final unit="1", start=0) "Valves: -1 vent, 0 hold, 1 fill"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
   Pneumatics.ValveCylinder cylinder(
     p_max=p_max, V=n_units*V_cylinder, T_fill=T_fill, T_vent=T_vent, dead_fill=dead_fill,
-    dead_vent=dead_vent) "Cylinders";
+    dead_vent=dead_vent) "Cylinders"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 equation
   cylinder.command = valve_command;
   cylinder_pressure = cylinder.pressure;
   pad_force = Pneumatics.padForce(cylinder_pressure, A_piston, i_rigging, eta_rigging, F_spring);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <h4>Limitations</h4>
 <p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialRollerRig\">PartialRollerRig</a>.</p>
 </html>"));

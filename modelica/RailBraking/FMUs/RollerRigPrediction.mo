@@ -20,9 +20,12 @@ block RollerRigPrediction "Roller rig as an estimator believes it to be"
   parameter Types.Ratio mu_b_rest = 0.35 "Pad friction that relaxation leads to";
   parameter Types.Time T_mu = 30 "Time constant of relaxation, times pad friction";
 
-  Interfaces.RealInput pad_force(final unit="N", start=0) "Normal force of both pads of one unit";
-  Interfaces.RealOutput wheelset_speed(final unit="rad/s") = w "Angular velocity of the wheelset";
-  Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the roller's surface";
+  Interfaces.RealInput pad_force(final unit="N", start=0) "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealOutput wheelset_speed(final unit="rad/s") = w "Angular velocity of the wheelset"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the roller's surface"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 
   Types.AngularVelocity w(start=speed_start/r_wheel, fixed=true, stateSelect=StateSelect.always) "Angular velocity";
   Types.Velocity v(start=speed_start, fixed=true, stateSelect=StateSelect.always) "Speed of the roller's surface";
@@ -37,7 +40,15 @@ equation
   m_imitated*der(v) = -alpha*load - rho_air/2*c_drag*A_drag*v^2;
   der(mu_b) = mu_b_relaxes*Friction.relaxation(mu_b, mu_b_rest, T_mu);
   der(alpha) = 0;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Four states: w, v, mu_b, alpha; equation (19) of Schwarz and Keck (2020), their signs turned so that braking is
 positive. Free of events.

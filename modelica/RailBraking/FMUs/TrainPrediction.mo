@@ -9,11 +9,15 @@ block TrainPrediction "Two-part train as an estimator believes it to be"
   parameter Types.Length h_rod = 0.40 "Height of the traction rods over the rail";
   parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset";
   parameter Types.Damping c_primary = 2.4e4 "Damping of the primary suspension over one wheelset";
-  Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the train";
-  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") = w "Angular velocity of each group";
+  Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the train"
+    annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
+  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") = w "Angular velocity of each group"
+    annotation(Placement(transformation(extent={{100, 15}, {120, 35}})));
   Interfaces.RealOutput deflection[6](each final unit="m") = dz
-    "Deflection of the primary suspension, change from static, compression positive";
-  Interfaces.RealOutput acceleration(final unit="m/s2") = der(v) "Acceleration of the train";
+    "Deflection of the primary suspension, change from static, compression positive"
+    annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
+  Interfaces.RealOutput acceleration(final unit="m/s2") = der(v) "Acceleration of the train"
+    annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
   Types.Length dz[6](each start=0, each fixed=true, each stateSelect=StateSelect.always)
     "Deflection of the primary suspension over each wheelset, change from static, compression positive";
   Types.Velocity ddz[6](each start=0, each fixed=true, each stateSelect=StateSelect.always) "Rate of the deflection";
@@ -41,7 +45,15 @@ equation
     der(ddz[2*i]) = Components.deflectionAcceleration(
       tipping[i], spring[2*i], spring[2*i - 1], m_frame[i], I_frame[i], -wheelbase[i]/2);
   end for;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Twenty-five states: v, w, mu_b, alpha, dz, ddz, in this order; equation (7) of Schwarz, Posielek and Goetjes. Free of
 events. The adhesion of a group is that of both its wheelsets.

@@ -16,15 +16,18 @@ block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and
     "Change of pressure in which the friction of the calipers turns around"
     annotation(Dialog(group="Brake"));
   Interfaces.RealInput valve_command[4](each final unit="1", each start=0)
-    "Valves of each group: -1 vent, 0 hold, 1 fill";
+    "Valves of each group: -1 vent, 0 hold, 1 fill"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
   Pneumatics.ValveCylinder cylinder[4](
     p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free, each T_fill=T_fill, each T_vent=T_vent,
     each dead_fill=dead_fill, each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak)
-    "Cylinders of each group";
+    "Cylinders of each group"
+    annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
   Pneumatics.HystereticRigging rigging[4](
     each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring,
-    each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group";
+    each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group"
+    annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
 equation
   for i in 1:4 loop
     cylinder[i].command = valve_command[i];
@@ -34,7 +37,15 @@ equation
     pad_force[i] = rigging[i].pad_force;
   end for;
   air_flow = sum(cylinder.air_flow);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Wheel-slide protection as in service: binary valves with dead time, see
 <a href=\"modelica://RailBraking.Pneumatics.ValveCylinder\">ValveCylinder</a>. The thresholds of

@@ -25,12 +25,17 @@ block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   parameter Types.Time T_mu = 30 "Time constant of relaxation, times pad friction";
 
   Interfaces.RealInput pad_force[2](each final unit="N", each start=0)
-    "Normal force of both pads of one unit of each wheelset";
-  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient, curve and resistance, forward";
+    "Normal force of both pads of one unit of each wheelset"
+    annotation(Placement(transformation(extent={{-120, 57}, {-100, 77}})));
+  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient, curve and resistance, forward"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.RealInput wheel_torque[2](each final unit="N.m", each start=0)
-    "Torque of motor and bearings on each wheelset, driving positive";
-  Interfaces.RealOutput wheelset_speed[2](each final unit="rad/s") = w "Angular velocity of each wheelset";
-  Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the wagon";
+    "Torque of motor and bearings on each wheelset, driving positive"
+    annotation(Placement(transformation(extent={{-120, -77}, {-100, -57}})));
+  Interfaces.RealOutput wheelset_speed[2](each final unit="rad/s") = w "Angular velocity of each wheelset"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the wagon"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 
   Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
     "Angular velocity of each wheelset, front and rear";
@@ -53,7 +58,15 @@ equation
   end for;
   m*der(v) = pull - adhesion_share*alpha*m*g;
   der(alpha) = 0;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Six states: w, v, mu_b, alpha; equations (12) to (15) of Schwarz and Keck (2020), their signs turned so that forward
 rotation, braking and adhesion

@@ -9,10 +9,14 @@ block Disc "Brake disc of two thermal nodes, cooled by the airstream"
   parameter Types.Ratio pad_share = 0.07 "Share of the friction heat that stays in the pads";
   parameter Types.Temperature T_ambient = 293.15 "Temperature of the air";
   parameter Types.Temperature T_start = 313.15 "Temperature of the disc at the start";
-  Interfaces.RealInput heat_flow(final unit="W") "Friction heat of one brake unit";
-  Interfaces.RealInput speed(final unit="m/s") "Speed of the vehicle";
-  Interfaces.RealOutput temperature(final unit="K") "Temperature of the bulk";
-  Interfaces.RealOutput temperature_surface(final unit="K") "Temperature of the surface";
+  Interfaces.RealInput heat_flow(final unit="W") "Friction heat of one brake unit"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput speed(final unit="m/s") "Speed of the vehicle"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
+  Interfaces.RealOutput temperature(final unit="K") "Temperature of the bulk"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput temperature_surface(final unit="K") "Temperature of the surface"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
   Types.Temperature T_bulk(start=T_start, fixed=true) "Temperature of the bulk";
   Types.Temperature T_surface(start=T_start, fixed=true) "Temperature of the surface";
@@ -23,7 +27,15 @@ equation
   (m - m_surface)*c_p*der(T_bulk) = conducted - (G_rest + G_speed*speed)*(T_bulk - T_ambient);
   temperature = T_bulk;
   temperature_surface = T_surface;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 A ventilated disc of grey iron: the surface leads the bulk by (1 - pad_share) heat_flow/G, about 100 K in an
 emergency braking from 80 km/h.

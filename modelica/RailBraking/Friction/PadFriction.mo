@@ -23,7 +23,15 @@ equation
     *(1 - force_effect*(pad_force/pad_force_nominal - 1));
   rate = sqrt(1/T_settle^2 + (pad_force*pad_speed/E_settle)^2)*pad_force^4/(pad_force^4 + F_release^4);
   der(mu) = rate*(mu_steady - mu);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 A first-order lag towards a product of three linear effects, in the spirit of Ostermeyer (2003): friction rises
 towards standstill and with temperature and falls with pressure; it settles over an amount of friction work, not

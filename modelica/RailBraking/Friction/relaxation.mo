@@ -10,6 +10,13 @@ protected
 algorithm
   rate := (mu_rest - mu)/(T*(mu_floor + Pneumatics.positivePart(mu - mu_floor, mu_small)));
   annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

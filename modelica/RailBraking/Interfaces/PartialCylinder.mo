@@ -4,10 +4,21 @@ partial block PartialCylinder "What fills and empties the brake cylinders of one
   parameter Types.Volume V(start=6e-3) "Volume of all cylinders and hoses of the group";
   parameter Types.Pressure p_start = 0 "Pressure at the start";
   parameter Types.Pressure p_free = 1.01325e5 "Absolute pressure at which free air is counted";
-  RealInput command(start=0) "What the brake control asks for; its meaning is the extending class's";
-  RealOutput pressure(final unit="Pa") "Pressure in the cylinders, above the atmosphere";
-  RealOutput air_flow(final unit="m3/s") "Free air taken from the supply";
-  annotation (Documentation(info="<html>
+  RealInput command(start=0) "What the brake control asks for; its meaning is the extending class's"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  RealOutput pressure(final unit="Pa") "Pressure in the cylinders, above the atmosphere"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  RealOutput air_flow(final unit="m3/s") "Free air taken from the supply"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>Free air is counted at the temperature of the cylinder: V &Delta;p / p_free.</p>
 </html>"));
 end PartialCylinder;

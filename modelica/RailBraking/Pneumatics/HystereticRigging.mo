@@ -6,16 +6,30 @@ block HystereticRigging "Piston, levers and return spring whose friction opposes
   parameter Types.Force F_spring(start=1200) "Force of return spring and slack adjuster";
   parameter Types.Ratio hysteresis(min=0, max=0.5) = 0.06 "Half width of the hysteresis over the mean force";
   parameter Types.Pressure p_reverse = 1e4 "Change of pressure in which friction turns around";
-  Interfaces.RealInput pressure(final unit="Pa") "Pressure in the cylinder";
-  Interfaces.RealInput rate(final unit="Pa/s") "Rate of the pressure";
-  Interfaces.RealOutput pad_force(final unit="N") "Normal force of both pads";
+  Interfaces.RealInput pressure(final unit="Pa") "Pressure in the cylinder"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput rate(final unit="Pa/s") "Rate of the pressure"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
+  Interfaces.RealOutput pad_force(final unit="N") "Normal force of both pads"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
 protected
   final parameter Types.PressureRate rate_small = 10 "Rounding of the magnitude of the rate";
   Types.Ratio direction(start=0, fixed=true) "Friction over its limit, 1 when applying, -1 when releasing";
 equation
   p_reverse*der(direction) = rate - (sqrt(rate^2 + rate_small^2) - rate_small)*direction;
   pad_force = padForce(pressure, A_piston, i_rigging, eta_rigging, F_spring)*(1 - hysteresis*direction);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-60, 60}, {-60, -60}}, color={0, 0, 127}),
+        Line(points={{-60, 0}, {60, 0}}, color={0, 0, 127}),
+        Line(points={{60, 60}, {60, -60}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Dahl's friction: after a reversal the pad force keeps its value until the pressure has changed by about
 <code>p_reverse</code>.

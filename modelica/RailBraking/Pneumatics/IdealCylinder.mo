@@ -10,7 +10,18 @@ equation
   der(p) = rate;
   pressure = p;
   air_flow = V/p_free*noEvent(max(rate, 0));
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-70, 40}, {70, -40}}, lineColor={0, 0, 127}),
+        Line(points={{-10, 40}, {-10, -40}}, color={0, 0, 127}),
+        Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 The command is kept between zero and <code>p_max</code>. A command that jumps is followed with the time constant
 <code>T</code>,

@@ -4,7 +4,18 @@ block PrescribedPressure "Cylinders whose pressure is the command itself"
 equation
   pressure = command;
   air_flow = 0;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-70, 40}, {70, -40}}, lineColor={0, 0, 127}),
+        Line(points={{-10, 40}, {-10, -40}}, color={0, 0, 127}),
+        Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>The cylinder that does nothing: for validation, and where the pressure was measured.</p>
 <h4>Limitations</h4>
 <p>No lag, no bound, no air counted; <code>p_max</code>, <code>V</code> and <code>p_start</code> have no effect.</p>

@@ -7,8 +7,10 @@ block ValveCylinder "Cylinders that valves fill, hold and vent"
   parameter Types.PressureRate leak = 1e3 "Loss of pressure through leaks";
   parameter Types.Time dead_fill = 0.05 "Dead time of the fill valve";
   parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
-  Interfaces.RealOutput rate(final unit="Pa/s") "Rate of the pressure";
-  ValveDelay valves(dead_fill=dead_fill, dead_vent=dead_vent) "Dead time of the valves";
+  Interfaces.RealOutput rate(final unit="Pa/s") "Rate of the pressure"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+  ValveDelay valves(dead_fill=dead_fill, dead_vent=dead_vent) "Dead time of the valves"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
   final parameter Types.Pressure p_small = 1e4 "Pressure below which a leak fades";
   Types.Pressure p(start=p_start, fixed=true) "Pressure in the cylinders";
@@ -22,7 +24,18 @@ equation
   der(p) = rate;
   pressure = p;
   air_flow = V/p_free*rate_fill;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-70, 40}, {70, -40}}, lineColor={0, 0, 127}),
+        Line(points={{-10, 40}, {-10, -40}}, color={0, 0, 127}),
+        Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 The command is -1 vent, 0 hold, +1 fill, with thresholds at &plusmn;0.5 and the dead times of
 <a href=\"modelica://RailBraking.Pneumatics.ValveDelay\">ValveDelay</a>. Filling approaches the supply pressure

@@ -4,9 +4,12 @@ block ValveDelay "Dead time of a fill and a vent valve that share a three-state 
   parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
   constant Types.Time period = 0.002 "Resolution of the dead times";
   constant Types.Time offset = 0.0005 "First sample; half a communication step of 1 ms, so that none ends on a sample";
-  Interfaces.RealInput command(start=0) "At or below -0.5 vent, at or above 0.5 fill, hold between";
-  Interfaces.RealOutput filling(final unit="1") "1 while the fill valve is open, else 0";
-  Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0";
+  Interfaces.RealInput command(start=0) "At or below -0.5 vent, at or above 0.5 fill, hold between"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealOutput filling(final unit="1") "1 while the fill valve is open, else 0"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
   final parameter Types.Ratio age_fill = floor(dead_fill/period) "Whole periods of the dead time of filling";
   final parameter Types.Ratio age_vent = floor(dead_vent/period) "Whole periods of the dead time of venting";
@@ -34,7 +37,16 @@ initial equation
     "ValveDelay: dead_fill must lie between 0 and 0.126 s, got " + String(dead_fill) + " s.");
   assert(dead_vent >= 0 and dead_vent <= 63*period,
     "ValveDelay: dead_vent must lie between 0 and 0.126 s, got " + String(dead_vent) + " s.");
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, -50}, {0, -50}, {0, 50}, {80, 50}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 A delay line, sampled every 2 ms: any number of commands may be under way, and a pulse keeps its length whatever
 the dead time. Between two samples the line is interpolated.

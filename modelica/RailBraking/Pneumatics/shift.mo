@@ -10,7 +10,15 @@ algorithm
   moving := floor(line[1]/place);
   shifted[1] := 3*(line[1] - place*moving) + (newest + 1);
   shifted[2] := 3*(line[2] - place*floor(line[2]/place)) + moving;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Documentation(info="<html>
 <h4>Syntax</h4>
 <blockquote><pre>
 shifted = Pneumatics.<strong>shift</strong>(newest, line);

@@ -6,7 +6,15 @@ function tap "Sample of a delay line"
   output Types.Ratio y "Sample";
 algorithm
   y := mod(floor((if age < 32 then line[1] else line[2])/place), 3) - 1;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Documentation(info="<html>
 <h4>Syntax</h4>
 <blockquote><pre>
 y = Pneumatics.<strong>tap</strong>(line, age, place);

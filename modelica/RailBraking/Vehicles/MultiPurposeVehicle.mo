@@ -31,25 +31,39 @@ block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed o
   parameter Types.Time T_speed = 4 "Integration time of the speed controller";
   parameter Types.Time T_drive = 0.3 "Time constant of the drive";
   Interfaces.RealInput alignment[4](each final unit="m", each start=0)
-    "Lateral irregularity under each wheelset, to the left";
+    "Lateral irregularity under each wheelset, to the left"
+    annotation(Placement(transformation(extent={{-120, 70}, {-100, 90}})));
   Interfaces.RealInput vertical[4](each final unit="m", each start=0)
-    "Vertical irregularity under each wheelset, upwards";
+    "Vertical irregularity under each wheelset, upwards"
+    annotation(Placement(transformation(extent={{-120, 30}, {-100, 50}})));
   Interfaces.RealInput cross_level[4](each final unit="m", each start=0)
-    "Left rail above right rail under each wheelset";
-  Interfaces.RealInput gauge[4](each final unit="m", each start=0) "Widening of the gauge under each wheelset";
-  Interfaces.RealInput mu0[4](each final unit="1", each start=0.3) "Maximum friction coefficient at each wheelset";
+    "Left rail above right rail under each wheelset"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput gauge[4](each final unit="m", each start=0) "Widening of the gauge under each wheelset"
+    annotation(Placement(transformation(extent={{-120, -50}, {-100, -30}})));
+  Interfaces.RealInput mu0[4](each final unit="1", each start=0.3) "Maximum friction coefficient at each wheelset"
+    annotation(Placement(transformation(extent={{-120, -90}, {-100, -70}})));
   Interfaces.RealOutput longitudinal_left[4](each final unit="m/s2")
-    "Acceleration of the left axle boxes along the track";
+    "Acceleration of the left axle boxes along the track"
+    annotation(Placement(transformation(extent={{100, 79}, {120, 99}})));
   Interfaces.RealOutput longitudinal_right[4](each final unit="m/s2")
-    "Acceleration of the right axle boxes along the track";
+    "Acceleration of the right axle boxes along the track"
+    annotation(Placement(transformation(extent={{100, 57}, {120, 77}})));
   Interfaces.RealOutput lateral[4](each final unit="m/s2")
-    "Acceleration of the axle boxes across the track, to the left";
-  Interfaces.RealOutput vertical_acceleration[4](each final unit="m/s2") "Acceleration of the wheelsets, upwards";
-  Interfaces.RealOutput speed(final unit="m/s") "Speed of the car body";
-  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") "Angular velocity of the wheelsets";
-  Interfaces.RealOutput creep[4](each final unit="1") "Total creepage of the left wheels";
-  Interfaces.RealOutput offset[4](each final unit="m") "Lateral position of the wheelsets on the track, to the left";
-  Interfaces.RealOutput tractive_force(final unit="N") "Force of the drive at the rims";
+    "Acceleration of the axle boxes across the track, to the left"
+    annotation(Placement(transformation(extent={{100, 34}, {120, 54}})));
+  Interfaces.RealOutput vertical_acceleration[4](each final unit="m/s2") "Acceleration of the wheelsets, upwards"
+    annotation(Placement(transformation(extent={{100, 12}, {120, 32}})));
+  Interfaces.RealOutput speed(final unit="m/s") "Speed of the car body"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") "Angular velocity of the wheelsets"
+    annotation(Placement(transformation(extent={{100, -32}, {120, -12}})));
+  Interfaces.RealOutput creep[4](each final unit="1") "Total creepage of the left wheels"
+    annotation(Placement(transformation(extent={{100, -54}, {120, -34}})));
+  Interfaces.RealOutput offset[4](each final unit="m") "Lateral position of the wheelsets on the track, to the left"
+    annotation(Placement(transformation(extent={{100, -77}, {120, -57}})));
+  Interfaces.RealOutput tractive_force(final unit="N") "Force of the drive at the rims"
+    annotation(Placement(transformation(extent={{100, -99}, {120, -79}})));
 protected
   final parameter Types.Length b = 0.75 "Half the distance of the contacts";
   final parameter Types.Force load_nominal = g*((m_body + 2*m_frame)/4 + m_unsprung) "Load of each wheelset at rest";
@@ -58,15 +72,18 @@ protected
   Components.GuidedBody body(
     m=m_body, I_roll=I_body[1], I_pitch=I_body[2], I_yaw=I_body[3], pivots=pivots, h=0.9, h_frame=0.3, b_secondary=1.0,
     k_rod=5e6, c_rod=5e4, k_y=k_secondary[1], k_z=k_secondary[2], c_y=c_secondary[1], c_z=c_secondary[2], c_yaw=c_yaw)
-      "Car body";
+      "Car body"
+    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.GuidedFrame frame[2](
     each m=m_frame, each I_roll=I_frame[1], each I_pitch=I_frame[2], each I_yaw=I_frame[3], each wheelbase=wheelbase,
     each h=0.15, each b_primary=b_box, each k_x=k_primary[1], each k_y=k_primary[2], each k_z=k_primary[3],
-    each c_x=c_primary[1], each c_y=c_primary[2], each c_z=c_primary[3]) "Bogie frames";
+    each c_x=c_primary[1], each c_y=c_primary[2], each c_z=c_primary[3]) "Bogie frames"
+    annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Components.GuidedWheelset wheelset[4](
     each m=m_unsprung, each I_yaw=I_wheelset, J=J, r=r_wheel, each conicity=conicity, each b=b, each k_track=k_track,
     each load_nominal=load_nominal, each k_A=k_A, each k_S=k_S, each A=A_falling, each B=B_falling,
-    each v_start=speed_set) "Wheelsets";
+    each v_start=speed_set) "Wheelsets"
+    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
   Types.Force drive(start=drag_start, fixed=true, nominal=1e3) "Force of the drive at the rims";
   Types.Force integral(start=drag_start, fixed=true, nominal=1e3) "Integral part of the speed controller";
 equation
@@ -127,7 +144,20 @@ equation
   T_drive*der(drive) = integral - gain_speed*body.dv - drive;
   speed = speed_set + body.dv;
   tractive_force = drive;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-90, 40}, {90, -40}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-90, -45}, {-60, -75}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-55, -45}, {-25, -75}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{25, -45}, {55, -75}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{60, -45}, {90, -75}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 The powered car of a multi-purpose vehicle as it ran over a friction-modified track (Abduraxman et al., 2024), for
 estimators of

@@ -4,9 +4,12 @@ partial block PartialLateralPrediction "Lateral and yaw dynamics with friction a
   parameter Types.Ratio mu0_start = 0.25 "Maximum friction coefficient at the start";
   parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite creep speed over maximum friction";
   parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with creep speed";
-  Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track";
-  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Reading of the accelerometer";
-  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope";
+  Interfaces.RealInput speed(final unit="m/s", start=25) "Speed along the track"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealOutput lateral_acceleration(final unit="m/s2") = der(dy) "Reading of the accelerometer"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput yaw_rate(final unit="rad/s") = dpsi "Reading of the gyroscope"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
   Types.Length y(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral position";
   Types.Velocity dy(start=0, fixed=true, stateSelect=StateSelect.always) "Lateral velocity";
   Types.Angle psi(start=0, fixed=true, stateSelect=StateSelect.always) "Yaw angle";
@@ -31,7 +34,16 @@ equation
   der(psi) = dpsi;
   I_yaw*der(dpsi) = -2*half_gauge*F_over_creep*creep_x - k_yaw*psi;
   der(log_mu0) = 0;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Creep and creep force are algebraic; friction moves only when a reading moves it. Its logarithm is the state, because
 the force is the same for a friction of either sign: a filter that overshoots zero would stay on the wrong side, sure

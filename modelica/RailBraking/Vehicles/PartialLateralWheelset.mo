@@ -17,7 +17,18 @@ protected
     "Slope of epsilon, see creepFactor";
   final parameter Types.Force Q = m_wheelset*g/2 "Load of a wheel";
   constant Types.Ratio creep_small = 1e-7 "Rounding of the total creep about zero: a force of about 1 N";
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-70, 0}, {70, 0}}, color={0, 0, 127}),
+        Rectangle(extent={{-60, 60}, {-40, -60}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{40, 60}, {60, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Parameters of Mal et al. (2020), Table 1; loads and contact geometry are not in the paper: half of the mass on each
 wheel, and the rail head of the other vehicles of this library.

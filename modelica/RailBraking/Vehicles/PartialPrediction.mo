@@ -21,8 +21,10 @@ partial block PartialPrediction "What the two prediction models of the two-part 
   parameter Types.Density rho_air = 1.2 "Density of the air";
 
   Interfaces.RealInput cylinder_pressure[4](each final unit="Pa", each start=0)
-    "Pressure in the cylinders of each group";
-  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward";
+    "Pressure in the cylinders of each group"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
 
   Types.Velocity v(start=speed_start, fixed=true, stateSelect=StateSelect.always) "Speed of the train";
   Types.AngularVelocity w[4](each start=speed_start/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
@@ -48,7 +50,16 @@ equation
   sum(m_wheelset)*der(v) = track_force - sum(F) - rho_air/2*c_drag*A_drag*v^2;
   der(mu_b) = zeros(4);
   der(alpha) = zeros(4);
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 Pad friction and adhesion are states without dynamics: only a reading moves them. Therefore no contact law is in
 the prediction, and nothing in it is stiff.

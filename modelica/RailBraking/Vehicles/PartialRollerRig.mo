@@ -60,41 +60,61 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
   parameter Types.Area A_drag = 5 "Frontal area that the drive imitates" annotation(Dialog(group="Resistance"));
   parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
 
-  Interfaces.RealInput mu0(final unit="1", start=0) "Maximum friction coefficient between wheel and roller";
+  Interfaces.RealInput mu0(final unit="1", start=0) "Maximum friction coefficient between wheel and roller"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 
-  Interfaces.RealOutput distance(final unit="m") "Distance that the wagon would have travelled";
-  Interfaces.RealOutput speed(final unit="m/s") "Speed of the roller's surface: of the wagon";
-  Interfaces.RealOutput acceleration(final unit="m/s2") "Its acceleration";
-  Interfaces.RealOutput wheelset_speed(final unit="rad/s") "Angular velocity of the wheelset";
-  Interfaces.RealOutput slip(final unit="1") "Slip, 0 rolling, 1 locked";
-  Interfaces.RealOutput adhesion(final unit="1") "Adhesion used, positive in braking";
+  Interfaces.RealOutput distance(final unit="m") "Distance that the wagon would have travelled"
+    annotation(Placement(transformation(extent={{105, 89}, {115, 99}})));
+  Interfaces.RealOutput speed(final unit="m/s") "Speed of the roller's surface: of the wagon"
+    annotation(Placement(transformation(extent={{105, 76}, {115, 86}})));
+  Interfaces.RealOutput acceleration(final unit="m/s2") "Its acceleration"
+    annotation(Placement(transformation(extent={{105, 64}, {115, 74}})));
+  Interfaces.RealOutput wheelset_speed(final unit="rad/s") "Angular velocity of the wheelset"
+    annotation(Placement(transformation(extent={{105, 51}, {115, 61}})));
+  Interfaces.RealOutput slip(final unit="1") "Slip, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{105, 39}, {115, 49}})));
+  Interfaces.RealOutput adhesion(final unit="1") "Adhesion used, positive in braking"
+    annotation(Placement(transformation(extent={{105, 26}, {115, 36}})));
   Interfaces.RealOutput contact_force(final unit="N")
-    "Force of the roller on the wheelset along the track, positive in braking";
-  Interfaces.RealOutput wheelset_load(final unit="N") "Load of the wheelset on the roller";
-  Interfaces.RealOutput cylinder_pressure(final unit="Pa") "Pressure in the cylinders";
-  Interfaces.RealOutput pad_force(final unit="N") "Normal force of both pads of one unit";
-  Interfaces.RealOutput pad_friction(final unit="1") "Friction coefficient of the pads";
-  Interfaces.RealOutput disc_temperature(final unit="K") "Temperature of the bulk of the discs";
-  Interfaces.RealOutput brake_torque(final unit="N.m") "Torque that the brake exerts";
-  Interfaces.RealOutput drive_torque(final unit="N.m") "Torque of the roller's drive, driving positive";
-  Interfaces.BooleanOutput locked "= true, if the wheelset does not turn";
-  Interfaces.BooleanOutput standstill "= true, if the roller stands";
+    "Force of the roller on the wheelset along the track, positive in braking"
+    annotation(Placement(transformation(extent={{105, 14}, {115, 24}})));
+  Interfaces.RealOutput wheelset_load(final unit="N") "Load of the wheelset on the roller"
+    annotation(Placement(transformation(extent={{105, 1}, {115, 11}})));
+  Interfaces.RealOutput cylinder_pressure(final unit="Pa") "Pressure in the cylinders"
+    annotation(Placement(transformation(extent={{105, -11}, {115, -1}})));
+  Interfaces.RealOutput pad_force(final unit="N") "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{105, -24}, {115, -14}})));
+  Interfaces.RealOutput pad_friction(final unit="1") "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{105, -36}, {115, -26}})));
+  Interfaces.RealOutput disc_temperature(final unit="K") "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{105, -49}, {115, -39}})));
+  Interfaces.RealOutput brake_torque(final unit="N.m") "Torque that the brake exerts"
+    annotation(Placement(transformation(extent={{105, -61}, {115, -51}})));
+  Interfaces.RealOutput drive_torque(final unit="N.m") "Torque of the roller's drive, driving positive"
+    annotation(Placement(transformation(extent={{105, -74}, {115, -64}})));
+  Interfaces.BooleanOutput locked "= true, if the wheelset does not turn"
+    annotation(Placement(transformation(extent={{105, -86}, {115, -76}})));
+  Interfaces.BooleanOutput standstill "= true, if the roller stands"
+    annotation(Placement(transformation(extent={{105, -99}, {115, -89}})));
 protected
   Components.TrainBody body(m=m_imitated, c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_start=speed_start)
-    "Roller and drive: the wagon";
+    "Roller and drive: the wagon"
+    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.Wheelsets wheelset(
     final n=1, J=J, r=r_wheel, r_rail=r_rail, curvature_rail=1/r_roller, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S,
     A=A_falling,
     B=B_falling, v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling,
     w_start=speed_start/r_wheel)
-    "Wheelset on the roller";
+    "Wheelset on the roller"
+    annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Components.GroupBrake brake(
     n_units=n_units, r_friction=r_friction,
     pad(
       mu_nominal=mu_b_nominal, mu_start=mu_b_start, speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal,
       temperature_effect=temperature_effect, force_effect=force_effect, pad_force_nominal=pad_force_nominal,
       E_settle=E_settle, T_settle=T_settle),
-    disc(T_start=T_disc_start)) "Brake units";
+    disc(T_start=T_disc_start)) "Brake units"
+    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
 equation
   brake.pad_force = pad_force;
   brake.w = wheelset_speed;
@@ -123,7 +143,17 @@ equation
   acceleration = body.a;
   standstill = body.standstill;
   drive_torque = J_roller*acceleration/r_roller + r_roller*contact_force;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Ellipse(extent={{-35, 70}, {35, 0}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-45, 0}, {45, -90}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 The rig of Schwarz and Keck (2020, section 3): the wheelset turns and slides on a roller whose drive makes up for
 what the

@@ -123,57 +123,87 @@ partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fill
     annotation(Dialog(tab="Numerics"));
 
   Interfaces.RealInput mu0[6](each final unit="1", each start=0)
-    "Maximum friction coefficient of the rail at each wheelset";
-  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward";
+    "Maximum friction coefficient of the rail at each wheelset"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
 
-  Interfaces.RealOutput distance(final unit="m") "Distance travelled";
-  Interfaces.RealOutput speed(final unit="m/s") "Speed of the train";
-  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the train";
-  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") "Angular velocity of each group";
-  Interfaces.RealOutput slip[4](each final unit="1") "Slip of each group, 0 rolling, 1 locked";
-  Interfaces.RealOutput adhesion[6](each final unit="1") "Adhesion used by each wheelset, positive in braking";
-  Interfaces.RealOutput group_adhesion[4](each final unit="1") "Adhesion used by each group";
-  Interfaces.RealOutput wheelset_load[6](each final unit="N") "Load of each wheelset on the rail";
+  Interfaces.RealOutput distance(final unit="m") "Distance travelled"
+    annotation(Placement(transformation(extent={{107, 93}, {113, 99}})));
+  Interfaces.RealOutput speed(final unit="m/s") "Speed of the train"
+    annotation(Placement(transformation(extent={{107, 84}, {113, 90}})));
+  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the train"
+    annotation(Placement(transformation(extent={{107, 75}, {113, 81}})));
+  Interfaces.RealOutput wheelset_speed[4](each final unit="rad/s") "Angular velocity of each group"
+    annotation(Placement(transformation(extent={{107, 67}, {113, 73}})));
+  Interfaces.RealOutput slip[4](each final unit="1") "Slip of each group, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{107, 58}, {113, 64}})));
+  Interfaces.RealOutput adhesion[6](each final unit="1") "Adhesion used by each wheelset, positive in braking"
+    annotation(Placement(transformation(extent={{107, 49}, {113, 55}})));
+  Interfaces.RealOutput group_adhesion[4](each final unit="1") "Adhesion used by each group"
+    annotation(Placement(transformation(extent={{107, 40}, {113, 46}})));
+  Interfaces.RealOutput wheelset_load[6](each final unit="N") "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{107, 32}, {113, 38}})));
   Interfaces.RealOutput deflection[6](each final unit="m")
-    "Deflection of the primary suspension, change from static, compression positive";
-  Interfaces.RealOutput cylinder_pressure[4](each final unit="Pa") "Pressure in the cylinders of each group";
-  Interfaces.RealOutput pad_force[4](each final unit="N") "Normal force of both pads of one unit";
-  Interfaces.RealOutput pad_friction[4](each final unit="1") "Friction coefficient of the pads";
-  Interfaces.RealOutput disc_temperature[4](each final unit="K") "Temperature of the bulk of the discs";
-  Interfaces.RealOutput disc_surface_temperature[4](each final unit="K") "Temperature of the surface of the discs";
-  Interfaces.RealOutput brake_torque[4](each final unit="N.m") "Torque that the brake exerts on each group";
-  Interfaces.RealOutput air_used(final unit="m3") "Free air taken from the supply since the start";
-  Interfaces.RealOutput contact_heat(final unit="J") "Heat made between wheels and rails since the start";
-  Interfaces.RealOutput pad_heat(final unit="J") "Heat made between pads and discs since the start";
-  Interfaces.RealOutput damper_heat(final unit="J") "Heat made in the primary suspension since the start";
+    "Deflection of the primary suspension, change from static, compression positive"
+    annotation(Placement(transformation(extent={{107, 23}, {113, 29}})));
+  Interfaces.RealOutput cylinder_pressure[4](each final unit="Pa") "Pressure in the cylinders of each group"
+    annotation(Placement(transformation(extent={{107, 14}, {113, 20}})));
+  Interfaces.RealOutput pad_force[4](each final unit="N") "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{107, 6}, {113, 12}})));
+  Interfaces.RealOutput pad_friction[4](each final unit="1") "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{107, -3}, {113, 3}})));
+  Interfaces.RealOutput disc_temperature[4](each final unit="K") "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{107, -12}, {113, -6}})));
+  Interfaces.RealOutput disc_surface_temperature[4](each final unit="K") "Temperature of the surface of the discs"
+    annotation(Placement(transformation(extent={{107, -20}, {113, -14}})));
+  Interfaces.RealOutput brake_torque[4](each final unit="N.m") "Torque that the brake exerts on each group"
+    annotation(Placement(transformation(extent={{107, -29}, {113, -23}})));
+  Interfaces.RealOutput air_used(final unit="m3") "Free air taken from the supply since the start"
+    annotation(Placement(transformation(extent={{107, -38}, {113, -32}})));
+  Interfaces.RealOutput contact_heat(final unit="J") "Heat made between wheels and rails since the start"
+    annotation(Placement(transformation(extent={{107, -46}, {113, -40}})));
+  Interfaces.RealOutput pad_heat(final unit="J") "Heat made between pads and discs since the start"
+    annotation(Placement(transformation(extent={{107, -55}, {113, -49}})));
+  Interfaces.RealOutput damper_heat(final unit="J") "Heat made in the primary suspension since the start"
+    annotation(Placement(transformation(extent={{107, -64}, {113, -58}})));
   Interfaces.RealOutput resistance_work(final unit="J")
-    "Work against drag, bearings, rolling resistance and track force since the start";
-  Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track and of rotation";
-  Interfaces.BooleanOutput locked[4] "= true, if the group does not turn";
-  Interfaces.BooleanOutput standstill "= true, if the train stands";
+    "Work against drag, bearings, rolling resistance and track force since the start"
+    annotation(Placement(transformation(extent={{107, -73}, {113, -67}})));
+  Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track and of rotation"
+    annotation(Placement(transformation(extent={{107, -81}, {113, -75}})));
+  Interfaces.BooleanOutput locked[4] "= true, if the group does not turn"
+    annotation(Placement(transformation(extent={{107, -90}, {113, -84}})));
+  Interfaces.BooleanOutput standstill "= true, if the train stands"
+    annotation(Placement(transformation(extent={{107, -99}, {113, -93}})));
 
 protected
   final parameter Types.Volume V_group[4] = V_cylinder*n_units "Volume of all cylinders and hoses of each group";
   Components.TrainBody body(
     m=sum(m_wheelset), c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_rest=v_rest, F_small=F_small,
     v_start=speed_start)
-    "All masses along the track";
+    "All masses along the track"
+    annotation(Placement(transformation(extent={{-73, 33}, {-33, 73}})));
   Components.Wheelsets leading(
     final n=2, J=J[1], r=r_wheel[1], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling,
     v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, tau_small=tau_small,
-    w_start=speed_start/r_wheel[1]) "Coupled wheelsets of the leading motor bogie";
+    w_start=speed_start/r_wheel[1]) "Coupled wheelsets of the leading motor bogie"
+    annotation(Placement(transformation(extent={{-20, 33}, {20, 73}})));
   Components.Wheelsets jacobs_front(
     final n=1, J=J[2], r=r_wheel[2], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling,
     v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, tau_small=tau_small,
-    w_start=speed_start/r_wheel[2]) "Front wheelset of the Jacobs bogie";
+    w_start=speed_start/r_wheel[2]) "Front wheelset of the Jacobs bogie"
+    annotation(Placement(transformation(extent={{33, 33}, {73, 73}})));
   Components.Wheelsets jacobs_rear(
     final n=1, J=J[3], r=r_wheel[3], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling,
     v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, tau_small=tau_small,
-    w_start=speed_start/r_wheel[3]) "Rear wheelset of the Jacobs bogie";
+    w_start=speed_start/r_wheel[3]) "Rear wheelset of the Jacobs bogie"
+    annotation(Placement(transformation(extent={{-73, -20}, {-33, 20}})));
   Components.Wheelsets trailing(
     final n=2, J=J[4], r=r_wheel[4], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling,
     v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, tau_small=tau_small,
-    w_start=speed_start/r_wheel[4]) "Coupled wheelsets of the trailing motor bogie";
+    w_start=speed_start/r_wheel[4]) "Coupled wheelsets of the trailing motor bogie"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   Components.GroupBrake brake[4](
     n_units=n_units, r_friction=r_friction,
     pad(
@@ -186,14 +216,16 @@ protected
     disc(
       each m=m_disc, each m_surface=m_disc_surface, each c_p=c_disc, each G=G_disc,
       each G_rest=G_rest, each G_speed=G_speed,
-      each pad_share=pad_share, each T_ambient=T_ambient, T_start=T_disc_start)) "Brake units of each group";
+      each pad_share=pad_share, each T_ambient=T_ambient, T_start=T_disc_start)) "Brake units of each group"
+    annotation(Placement(transformation(extent={{33, -20}, {73, 20}})));
   Components.BogieFrame frame[3](
     m_wheelset={{m_wheelset[1], m_wheelset[2]}, {m_wheelset[3], m_wheelset[4]}, {m_wheelset[5], m_wheelset[6]}},
     m_unsprung={{m_unsprung[1], m_unsprung[2]}, {m_unsprung[3], m_unsprung[4]}, {m_unsprung[5], m_unsprung[6]}},
     m_frame=m_frame, I_frame=I_frame, wheelbase=wheelbase,
     each h_frame=h_frame, each h_rod=h_rod, each k=k_primary, each c=c_primary,
     r_wheel={r_wheel[1], (r_wheel[2] + r_wheel[3])/2, r_wheel[4]})
-    "Frames of the leading, the Jacobs and the trailing bogie";
+    "Frames of the leading, the Jacobs and the trailing bogie"
+    annotation(Placement(transformation(extent={{-73, -73}, {-33, -33}})));
   Types.Force F[6] "Braking force of the track on each wheelset";
   Types.Volume air(start=0, fixed=true) "Free air taken from the supply";
   Types.VolumeFlow air_flow "Free air taken from the supply, a time";
@@ -275,7 +307,23 @@ equation
   damper_heat = heat_damper;
   resistance_work = work_resistance;
   kinetic_energy = sum(m_wheelset)*speed^2/2 + sum(J[i]*wheelset_speed[i]^2 for i in 1:4)/2;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-90, 40}, {-2, -40}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-87, -43}, {-63, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-62, -43}, {-38, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-24, -43}, {0, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{0, -43}, {24, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{38, -43}, {62, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{63, -43}, {87, -67}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 The plant of Schwarz, Posielek and Goetjes (see References), equations (1) to (6): speed, angular velocity of four
 groups, pad friction of four groups and the deflections of six primary suspensions with their rates. Disc

@@ -66,35 +66,54 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
   parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
 
   Interfaces.RealInput mu0[2](each final unit="1", each start=0)
-    "Maximum friction coefficient of the rail at each wheelset";
-  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward";
+    "Maximum friction coefficient of the rail at each wheelset"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
 
-  Interfaces.RealOutput distance(final unit="m") "Distance travelled";
-  Interfaces.RealOutput speed(final unit="m/s") "Speed of the wagon";
-  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the wagon";
-  Interfaces.RealOutput wheelset_speed[2](each final unit="rad/s") "Angular velocity of each wheelset";
-  Interfaces.RealOutput slip[2](each final unit="1") "Slip of each wheelset, 0 rolling, 1 locked";
-  Interfaces.RealOutput adhesion[2](each final unit="1") "Adhesion used by each wheelset, positive in braking";
-  Interfaces.RealOutput wheelset_load[2](each final unit="N") "Load of each wheelset on the rail";
-  Interfaces.RealOutput cylinder_pressure[2](each final unit="Pa") "Pressure in the cylinders of each wheelset";
-  Interfaces.RealOutput pad_force[2](each final unit="N") "Normal force of both pads of one unit of each wheelset";
-  Interfaces.RealOutput pad_friction[2](each final unit="1") "Friction coefficient of the pads";
-  Interfaces.RealOutput disc_temperature[2](each final unit="K") "Temperature of the bulk of the discs";
+  Interfaces.RealOutput distance(final unit="m") "Distance travelled"
+    annotation(Placement(transformation(extent={{104, 87}, {116, 99}})));
+  Interfaces.RealOutput speed(final unit="m/s") "Speed of the wagon"
+    annotation(Placement(transformation(extent={{104, 73}, {116, 85}})));
+  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the wagon"
+    annotation(Placement(transformation(extent={{104, 58}, {116, 70}})));
+  Interfaces.RealOutput wheelset_speed[2](each final unit="rad/s") "Angular velocity of each wheelset"
+    annotation(Placement(transformation(extent={{104, 44}, {116, 56}})));
+  Interfaces.RealOutput slip[2](each final unit="1") "Slip of each wheelset, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{104, 30}, {116, 42}})));
+  Interfaces.RealOutput adhesion[2](each final unit="1") "Adhesion used by each wheelset, positive in braking"
+    annotation(Placement(transformation(extent={{104, 15}, {116, 27}})));
+  Interfaces.RealOutput wheelset_load[2](each final unit="N") "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{104, 1}, {116, 13}})));
+  Interfaces.RealOutput cylinder_pressure[2](each final unit="Pa") "Pressure in the cylinders of each wheelset"
+    annotation(Placement(transformation(extent={{104, -13}, {116, -1}})));
+  Interfaces.RealOutput pad_force[2](each final unit="N") "Normal force of both pads of one unit of each wheelset"
+    annotation(Placement(transformation(extent={{104, -27}, {116, -15}})));
+  Interfaces.RealOutput pad_friction[2](each final unit="1") "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{104, -42}, {116, -30}})));
+  Interfaces.RealOutput disc_temperature[2](each final unit="K") "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{104, -56}, {116, -44}})));
   Interfaces.RealOutput resistance_torque[2](each final unit="N.m")
-    "Torque of bearing and rolling resistance on each wheelset";
-  Interfaces.BooleanOutput locked[2] "= true, if the wheelset does not turn";
-  Interfaces.BooleanOutput standstill "= true, if the wagon stands";
+    "Torque of bearing and rolling resistance on each wheelset"
+    annotation(Placement(transformation(extent={{104, -70}, {116, -58}})));
+  Interfaces.BooleanOutput locked[2] "= true, if the wheelset does not turn"
+    annotation(Placement(transformation(extent={{104, -85}, {116, -73}})));
+  Interfaces.BooleanOutput standstill "= true, if the wagon stands"
+    annotation(Placement(transformation(extent={{104, -99}, {116, -87}})));
 protected
   Components.TrainBody body(m=m, c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_start=speed_start)
-    "Mass along the track";
+    "Mass along the track"
+    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.Wheelsets front(
     final n=1, J=J[1], r=r_wheel[1], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling,
     B=B_falling, v_small=v_small,
-    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[1]) "Front wheelset";
+    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[1]) "Front wheelset"
+    annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Components.Wheelsets rear(
     final n=1, J=J[2], r=r_wheel[2], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling,
     B=B_falling, v_small=v_small,
-    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[2]) "Rear wheelset";
+    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[2]) "Rear wheelset"
+    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
   Components.GroupBrake brake[2](
     each n_units=n_units, each r_friction=r_friction,
     pad(
@@ -103,7 +122,8 @@ protected
       each temperature_effect=temperature_effect, each force_effect=force_effect,
       each pad_force_nominal=pad_force_nominal,
       each E_settle=E_settle, each T_settle=T_settle),
-    disc(each T_start=T_disc_start)) "Brake units of each wheelset";
+    disc(each T_start=T_disc_start)) "Brake units of each wheelset"
+    annotation(Placement(transformation(extent={{20, -60}, {60, -20}})));
   Types.Force transfer(start=0, fixed=true) "Load that has moved from the rear to the front wheelset";
 equation
   T_pitch*der(transfer) = -h_mass/wheelbase*m*acceleration - transfer;
@@ -138,7 +158,18 @@ equation
   speed = body.v;
   acceleration = body.a;
   standstill = body.standstill;
-  annotation (Documentation(info="<html>
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-90, 20}, {90, -40}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-78, -52}, {-42, -88}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{42, -52}, {78, -88}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
 <p>
 The generic wagon of Schwarz and Keck (2020, figure 1) with Polach's contact under each wheelset. In braking the
 front wheelset gains
