@@ -11,8 +11,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from railgrip import cache
 from railgrip.errors import CompilerMissing, InputError, RailgripError
-from railgrip.fmus import cache, openmodelica
+from railgrip.fmus import openmodelica
 from railgrip.fmus.native import toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
 from railgrip.fmus.native.library import library_of, sources_digest

@@ -12,6 +12,7 @@ ROOMS = ("fmus", "estimators", "controllers", "harness")
 ALLOWED = {
     "railgrip.errors": (),
     "railgrip.atomic": (),
+    "railgrip.cache": (),
     "railgrip.fmus": ("railgrip.fmus",),
     "railgrip.estimators": ("railgrip.estimators", "railgrip.fmus.native"),
     "railgrip.controllers": ("railgrip.controllers",),
@@ -40,7 +41,7 @@ ALLOWED = {
                      "railgrip.loop.ports.Edge"),
 }  # fmt: skip
 
-GROUND = ("railgrip.errors", "railgrip.atomic")
+GROUND = ("railgrip.errors", "railgrip.atomic", "railgrip.cache")
 """What every room may import."""
 
 

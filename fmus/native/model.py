@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from railgrip.fmus import cache
+from railgrip import cache
 from railgrip.fmus.native.digest import compiler_digest, digest
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from railgrip.cache import find, keep
 from railgrip.errors import BuildFailed, CompilerMissing
-from railgrip.fmus.cache import find, keep
 
 # -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine.
 FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")

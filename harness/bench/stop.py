@@ -13,12 +13,12 @@ from time import perf_counter, process_time
 import numpy as np
 
 from railgrip.assemble import lowered, run_stop
+from railgrip.cache import VARIABLE
 from railgrip.engine import Engine
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
-from railgrip.fmus.cache import VARIABLE
 from railgrip.scenario.load import load
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from railgrip.studies.monitor import study as monitor_study
 from railgrip.studies.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.monitor.folder import stops_in, write_recording
 from railgrip.studies.monitor.life import Life, live
@@ -221,3 +222,14 @@ def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
     assert not found.sentences
     here = evidence_of(stop.recording, stop.temperature)
     np.testing.assert_array_equal(found.evidence[0].health, here.health)
+
+
+def test_a_life_is_run_once(monkeypatch):
+    asked = Life(stops=2, seed=99)
+    first = monitor_study.evidence_of_life(asked)
+    monkeypatch.setattr(monitor_study, "live", None)
+    for one, again in zip(first, monitor_study.evidence_of_life(asked), strict=True):
+        np.testing.assert_array_equal(one.health, again.health)
+        np.testing.assert_array_equal(one.covariance, again.covariance)
+    with pytest.raises(TypeError):
+        monitor_study.evidence_of_life(Life(stops=2, seed=10**9))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.studies.learn import gather as gathering
 from railgrip.studies.learn.evaluate import Recipe
 from railgrip.studies.learn.figures import draw
 from railgrip.studies.learn.reduction import Run
@@ -76,3 +77,15 @@ def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
     assert set(trained) == {"friction", "friction_60mph"}
     said = trained["friction_60mph"].offline(np.full((500, 12), 268.0), np.full(500, 26.8), backwards=False)
     assert len(said.friction) == 500 // 50
+
+
+def test_a_run_is_simulated_once(monkeypatch):
+    short = replace(next(iter(passes(QUICK).values()))[0], length=30.0)
+    with ThreadPoolExecutor(1) as pool:
+        (first,) = gathering.gather([short], pool)
+        monkeypatch.setattr(gathering, "readings", None)
+        (again,) = gathering.gather([short], pool)
+        assert np.array_equal(first.blocks, again.blocks)
+        assert first.slope == again.slope
+        with pytest.raises(TypeError):
+            gathering.gather([replace(short, seed=10**9)], pool)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, as_completed
 from dataclasses import asdict
+from io import BytesIO
 from pathlib import Path
 from typing import Final
 
@@ -20,7 +21,7 @@ import railgrip.studies.learn.reduction
 import railgrip.twins.accelerometer
 import railgrip.twins.instrumented_car
 import railgrip.twins.irregularity
-from railgrip.atomic import replacing
+from railgrip import cache
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
 from railgrip.studies.learn.measured import VEHICLE, readings
@@ -30,7 +31,9 @@ from railgrip.twins.instrumented_car import FMU, Pass, slope
 
 Array = NDArray[np.float64]
 
-CACHE: Final = Path("build/learn/runs")
+RUN: Final = "run.npz"
+KIND: Final = "runs"
+"""Their shelf in the user's cache."""
 EVERY: Final = 20.0
 """m between the spectral features that are kept."""
 SETTLED: Final = 60.0
@@ -52,10 +55,8 @@ def spectral_features(run: Run, spectral: Spectral = SPECTRAL) -> Array:
     return every[np.searchsorted(metres, np.arange(min(first, last), last, EVERY))]
 
 
-def gather(
-    passes: Iterable[Pass], pool: Executor, *, cache: Path = CACHE, tell: Callable[[str], None] = lambda _: None
-) -> list[Run]:
-    """Return the reduced runs of passes, simulating those that are not in the cache.
+def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None] = lambda _: None) -> list[Run]:
+    """Return the reduced runs of passes, simulating those that are not in the user's cache.
 
     Args:
         pool: Simulates, see `workers`.
@@ -63,28 +64,30 @@ def gather(
     """
     wanted = list(passes)
     common = _common()
-    files = {p.name + str(p.seed): cache / f"{_key(p, common)}.npz" for p in wanted}
-    missing = [p for p in wanted if not files[p.name + str(p.seed)].exists()]
+    keys = {p.name + str(p.seed): _key(p, common) for p in wanted}
+    files = {name: cache.find(KIND, key, RUN) for name, key in keys.items()}
+    missing = [p for p in wanted if files[p.name + str(p.seed)] is None]
     for p in wanted:
         if p not in missing:
             tell(p.name)
     # Longest first, so that no worker is left with a long one at the end.
     missing.sort(key=lambda p: p.speed / p.length)
-    running = {pool.submit(_make, p, files[p.name + str(p.seed)]): p for p in missing}
+    running = {pool.submit(_make, p, keys[p.name + str(p.seed)]): p for p in missing}
     for done in as_completed(running):
-        done.result()
+        files[running[done].name + str(running[done].seed)] = done.result()
         tell(running[done].name)
     return [_read(files[p.name + str(p.seed)], slope(p)) for p in wanted]
 
 
-def _make(run: Pass, file: Path) -> None:
-    made = reduce(run.name, run.friction, readings(run))
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(file) as partial, partial.open("wb") as stream:
-        np.savez_compressed(stream, **{k: v for k, v in asdict(made).items() if v is not None})
+def _make(run: Pass, key: str) -> Path:
+    reduced = reduce(run.name, run.friction, readings(run))
+    content = BytesIO()
+    np.savez_compressed(content, **{k: v for k, v in asdict(reduced).items() if v is not None})
+    return cache.keep(KIND, key, RUN, content.getvalue())
 
 
-def _read(file: Path, known_slope: float) -> Run:
+def _read(file: Path | None, known_slope: float) -> Run:
+    assert file is not None
     with np.load(file) as held:
         return Run(
             name=str(held["name"]), group=int(held["group"]), speed=float(held["speed"]),

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.atomic import write_text
+from railgrip import cache
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.report.table import Table
@@ -21,7 +21,8 @@ from railgrip.studies.monitor.life import PLANT, Life, live
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
 from railgrip.studies.monitor.watch import Design, watch
 
-CACHE = Path("build/monitor")
+KIND = "lives"
+"""Their shelf in the user's cache."""
 
 SEEDS = 20
 STOPS = 200
@@ -46,24 +47,14 @@ def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESS
     ]
 
 
-def evidence_of_life(asked: Life, cache: Path = CACHE) -> list[Evidence]:
-    """Return the evidence of every stop of a life, from the cache or by running it."""
-    path = cache / f"life-{_digest(asked)}.json"
-    if path.exists():
-        rows = json.loads(path.read_text(encoding="utf-8"))
-    else:
+def evidence_of_life(asked: Life) -> list[Evidence]:
+    """Return the evidence of every stop of a life, from the user's cache or by running it."""
+    key = _digest(asked)
+    path = cache.find(KIND, key, "life.json")
+    if path is None:
         found = [evidence_of(stop.recording, stop.temperature) for stop in live(asked)]
-        rows = [
-            {
-                "health": e.health.tolist(),
-                "covariance": e.covariance.tolist(),
-                "offset": e.offset.tolist(),
-                "drag": e.drag,
-            }
-            for e in found
-        ]
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, json.dumps(rows))
+        rows = [{name: np.asarray(value).tolist() for name, value in asdict(e).items()} for e in found]
+        path = cache.keep(KIND, key, "life.json", json.dumps(rows).encode())
     return [
         Evidence(
             health=np.array(r["health"]),
@@ -71,7 +62,7 @@ def evidence_of_life(asked: Life, cache: Path = CACHE) -> list[Evidence]:
             offset=np.array(r["offset"]),
             drag=r["drag"],
         )
-        for r in rows
+        for r in json.loads(path.read_text(encoding="utf-8"))
     ]
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from railgrip import cache
 from railgrip.errors import InputError
-from railgrip.fmus import cache
 from railgrip.fmus.native.toolchain import shared_library
 
 ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1; }'}
@@ -88,6 +88,18 @@ def test_many_may_keep_the_same_at_once(own_cache):
         kept = set(pool.map(lambda _: cache.keep("libraries", "key", "a.so", b"content" * 10000), range(64)))
     assert kept == {cache.find("libraries", "key", "a.so")}
     assert [file.name for file in kept.pop().parent.iterdir()] == ["a.so"]
+
+
+def test_what_was_not_used_for_longest_is_removed_beyond_the_limit(own_cache, monkeypatch):
+    monkeypatch.setattr(cache, "LARGEST", 25_000)
+    kept = [cache.keep("lives", f"{number}", "a.json", b"%d" % number * 10_000) for number in range(4)]
+    for number, file in enumerate(kept):
+        os.utime(file, (1e9 + number, 1e9 + number))
+    assert cache.find("lives", "0", "a.json") == kept[0]  # used just now
+    young = cache.keep("lives", "young", "a.json", b"y" * 30_000)
+    cache.prune(own_cache)
+    assert [file.exists() for file in (*kept, young)] == [True, False, False, False, True]
+    assert not kept[1].parents[1].exists()
 
 
 def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):

@@ -1,15 +1,18 @@
-"""What is compiled once for a user: kept where only that user can write, checked before it is used.
+"""What is made once for a user, compiled or simulated: kept where only that user can write, checked before it is used.
 
 A library or an FMU that is found is loaded into the process, so it must be what this project put there. Every file lies
 under kind/key/digest/name: the key stands for all that it was made from, the digest for its content. The folder may be
-removed at any time.
+removed at any time; what was not used for longest goes by itself when it becomes too large.
 """
 
 import hashlib
 import os
 import stat
 import tempfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
+from functools import cache as once
 from pathlib import Path
 
 from platformdirs import user_cache_path
@@ -19,6 +22,10 @@ from railgrip.errors import InputError
 VARIABLE = "RAILGRIP_CACHE"
 """Environment variable with another folder, absolute."""
 
+LARGEST = 4_000_000_000
+"""Bytes that the cache may hold; a study of axle boxes keeps some hundred million."""
+_IN_USE = 86400.0
+"""Time since its last use in which a file is not removed [s]: somebody may be about to load it."""
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -48,6 +55,8 @@ def find(kind: str, key: str, name: str) -> Path | None:
         for above in _down_to(file.parent):
             _require_private(above)
         if _is_private(file, stat.S_ISREG) and _digest(file.read_bytes()) == file.parent.name:
+            with suppress(OSError):
+                os.utime(file)
             return file
     return None
 
@@ -77,7 +86,29 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
         raise InputError(
             f"{place}: the cache cannot be written ({error.strerror}); make room or name another folder in {VARIABLE}."
         ) from error
+    _prune_once(folder())
     return place / name
+
+
+def prune(whole: Path) -> None:
+    """Remove the files of a cache that were not used for longest, until it is as small as `LARGEST`."""
+    files = [(file.lstat(), file) for file in whole.glob("*/*/*/*") if not file.is_symlink()]
+    size = sum(status.st_size for status, _ in files)
+    for status, file in sorted(files, key=lambda one: one[0].st_mtime):
+        if size <= LARGEST or time.time() - status.st_mtime < _IN_USE:
+            return
+        size -= status.st_size
+        file.unlink(missing_ok=True)
+        with suppress(OSError):  # they hold more
+            file.parent.rmdir()
+            file.parents[1].rmdir()
+
+
+@once
+def _prune_once(whole: Path) -> None:
+    """Prune once in a process: it takes a look at every file."""
+    with suppress(OSError):  # another process may do the same
+        prune(whole)
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:
