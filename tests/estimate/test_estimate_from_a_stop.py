@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip as rg
-from railgrip.commands import app
+from railgrip.cli.main import app
 from railgrip.errors import EstimationError
 from railgrip.estimation.spec import LIBRARY
 from railgrip.estimators.tuning import TRAIN_IDEAL
