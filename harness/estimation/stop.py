@@ -7,7 +7,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.assemble import run_stop
+from railgrip.assemble import trace_of
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.seed import generator
@@ -29,10 +29,10 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
         noise: Signal → standard deviation of what is read, white from sample to sample; a signal without is not read.
 
     Raises:
-        ScenarioError: There is no such scenario, it cannot be run, or its plant does not show what is to be read.
+        ScenarioError: There is no such scenario, it fails, or its plant does not show what is to be read.
     """
     question = load(Path(scenario), [] if seed is None else [f"seed={seed}"])
-    trace = run_stop(question).trace
+    trace = trace_of(question)
     shown = {str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()}
     deviations = in_units(f"{question.name}: [source.noise]", noise, shown)
     read: dict[str, tuple[Vector, str]] = {}

@@ -43,7 +43,8 @@ def test_load_moves_to_the_front_by_inertia():
     assert load[-1, 0] - load[-1, 1] == pytest.approx(-2 * 1.5 / 9 * 40e3 * acceleration, rel=0.01)
 
 
-# Of the recording that a loop of the wagon's own gave before it was a scenario of the one loop, to the last digit.
+# Of the recording that a loop of its own gave before it was a scenario of the one loop, bit by bit. Five digits are
+# what two compilers of the plant share.
 @pytest.mark.parametrize(
     ("name", "count", "speeds"),
     [
@@ -55,7 +56,7 @@ def test_load_moves_to_the_front_by_inertia():
 def test_the_truth_is_that_of_the_former_loop(name, count, speeds, seed):
     recording = run(name, seed)
     assert recording.sizes["time"] == count
-    assert truth_of(recording, "v")[[450, 1100, 1600, -1]].tolist() == speeds
+    assert truth_of(recording, "v")[[450, 1100, 1600, -1]] == pytest.approx(speeds, rel=1e-5)
 
 
 def test_instruments_read_the_truth_with_white_noise_of_their_own(stop):
