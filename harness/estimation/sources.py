@@ -20,7 +20,7 @@ from railgrip.trace.samples import evenly, with_signals
 Maker = Callable[[str, int | None], xarray.Dataset]
 """Scenario and seed, None for the scenario's own, to a recording."""
 
-KINDS = ("roller_rig", "wagon", "field")
+KINDS = ("roller_rig", "stop", "field")
 
 
 def recording_of_estimation(
@@ -101,20 +101,21 @@ def recording_for(source: SourceTable) -> xarray.Dataset:
     Raises:
         EstimationError: There is no such kind or no such scenario.
     """
-    return _maker(source.kind)(source.scenario, source.seed)
+    return _maker(source)(source.scenario, source.seed)
 
 
-def _maker(kind: str) -> Maker:
+def _maker(source: SourceTable) -> Maker:
+    kind = source.kind
     # Imported when asked for: twins bring the FMU compiler, and reading a file needs none of it.
     if kind == "roller_rig":
         from railgrip.twins.rig_scenario import rig_scenario
         from railgrip.twins.roller_rig import run_rig
 
         return lambda scenario, seed: run_rig(rig_scenario(scenario), seed)
-    if kind == "wagon":
-        from railgrip.twins.wagon import run_wagon, wagon_scenario
+    if kind == "stop":
+        from railgrip.estimation.stop import recording_of_stop
 
-        return lambda scenario, seed: run_wagon(wagon_scenario(scenario), seed)
+        return lambda scenario, seed: recording_of_stop(scenario, seed, source.noise)
     if kind == "field":
         from railgrip.twins.field_scenario import field_case
         from railgrip.twins.field_train import run_case

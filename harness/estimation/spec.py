@@ -127,11 +127,17 @@ class CourseTable(Table):
 
 
 class SourceTable(Table):
-    """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws."""
+    """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws.
+
+    A source of the kind `stop` is a scenario of the loop.
+    """
 
     kind: str
     scenario: str
     seed: Seed | None = None
+    noise: dict[str, Magnitude] = Field(
+        default={}, description="kind stop: what is read of the plant's signals, with the standard deviation of each"
+    )
 
 
 class Specification(Table):

@@ -1,38 +1,48 @@
 """A simulated life: stops of one train, with what changes from stop to stop and what breaks.
 
-Every stop is a run of the plant FMU `TwoPartTrain`; readings are those of service sensors at 25 Hz.
+Every stop is a scenario with a [demand] that the loop runs; readings are those of service sensors at 25 Hz.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.assemble import trace_of
+from railgrip.scenario.load import scenario_of
+from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import recording_of
-from railgrip.twins.plant import defaults, plant
+from railgrip.twins.plant import defaults
 
 Vector = NDArray[np.float64]
 
 PLANT = "TwoPartTrain"
-INPUTS = {"pressure_command": ("Pa", 4), "mu0": ("1", 6), "track_force": "N"}
-OUTPUTS = {
-    "speed": "m/s",
-    "acceleration": "m/s2",
-    "wheelset_speed": ("rad/s", 4),
-    "cylinder_pressure": ("Pa", 4),
-    "pad_friction": ("1", 4),
-}
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2
 COASTING = 4.0  # s before the brake
 _SLOT = 2.0  # s that a group is released for the test
 _FIRST_SLOT = 2.5  # s after the brake began
 _LAG = 0.2  # s, time constant of the cylinders
 _DOPPLER = 0.12  # s between readings of the train speed
-_END = 2.0  # m/s
+_TRAIN = {
+    "seed": 0,  # nothing in the loop is drawn: ideal sensors, a constant rail
+    "vehicle": {"plant": PLANT},
+    "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.4},
+    "sensors": {"kind": "ideal"},
+    "actuation": {"kind": "ideal"},
+    "estimator": {"kind": "none"},
+    "controller": {"kind": "full_brake"},
+    "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), PERIOD),
+    "limits": {"horizon": 90.0, "stop_speed": 2.0, "alpha_max": "tsi"},
+}
+"""What all stops have in common."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,15 +107,26 @@ def live(life: Life, numbers: range | None = None) -> Iterator[SimulatedStop]:
         yield _stop(life, k, random, 0.35 * factor, 0.35 * begins, stuck, transducers)
 
 
-def testing_pressure(time: float, full: Vector, testing: bool) -> Vector:
-    """Return the pressures that are demanded at a time since the beginning of the recording [Pa], shape (4,)."""
-    if time < COASTING:
-        return np.zeros(4)
-    demand = full.copy()
-    slot = int((time - COASTING - _FIRST_SLOT) // _SLOT)
-    if testing and 0 <= slot < 4:
-        demand[slot] = 0.0
-    return demand
+def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
+    """Return the table [demand] of a stop: coasting, then braking, and each group released in turn where it is tested.
+
+    Args:
+        full: Pressures that are braked with, shape (4,) [Pa].
+        testing: Whether groups are released in turn.
+        residual: Pressure that stays in the cylinders of each group whatever is demanded, shape (4,) [Pa].
+    """
+    brake, release = full.copy(), np.zeros(4)
+    courses = [(release, COASTING)]
+    if testing:
+        courses.append((brake, COASTING + _FIRST_SLOT))
+        for group in range(4):
+            tested = brake.copy()
+            tested[group] = 0.0
+            courses.append((tested, COASTING + _FIRST_SLOT + (group + 1) * _SLOT))
+    # From the first sample on that is not before.
+    ends = [{"until": {"time": math.ceil(round(end / PERIOD, 6)) * PERIOD}} for _, end in courses]
+    pressures = [np.maximum(pressure, residual).tolist() for pressure in (*(course for course, _ in courses), brake)]
+    return {"phases": [{"pressure": pressure} | end for pressure, end in zip(pressures, [*ends, {}], strict=True)]}
 
 
 def _stop(
@@ -123,48 +144,39 @@ def _stop(
     load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor believes in the nominal mass
     slope = 0.002 * random.standard_normal()
     discs = random.uniform(293.15, 393.15, 4)
-    parameters = {"speed_start": speed, "T_pressure": _LAG, "k_A": 1.0, "k_S": 0.4, "A_falling": 0.4, "B_falling": 0.6}
-    mass = 0.0
-    for i in range(6):
-        parameters[f"m_wheelset[{i + 1}]"] = load * nominal[f"m_wheelset[{i + 1}]"]
-        mass += parameters[f"m_wheelset[{i + 1}]"]
+    loads = {f"m_wheelset[{i + 1}]": load * nominal[f"m_wheelset[{i + 1}]"] for i in range(6)}
+    parameters = {"T_pressure": _LAG} | loads
     for g in range(4):
         parameters[f"mu_b_nominal[{g + 1}]"] = float(friction[g])
         parameters[f"mu_b_start[{g + 1}]"] = float(begins[g])
         parameters[f"T_disc_start[{g + 1}]"] = float(discs[g])
-    force = -mass * 9.81 * slope
-    inputs = np.concatenate([np.zeros(4), np.full(6, 0.4), [force]])
-    rows: list[Vector] = []
-    told: list[Vector] = []
-    shown = np.zeros(4)
-    with plant(PLANT, inputs=INPUTS, outputs=OUTPUTS, period=PERIOD, parameters=parameters) as train:
-        if stuck is not None:
-            inputs[stuck] = life.residual
-        rows.append(train.start(inputs))
-        told.append(shown.copy())
-        while rows[-1][0] > _END and len(rows) * PERIOD < 90.0:
-            demand = testing_pressure((len(rows) - 1) * PERIOD, full, life.testing)
-            inputs[:4] = demand
-            if stuck is not None:
-                inputs[stuck] = max(demand[stuck], life.residual)
-            rows.append(train.step(inputs))
-            shown = demand + (shown - demand) * np.exp(-PERIOD / _LAG)
-            truth = rows[-1][6:10].copy()
-            if stuck is not None:
-                truth[stuck] = shown[stuck]  # the valve's pressure; the rigging behind it is what sticks
-            told.append(truth)
-    truth = np.array(rows)
-    count = len(truth)
+    residual = np.zeros(4)
+    if stuck is not None:
+        residual[stuck] = life.residual
+    changes = {
+        "name": f"stop-{number:04d}",
+        "vehicle": {"parameters": parameters},
+        "start": {"speed": speed},
+        "track": {"force": -sum(loads.values()) * 9.81 * slope},
+        "demand": demanded(full, life.testing, residual),
+    }
+    trace = trace_of(scenario_of(merged(_TRAIN, changes), directory=Path(), origin="life"))
+    count = trace.sizes["time"]
+    shown = trace["cylinder_pressure"].values.copy()
+    if stuck is not None:  # what is read is the valve's pressure; the rigging behind it is what sticks
+        asked = trace["driver_demand"].values[1:, stuck]
+        asked = np.where(asked == life.residual, 0.0, asked)
+        shown[:, stuck] = list(accumulate(asked, lambda at, to: to + (at - to) * np.exp(-PERIOD / _LAG), initial=0.0))
     noise = random.standard_normal
-    velocity = truth[:, 0] * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
+    velocity = trace["speed"].values * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
     velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
-    acceleration = truth[:, 1] + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
-    wheels = truth[:, 2:6] + 0.2 * noise((count, 4))
-    pressure = np.array(told) + transducers + 500.0 * noise(4)
+    acceleration = trace["acceleration"].values + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
+    wheels = trace["wheelset_speed"].values + 0.2 * noise((count, 4))
+    pressure = shown + transducers + 500.0 * noise(4)
     signals: dict[str, tuple[Vector, str]] = {"speed": (velocity, "m/s"), "acceleration": (acceleration, "m/s2")}
     for g in range(4):
         signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")
         signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
-    known = {f"mu_b[{g + 1}]": (truth[:, 10 + g], "1") for g in range(4)}
+    known = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(4)}
     recording = recording_of(signals, period=PERIOD, truth=known, name=f"stop-{number:04d}")
     return SimulatedStop(recording=recording, temperature=discs + 10.0 * noise(4))
