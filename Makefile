@@ -94,7 +94,7 @@ TYPED := build/typed/railgrip
 check: $(DEV)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
-	@rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(CURDIR)/harness/* $(addprefix $(CURDIR)/,estimators controllers fmus) $(TYPED)
+	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
 	$(RUN) -m pyright
 
 ESTIMATIONS := harness/estimation/library

@@ -97,7 +97,9 @@ def write_report(scenario: FieldScenario, out: Path, tell: Callable[[str], None]
         lost={title: instant for title, instant in instants.items() if instant is not None},
         pads=Table.of(("noises", *tasks), [(title, *pads_of(noise)) for title, noise in noises.items()], "{:.2f}"),
         sets=len(spread.tracks),
-        track_spread=Table.of(_TRACK_SPREAD, [[_spread(spread.tracks, *of) for of in _TRACK_SPREAD.values()]], left=0),
+        track_spread=Table.of(
+            tuple(_TRACK_SPREAD), [[_spread(spread.tracks, *of) for of in _TRACK_SPREAD.values()]], left=0
+        ),
         score_spread=_score_spread(spread),
         noises=Table.of(
             ("entry", *noises),
@@ -144,15 +146,15 @@ def _case(scores: Mapping[str, Score], worst: Mapping[str, float]) -> Table:
     return Table([*rows, dict.fromkeys(rows[0]) | best], forms, left=("noises",))
 
 
-_TRACK_SPREAD = {
+_TRACK_SPREAD: Mapping[str, tuple[str, str, float]] = {
     "distance [%]": ("distance", "+.4f", 100.0), "curvature RMSE [1/km]": ("curvature", ".3f", 1e3),
-    "slope RMSE [‰]": ("slope", ".2f", 1e3), "track force RMSE [N]": ("force", ".0f"),
+    "slope RMSE [‰]": ("slope", ".2f", 1e3), "track force RMSE [N]": ("force", ".0f", 1.0),
 }  # fmt: skip
 
-_SCORE_SPREAD = {
-    "braking distance [%]": ("distance", "+.3f", 100.0), "adhesion RMSE": ("adhesion", ".4f"),
-    "pad friction RMSE": ("pad_friction", ".4f"), "mean pad friction RMSE": ("mean_pad_friction", ".4f"),
-    "NEES": ("nees", ".2g"),
+_SCORE_SPREAD: Mapping[str, tuple[str, str, float]] = {
+    "braking distance [%]": ("distance", "+.3f", 100.0), "adhesion RMSE": ("adhesion", ".4f", 1.0),
+    "pad friction RMSE": ("pad_friction", ".4f", 1.0), "mean pad friction RMSE": ("mean_pad_friction", ".4f", 1.0),
+    "NEES": ("nees", ".2g", 1.0),
 }  # fmt: skip
 
 
