@@ -20,7 +20,7 @@ from railgrip.trace.samples import evenly, with_signals
 Maker = Callable[[str, int | None], xarray.Dataset]
 """Scenario and seed, None for the scenario's own, to a recording."""
 
-KINDS = ("roller_rig", "stop", "field")
+KINDS = ("stop", "field")
 
 
 def recording_of_estimation(
@@ -107,11 +107,6 @@ def recording_for(source: SourceTable) -> xarray.Dataset:
 def _maker(source: SourceTable) -> Maker:
     kind = source.kind
     # Imported when asked for: twins bring the FMU compiler, and reading a file needs none of it.
-    if kind == "roller_rig":
-        from railgrip.twins.rig_scenario import rig_scenario
-        from railgrip.twins.roller_rig import run_rig
-
-        return lambda scenario, seed: run_rig(rig_scenario(scenario), seed)
     if kind == "stop":
         from railgrip.estimation.stop import recording_of_stop
 

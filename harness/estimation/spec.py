@@ -29,8 +29,8 @@ curve_law = "bogie"
 track_force = "0 N"
 
 [source]
-kind = "roller_rig"                         # a twin, see railgrip.estimation.sources
-scenario = "slide"
+kind = "stop"                               # a scenario of the loop; or a twin, see railgrip.estimation.sources
+scenario = "rig_slide"
 """
 
 from collections.abc import Sequence

@@ -11,7 +11,7 @@ from railgrip.assemble import trace_of
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.seed import generator
-from railgrip.trace.samples import recording_of
+from railgrip.trace.samples import evenly, recording_of
 
 Vector = NDArray[np.float64]
 
@@ -26,13 +26,16 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
     Args:
         scenario: Name or file.
         seed: Of the scenario and the noise; None for the scenario's own.
-        noise: Signal → standard deviation of what is read, white from sample to sample; a signal without is not read.
+        noise: Signal → standard deviation of what is read, white from sample to sample; a signal without is not
+            read. None at all leaves it to the sensors of the scenario: the trace of the stop is the recording.
 
     Raises:
         ScenarioError: There is no such scenario, it fails, or its plant does not show what is to be read.
     """
     question = load(Path(scenario), [] if seed is None else [f"seed={seed}"])
     trace = trace_of(question)
+    if not noise:
+        return evenly(trace, question.name)
     shown = {str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()}
     deviations = in_units(f"{question.name}: [source.noise]", noise, shown)
     read: dict[str, tuple[Vector, str]] = {}

@@ -6,6 +6,7 @@ largest of many errors. A changed law moves it further.
 """
 
 from collections.abc import Callable
+from pathlib import Path
 
 from railgrip.errors import EstimationError
 from railgrip.report.baseline import Finding, Findings
@@ -33,16 +34,15 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
 
 def rig(tell: Tell) -> list[Finding]:
     """Return errors of adhesion and pad friction in both tests of the roller rig, with both filters."""
-    from railgrip.estimation.rig import FILTERS, SCENARIOS, row_of
+    from railgrip.estimation.rig import FILTERS, SCENARIOS, recording_of_rig, row_of
     from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
-    from railgrip.twins.rig_scenario import rig_scenario
-    from railgrip.twins.roller_rig import run_rig
+    from railgrip.scenario.load import load
 
     found: list[Finding] = []
     for name in SCENARIOS:
         tell(f"rig, {name}")
-        scenario = rig_scenario(name)
-        recording = run_rig(scenario)
+        scenario = load(Path(name))
+        recording = recording_of_rig(scenario)
         for file in FILTERS:
             specification = load_specification(LIBRARY / f"{file}.toml")
             row = row_of(scenario, file, recording, estimate_of(specification, recording))

@@ -2,7 +2,7 @@
 
 A twin steps a plant FMU through `railgrip.fmu`, with whatever controls it, and returns a recording
 (`railgrip.trace.samples`): readings with the noise of their sensors, drawn from the scenario's seed, and the
-truth beside them. `plant` opens the FMU; `roller_rig` shows how little is left:
+truth beside them. `plant` opens the FMU:
 
     with plant("RollerRig", inputs={"valve_command": "1", "mu0": "1"}, outputs={"speed": "m/s"},
                period=1e-3, parameters={"speed_start": 33.3}) as rig:

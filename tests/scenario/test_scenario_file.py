@@ -11,11 +11,9 @@ from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.valves import SAMPLES
-from railgrip.twins.rig_scenario import rig_scenario
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 TRAPEZOID = LIBRARY / "trapezoid.toml"
-TWINS = LIBRARY.parents[1] / "twins" / "library"
 VALVES = ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic"]
 
 
@@ -233,15 +231,6 @@ def test_steps_that_end_on_a_sample_of_the_valves_are_refused(step):
             load(TRAPEZOID, [*VALVES, *every])
     else:
         load(TRAPEZOID, [*VALVES, *every])
-
-
-def test_the_rig_refuses_such_steps_too(tmp_path):
-    file = tmp_path / "mine.toml"
-    text = (TWINS / "rig_slide.toml").read_text(encoding="utf-8")
-    assert text.count('period = "5 ms"') == 1
-    file.write_text(text.replace('period = "5 ms"', 'period = "0.5 ms"'), encoding="utf-8")
-    with pytest.raises(ScenarioError, match=r"period of 0\.0005 s makes steps end on samples of the valves"):
-        rig_scenario(str(file))
 
 
 def test_the_samples_of_the_valves_are_those_of_the_plant():
