@@ -107,8 +107,9 @@ def serve(line: socket.socket) -> None:
                     answer = plant.step(np.frombuffer(payload)).tobytes()
             # Whatever it is belongs to the parent, which raises it where the question was asked.
             except PlantFailed as failed:
-                assert not isinstance(failed.failure, str)  # plain text is of plants in Python, which run in no child
-                send(line, FAILED, json.dumps(asdict(failed.failure)).encode())
+                failure = failed.failure
+                assert not isinstance(failure, str)  # plain text is of plants in Python, which run in no child
+                send(line, FAILED, json.dumps(asdict(failure)).encode())
             except FmuError as error:
                 send(line, REFUSED, str(error).encode())
             except Exception as error:
