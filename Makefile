@@ -6,7 +6,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control bench test \
-        test-omc regress-omc fuzz check estimate tune lateral learn monitor clean
+        test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -121,6 +121,9 @@ lateral: $(READY)  ## estimate friction of a wandering wheelset with three filte
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
 	$(RUN) -m railgrip learn
+
+k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
+	$(RUN) -m railgrip k-factors vt642 --loop
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

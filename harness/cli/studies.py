@@ -1,4 +1,4 @@
-"""Studies of papers: the field test, a wandering wheelset, axle-box accelerations and the brake monitor."""
+"""Studies: the field test, a wandering wheelset, axle-box accelerations, the brake monitor, K factors of a brake."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from railgrip.cli.app import Workers, app
+from railgrip.cli.app import Overrides, Workers, app
 from railgrip.console import progress, say, show_table
 from railgrip.errors import ScenarioError
 from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
@@ -225,6 +225,34 @@ def monitor_study(
     show_table(verdict.table())
     first = watch(evidence_of_life(asked[0]), design)
     say(str(draw(first, design, out / "life.png")))
+
+
+@app.command("k-factors")
+def k_factors(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Dispersion and failures; vt642 is ours.")],
+    overrides: Overrides = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")] = Path("build/k_factors"),
+    loop: Annotated[bool, typer.Option("--loop", help="Also stops with the controller, as [loop] says.")] = False,
+    workers: Workers = 2,
+) -> None:
+    """Print K_dry_rst for EBCL 0 to 9 from the dispersion of a brake's components, with intervals of 95 %."""
+    from railgrip.campaign.one_stop import make_folder
+    from railgrip.studies.k_factors.page import FILES, sentences, table, write
+    from railgrip.studies.k_factors.specification import load_specification
+    from railgrip.studies.k_factors.study import conduct
+
+    specification, scenario = load_specification(file, overrides or [])
+    make_folder(out, *FILES)
+    with progress(specification.name) as shown:
+        study = conduct(
+            specification, scenario, out, loop=loop, workers=workers, tell=lambda what: shown.update(doing=what)
+        )
+        page = write(study, out)
+    show_table(table(study))
+    for sentence in sentences(study):
+        say(sentence)
+    say(f"{study.found.seconds:.1f} s")
+    say(str(page))
 
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:

@@ -1,0 +1,93 @@
+"""How much less a train brakes on wet rail: K_wet_rst of ETCS, from stops on dry and on wet rail.
+
+K_wet_rst = 100/(100 + increase of the deceleration distance in %), where the deceleration distance is the stopping
+distance less what is travelled in the equivalent build-up time (SUBSET-040; stops as of EN 15595, tests 1 and 3, or 2
+and 4: verify in the standards).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """An estimate, and the interval that holds the truth with some confidence."""
+
+    value: float
+    low: float
+    high: float
+
+
+def equivalent_time(time: Array, pressure: Array) -> float:
+    """Return the time after which full pressure at once would brake as much as this build-up [s].
+
+    Args:
+        time: Since the brake demand, shape (n,) [s].
+        pressure: Of the cylinders in a stop on dry rail, shape (n,) or (n, groups), any unit.
+
+    Raises:
+        ValueError: There is no pressure at the end.
+    """
+    mean = pressure.reshape(len(time), -1).mean(axis=1)
+    if mean[-1] <= 0:
+        raise ValueError("the equivalent time wants a stop that ends under pressure")
+    return float(np.trapezoid(1.0 - mean / mean[-1], time))
+
+
+def corrected_distance(distance: float, speed: float, nominal_speed: float, time: float) -> float:
+    """Return the stopping distance from the nominal speed [m], of a stop from about that speed.
+
+    v_n t_e + (s − v t_e)(v_n/v)², the leading terms of EN 16834.
+
+    Args:
+        distance: Of the stop [m].
+        speed: At its brake demand [m/s].
+        nominal_speed: At which it was to be [m/s].
+        time: Equivalent time of the brake [s].
+    """
+    return nominal_speed * time + (distance - speed * time) * (nominal_speed / speed) ** 2
+
+
+def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float, confidence: float = 0.95) -> Interval:
+    """Return K_wet_rst of stops from one speed.
+
+    The interval is Welch's, of the logarithms of the two means: distances of one kind scatter by a few percent.
+
+    Args:
+        dry: Stopping distances on dry rail, two or more, corrected to the speed [m].
+        wet: The same on wet rail.
+        speed: At the brake demand [m/s].
+        time: Equivalent time of the brake [s].
+        confidence: Of the interval.
+
+    Raises:
+        ValueError: Less than two stops of a kind, or one shorter than the equivalent time alone.
+    """
+    from scipy.stats import t
+
+    means: list[float] = []
+    variances: list[float] = []
+    freedom: list[int] = []
+    for name, distances in (("dry", dry), ("wet", wet)):
+        braked = np.asarray(distances, dtype=np.float64) - speed * time
+        if len(braked) < 2 or not np.isfinite(braked).all() or braked.min() <= 0:
+            raise ValueError(
+                f"K_wet wants two {name} stops or more, each longer than the {speed * time:.4g} m of the equivalent "
+                f"time, got {list(distances)}"
+            )
+        means.append(float(braked.mean()))
+        variances.append(float(braked.var(ddof=1)) / len(braked) / means[-1] ** 2)
+        freedom.append(len(braked) - 1)
+    both = sum(variances)
+    value = log(means[0] / means[1])
+    half = 0.0
+    if both > 0.0:
+        count = both**2 / sum(one**2 / n for one, n in zip(variances, freedom, strict=True))
+        half = float(t.ppf((1 + confidence) / 2, count)) * sqrt(both)
+    return Interval(exp(value), exp(value - half), exp(value + half))

@@ -1,0 +1,212 @@
+"""The quasi-static brake: deceleration by step of speed and stopping distance, for many draws at once.
+
+s = v₀ t_e + Σ (v_j² − v_{j+1}²)/(2 a_j), a = (brake force + resistance)/(m + m_rot), the form of EN 14531-1. Names of
+parameters are those of the plant `TwoPartTrainPneumatic`, whose pads and discs these are in their steady state.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.errors import ScenarioError
+from railgrip.formation import Formation
+from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
+from railgrip.train import GRAVITY, brake_of, masses_of
+
+Array = NDArray[np.float64]
+
+PARTS = 4
+"""Of each step of speed, equal in v²: eight move the distance by less than 1e-4."""
+
+_LARGEST = 20_000
+"""Draws at once: their arrays of a few megabytes stay in the cache."""
+
+_SCALARS = (
+    *("speed_effect", "pad_speed_nominal", "temperature_effect", "temperature_nominal", "temperature_range"),
+    *("force_effect", "pad_force_nominal", "m_disc", "m_disc_surface", "c_disc", "G_disc", "pad_share"),
+    *("mu_bearing", "r_bearing", "e_rolling", "c_drag", "A_drag", "rho_air", "dead_fill", "T_fill", "leak"),
+)
+
+
+Deviations = Mapping[str, Array]
+"""Quantity → factor on nominal, or difference of a pressure [Pa]; shape (n, 1), (n, groups) or (n, units)."""
+
+
+class QuasiStaticBrake:
+    """A train under full brake.
+
+    Attributes:
+        units: Brake units of each group.
+        dimension: Standard normal numbers of a draw.
+        nominal: Deceleration in each step, from the slowest, and of the whole stop [m/s2].
+        equivalent_time: Nominal [s].
+        distance: Nominal [m].
+    """
+
+    def __init__(
+        self,
+        parameters: Mapping[str, float],
+        formation: Formation,
+        dispersion: Sequence[Dispersion],
+        speeds: Sequence[float],
+    ) -> None:
+        """Take the plant's parameters, what disperses, and the limits of the steps of speed, falling to 0 [m/s].
+
+        Raises:
+            ScenarioError: The plant lacks a parameter.
+        """
+        try:
+            self._of = {name: parameters[name] for name in _SCALARS}
+            self._friction, self._first_friction, self._temperature = (
+                np.array([parameters[f"{name}[{g + 1}]"] for g in range(formation.groups)])
+                for name in ("mu_b_nominal", "mu_b_start", "T_disc_start")
+            )
+            self._brake, self._wheelset_mass = brake_of(parameters, formation), masses_of(parameters, formation)
+        except KeyError as problem:
+            raise ScenarioError(
+                f"K factors are of a plant with the brake of TwoPartTrainPneumatic; this one lacks {problem}."
+            ) from None
+        self.units = tuple(int(count) for count in self._brake.n_units)
+        self._group = np.repeat(np.arange(formation.groups), self.units)
+        self._place = np.concatenate([np.arange(count) for count in self.units])
+        self._dispersion = tuple(dispersion)
+        widths = dict(zip(EXTENTS, (1, formation.groups, len(self._group)), strict=True))
+        self._widths = [widths[one.per] for one in dispersion]
+        self.dimension = sum(self._widths)
+        self.speeds = tuple(speeds)
+        decelerations, distance, time = self._stops(self.units, self._deviations(None))
+        self.equivalent_time, self.distance = float(time[0]), float(distance[0])
+        self.nominal = np.append(decelerations[0], self.equivalent_deceleration(self.distance))
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """What has a K each: steps of speed, from the slowest, and the whole stop with its equivalent time."""
+        limits = [3.6 * speed for speed in reversed(self.speeds)]
+        steps = [f"{low:g}–{high:g} km/h" for low, high in pairwise(limits)]
+        return (*steps, f"stop from {limits[-1]:g} km/h")
+
+    def equivalent_deceleration(self, distance: float | Array) -> float | Array:
+        """Return the deceleration after the nominal equivalent time [m/s2]; a late brake counts as a weak one."""
+        v = self.speeds[0]
+        return v**2 / (2 * (distance - v * self.equivalent_time))
+
+    def ratios(self, available: Sequence[int], standard: Array) -> Array:
+        """Return deceleration over nominal, shape (n, outputs).
+
+        Args:
+            available: Units of each group that brake.
+            standard: Standard normal numbers, shape (n, dimension).
+        """
+        found = np.empty((len(standard), len(self.nominal)))
+        for first in range(0, len(standard), _LARGEST):
+            part = slice(first, first + _LARGEST)
+            decelerations, distance, _ = self._stops(available, self._deviations(standard[part]))
+            found[part, :-1], found[part, -1] = decelerations, self.equivalent_deceleration(distance)
+        return found / self.nominal
+
+    def plant_parameters(self, available: Sequence[int], standard: Array | None) -> dict[str, float]:
+        """Return the plant's parameters of one draw, shape (dimension,), or of the nominal train.
+
+        The plant has one friction for all units of a group and one efficiency for all: what units differ by goes into
+        the friction of their group.
+        """
+        one, braking = self._deviations(None if standard is None else standard[None, :]), np.array(available) > 0
+        scale = self._torque(available, one)[0] / np.maximum(self._torque(available, one, alike=True)[0], 1e-9)
+        scale = np.where(braking, scale, 1.0)
+        each: dict[str, Array] = {
+            "mu_b_nominal": self._friction * scale,
+            "mu_b_start": self._first_friction * scale,
+            # A disc that is not braked has no heat to share: its group keeps its units, and has no pressure.
+            "p_max": np.where(braking, self._brake.p_max + one["pressure"][0], 0.0),
+            "n_units": np.where(braking, available, self.units),
+            "r_wheel": self._brake.r_wheel * one["wheel_radius"][0],
+            "m_wheelset": self._wheelset_mass * one["mass"][0],
+        }
+        whole = {f"{name}[{i + 1}]": float(value) for name, values in each.items() for i, value in enumerate(values)}
+        return whole | {"T_fill": self._of["T_fill"] * float(one["build_up"][0, 0])}
+
+    def _deviations(self, standard: Array | None) -> Deviations:
+        """Return the deviations of standard normal numbers, shape (n, dimension); none for the nominal train."""
+        groups, n = len(self.units), 1 if standard is None else len(standard)
+        widths = {"pressure": groups, "wheel_radius": groups, "mass": 1, "build_up": 1}
+        found = {
+            name: np.full((n, widths.get(name, len(self._group))), 0.0 if name == "pressure" else 1.0)
+            for name in get_args(Quantity)
+        }
+        if standard is None:
+            return found
+        first = 0
+        for one, width in zip(self._dispersion, self._widths, strict=True):
+            value, first = one.of(standard[:, first : first + width]), first + width
+            if width == groups < found[one.quantity].shape[1]:
+                value = value[:, self._group]
+            if one.quantity == "pressure":
+                found[one.quantity] += value
+            else:
+                found[one.quantity] *= 1.0 + value
+        return found
+
+    def _pressure(self, one: Deviations) -> Array:
+        """Return what the cylinders of each group hold, less what the leak keeps from them [Pa]."""
+        return self._brake.p_max + one["pressure"] - self._of["leak"] * self._of["T_fill"]
+
+    def _torque(self, available: Sequence[int], one: Deviations, *, alike: bool = False) -> Array:
+        """Return the torque of each group at nominal speed and temperature of the pads [N m].
+
+        With `alike` all units have nominal friction, efficiency and radius.
+        """
+        brake, of, group = self._brake, self._of, self._group
+        piston = np.maximum(self._pressure(one) * brake.A_piston - brake.F_spring, 0.0)[:, group]
+        force = brake.i_rigging * brake.eta_rigging * piston
+        arm = brake.r_friction[group] * self._friction[group]
+        if not alike:
+            force, arm = force * one["efficiency"], arm * one["friction_radius"] * one["pad_friction"]
+        torque = force * arm * (1 - of["force_effect"] * (force / of["pad_force_nominal"] - 1))
+        member = (self._place < np.asarray(available)[group]) & (group == np.arange(len(self.units))[:, None])
+        return torque @ member.T.astype(np.float64)
+
+    def _stops(self, available: Sequence[int], one: Deviations) -> tuple[Array, Array, Array]:
+        """Return deceleration of each step, from the slowest, shape (n, steps), distance and equivalent time."""
+        brake, of, count = self._brake, self._of, np.maximum(np.asarray(available), 1)
+        torque, radius = self._torque(available, one), brake.r_wheel * one["wheel_radius"]
+        mass = self._wheelset_mass.sum() * one["mass"][:, 0]
+        inertial = mass + (brake.J / radius**2).sum(axis=1)
+        # the plant's bearingFriction to 1e-6
+        bearing = of["mu_bearing"] * of["r_bearing"] / brake.r_wheel.mean()
+        rolling = mass * GRAVITY * (bearing + of["e_rolling"] / brake.r_wheel.mean())
+        drag = 0.5 * of["rho_air"] * of["c_drag"] * of["A_drag"]
+        force = torque / radius
+        share = force / np.maximum(force.sum(axis=1, keepdims=True), 1e-9)
+        start, left = self.speeds[0], 1.0 - of["pad_share"]
+        steps: list[Array] = []
+        distance = np.zeros(len(mass))
+        for high, low in pairwise(self.speeds):
+            width = (high**2 - low**2) / PARTS
+            inverse = np.zeros(len(mass))
+            for part in range(PARTS):
+                square = high**2 - (part + 0.5) * width
+                speed = square**0.5
+                # What heats the bulk of a disc is what was braked, less what is still in its surface.
+                energy = 0.5 * inertial[:, None] * (start**2 - square) * share / count
+                surface = of["m_disc_surface"] * of["c_disc"] * force / count * speed / of["G_disc"]
+                warmth = np.maximum(energy - surface, 0.0) * left / (of["m_disc"] * of["c_disc"])
+                heat = (self._temperature + warmth - of["temperature_nominal"]) / of["temperature_range"]
+                pad_speed = speed * brake.r_friction / radius / of["pad_speed_nominal"]
+                steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturated(heat))
+                deceleration = ((force * steady).sum(axis=1) + rolling + drag * square) / inertial
+                inverse += 1 / deceleration
+            steps.append(PARTS / inverse)
+            distance += 0.5 * width * inverse
+        piston = np.maximum(self._pressure(one) * brake.A_piston, 1.0)
+        # Pads touch when the pressure has passed the spring, and then their force follows with the same time constant.
+        rise = np.where(piston > brake.F_spring, -np.log1p(-np.minimum(brake.F_spring / piston, 0.99)), 0.0)
+        time = of["dead_fill"] + of["T_fill"] * one["build_up"][:, 0] * (1 + (share * rise).sum(axis=1))
+        return np.stack(steps[::-1], axis=1), distance + start * time, time
+
+
+def _saturated(x: Array) -> Array:
+    """Return `RailBraking.Friction.saturate`."""
+    return (np.sqrt((x + 1) ** 2 + 0.01) - np.sqrt((x - 1) ** 2 + 0.01)) / 2

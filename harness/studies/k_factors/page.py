@@ -1,0 +1,161 @@
+"""What a K factor study found: JSON, a page, a figure and rows for the screen."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from railgrip.assemble import plant_description, versions
+from railgrip.atomic import write_text
+from railgrip.record.k_wet import Interval
+from railgrip.report.page import write_page
+from railgrip.report.style import dress, figure, lead_to_trail, save
+from railgrip.report.table import Table
+from railgrip.sources import sources_digest
+from railgrip.studies.k_factors.rare import estimates, pooled
+from railgrip.studies.k_factors.study import PROBABILITIES, Study
+
+_SHOWN = (0, 3, 6, 9)
+"""EBCL whose convergence is drawn."""
+
+_HALF_HEIGHT = 0.012  # of the panels of convergence, in K
+
+_METHOD = "exact enumeration of failure states, importance sampling about the worst points within each"
+_METHOD_IN_LOOP = "exact enumeration of failure states, subset simulation within each"
+
+FILES = ("k_factors.json", "k_factors.png", "k_factors.md")
+
+
+def table(study: Study) -> Table:
+    """Return one row for each EBCL: probability, and K with its interval for each output."""
+    rows = [
+        [str(level), f"{probability:g}", *(_spelled(k[level]) for k in study.found.k)]
+        for level, probability in enumerate(PROBABILITIES)
+    ]
+    return Table.of(("EBCL", "P(less)", *study.brake.outputs), rows, left=0)
+
+
+def sentences(study: Study) -> list[str]:
+    """Return what else the study has to say."""
+    brake, found, loop = study.brake, study.found, study.loop
+    nominal = ", ".join(f"{output} {a:.3f}" for output, a in zip(brake.outputs, brake.nominal, strict=True))
+    lines = [
+        f"Nominal deceleration [m/s²]: {nominal}; equivalent time {brake.equivalent_time:.2f} s.",
+        f"Nominal stop: {brake.distance:.1f} m quasi-static, {study.plant_distance:.1f} m in the loop "
+        f"({100 * (brake.distance / study.plant_distance - 1):+.1f} %).",
+        f"{found.draws} draws of {len(found.states)} failure states; all others have a probability of "
+        f"{found.neglected:.1e} together.",
+    ]
+    if loop is not None:
+        cost = [
+            f"{p:g} {stops} stops, {stops * loop.stop_seconds / study.workers / 60:.0f} min"
+            for p, stops in loop.cost.items()
+        ]
+        lines += [
+            f"With the controller in the loop: K = {_spelled(loop.k)} at {loop.probability:g}, quasi-static "
+            f"{_spelled(loop.quasi_static)}; {loop.stops} stops, failure states sampled {loop.states}, all others "
+            f"{loop.neglected:.1e}; a stop takes a core {loop.stop_seconds:.2f} s.",
+            f"The same samples and runs for less likely decelerations, estimated for {study.workers} cores: "
+            f"{'; '.join(cost)}. Intervals half as wide take four times as many.",
+        ]
+    return lines
+
+
+def write(study: Study, folder: Path) -> Path:
+    """Write k_factors.json, k_factors.png and k_factors.md; return the page.
+
+    The same file gives the same bytes, but for times: what is under `seconds`, and the page's sentences on stops.
+    """
+    specification, brake, found, loop = study.specification, study.brake, study.found, study.loop
+    plant = plant_description(study.scenario)
+    content: dict[str, Any] = {
+        "name": specification.name,
+        "method": _METHOD,
+        "seed": specification.seed,
+        "confidence": 0.95,
+        "samples": found.draws,
+        "runs": specification.estimate.runs,
+        "states": [asdict(state) for state in found.states],
+        "neglected_probability": found.neglected,
+        "nominal": {
+            "deceleration_m_s2": dict(zip(brake.outputs, brake.nominal.tolist(), strict=True)),
+            "equivalent_time_s": brake.equivalent_time,
+            "distance_m": brake.distance,
+            "plant_distance_m": study.plant_distance,
+        },
+        "k_dry": [
+            {"output": output, "ebcl": level, "probability": PROBABILITIES[level], **_plain(one)}
+            for output, of in zip(brake.outputs, found.k, strict=True)
+            for level, one in enumerate(of)
+        ],
+        "specification": specification.model_dump(mode="json"),
+        "scenario_digest": study.scenario.digest(),
+        "versions": versions() | {"sources": sources_digest(), plant.file.name: plant.generator},
+        "fmus": {plant.file.name: plant.digest},
+        "seconds": {"quasi_static": round(found.seconds, 2)},
+    }
+    if loop is not None:
+        content["loop"] = {
+            "method": _METHOD_IN_LOOP,
+            "probability": loop.probability,
+            **_plain(loop.k),
+            "quasi_static": _plain(loop.quasi_static),
+            "states": loop.states,
+            "neglected_probability": loop.neglected,
+            "samples": loop.stops,
+            "estimated_stops": {f"{p:g}": stops for p, stops in loop.cost.items()},
+        }
+        content["seconds"] |= {"stop": loop.stop_seconds, "new_stops": loop.new_stops}
+    write_text(folder / FILES[0], json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    save(draw(study), folder / FILES[1])
+    return write_page(
+        folder / FILES[2],
+        "studies/k_factors/k_factors.md.jinja",
+        specification=specification,
+        table=table(study),
+        sentences=sentences(study),
+        picture=FILES[1],
+    )
+
+
+def draw(study: Study) -> Figure:
+    """Return the figure: K over probability for each output, and how K of the whole stop settles with the draws."""
+    brake, found = study.brake, study.found
+    made = figure(11.0, 5.4)
+    grid = made.add_gridspec(len(_SHOWN), 2)
+    left = made.add_subplot(grid[:, 0])
+    colours = lead_to_trail(len(brake.outputs))
+    levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
+    for output, runs, colour in zip(brake.outputs, found.runs, colours, strict=True):
+        whole = pooled(runs, [1 / len(runs)] * len(runs))
+        left.semilogy([whole.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
+    stop = found.k[-1]
+    spread = np.array([[one.value - one.low, one.high - one.value] for one in stop]).T
+    left.errorbar([one.value for one in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3)
+    dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
+    left.legend(fontsize=8, frameon=False)
+    runs = found.runs[-1]
+    counts = np.arange(2, len(runs) + 1)
+    courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _SHOWN], found.neglected) for n in counts]
+    for number, level in enumerate(_SHOWN):
+        right = made.add_subplot(grid[number, 1])
+        k, low, high = (np.array([getattr(one[number], of) for one in courses]) for of in ("value", "low", "high"))
+        draws = counts * len(runs[0].values) / 1e3
+        right.plot(draws, k, color=colours[-1], lw=1.2)
+        right.fill_between(draws, low, high, color=colours[-1], alpha=0.25, lw=0)
+        right.set_ylim(k[-1] - _HALF_HEIGHT, k[-1] + _HALF_HEIGHT)
+        title = "" if number else f"Estimate and 95 % interval, {brake.outputs[-1]}"
+        dress(right, x="thousand draws" if level == _SHOWN[-1] else "", y=f"K, EBCL {level}", title=title)
+        right.tick_params(labelbottom=level == _SHOWN[-1])
+    return made
+
+
+def _spelled(one: Interval) -> str:
+    return f"{one.value:.4f} ({one.low:.4f}–{one.high:.4f})"
+
+
+def _plain(one: Interval) -> dict[str, float]:
+    return {"k": one.value, "low": one.low, "high": one.high}

@@ -1,0 +1,217 @@
+"""Small quantiles of a performance that depends on standard normal numbers and on discrete failure states.
+
+P(g < k) = Σ P(state) P(g(state, U) < k): states are enumerated, what happens within one is sampled.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import ceil, comb, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.record.k_wet import Interval
+
+Array = NDArray[np.float64]
+Performance = Callable[[Array], Array]
+"""Standard normal numbers, shape (n, dimension) → performance, shape (n, outputs) or (n,); small is bad."""
+
+_TURNS = 3
+_STEP = 1e-3
+_ROUNDING = 1e-9
+
+_CHAIN = 10
+"""Length of a Markov chain: one over the share that each level keeps."""
+_CORRELATION = 0.8
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What has failed, and how likely just that has.
+
+    Attributes:
+        available: Units of each group that still brake.
+        probability: Of the state.
+    """
+
+    available: tuple[int, ...]
+    probability: float
+
+
+def states_of(
+    units: Sequence[int], isolated: float, stuck: float, *, neglect: float
+) -> tuple[tuple[State, ...], float]:
+    """Return the likeliest failure states and the probability of all others.
+
+    Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
+
+    Args:
+        units: Of each group.
+        isolated: Probability that a unit is.
+        stuck: Probability that the valve of a group is.
+        neglect: Most that the others may have together.
+    """
+    groups = [
+        [
+            (left, (1 - stuck) * comb(n, left) * isolated ** (n - left) * (1 - isolated) ** left + stuck * (left == 0))
+            for left in range(n + 1)
+        ]
+        for n in units
+    ]
+    kept, rest = [State((), 1.0)], 0.0
+    for group in groups:
+        grown = [State((*one.available, left), one.probability * p) for one in kept for left, p in group]
+        grown.sort(key=lambda state: (-state.probability, state.available))
+        # Summed from the least likely on, for one minus the others has no digits left.
+        lost = np.cumsum([state.probability for state in reversed(grown)])
+        dropped = min(int(np.searchsorted(lost, neglect / len(groups), side="right")), len(grown) - 1)
+        rest += float(lost[dropped - 1]) if dropped else 0.0
+        kept = grown[: len(grown) - dropped]
+    return tuple(kept), rest
+
+
+class Sample:
+    """Values with weights: the weights of those below k estimate the probability of being below k.
+
+    Attributes:
+        values: Shape (n,), rising.
+        weights: Of each.
+    """
+
+    def __init__(self, values: Array, weights: Array) -> None:
+        """Take values in any order, and the weight of each."""
+        order = np.argsort(values, kind="stable")
+        self.values, self.weights = values[order], weights[order]
+        self._below = np.cumsum(self.weights)
+
+    def quantile(self, probability: float) -> float:
+        """Return the value that is undercut with a probability."""
+        place = int(np.searchsorted(self._below, probability))
+        return float(self.values[min(place, len(self.values) - 1)])
+
+
+def pooled(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
+    """Return the sample of a mixture, each part with its share."""
+    weights = [share * one.weights for one, share in zip(samples, shares, strict=True)]
+    return Sample(np.concatenate([one.values for one in samples]), np.concatenate(weights))
+
+
+def estimates(
+    runs: Sequence[Sample], probabilities: Sequence[float], neglected: float = 0.0, confidence: float = 0.95
+) -> tuple[Interval, ...]:
+    """Return quantiles of all runs together, with intervals from what the single runs scatter (sectioning).
+
+    Failure states that were left out may be worse than all others: they lower the lower ends.
+
+    Raises:
+        ValueError: They are as likely as a quantile's probability.
+
+    Source: Asmussen, Glynn: Stochastic Simulation (2007), III.5.
+    """
+    from scipy.stats import t
+
+    if neglected >= min(probabilities):
+        raise ValueError(
+            f"states of a probability of {neglected:g} are left out of a quantile of {min(probabilities):g}"
+        )
+    together = pooled(runs, [1 / len(runs)] * len(runs))
+    width = float(t.ppf((1 + confidence) / 2, len(runs) - 1)) / sqrt(len(runs))
+    found: list[Interval] = []
+    for probability in probabilities:
+        half = width * float(np.std([run.quantile(probability) for run in runs], ddof=1))
+        value = together.quantile(probability)
+        found.append(Interval(value, together.quantile(probability - neglected) - half, value + half))
+    return tuple(found)
+
+
+def worst_points(performance: Performance, dimension: int, depth: int) -> Array:
+    """Return where to sample: the origin, and for each output the worst points at distances 1 to `depth` from it.
+
+    Each is the fixed point −r ∇g/|∇g| of the first-order reliability method on a sphere of radius r, three turns each.
+    A point that is not the worst costs variance, no bias.
+    """
+    points = [np.zeros(dimension)]
+    outputs = performance(points[0][None, :]).shape[1]
+    for output in range(outputs if depth > 0 else 0):
+        point = points[0]
+        for radius in range(1, depth + 1):
+            for _ in range(_TURNS):
+                around = performance(np.vstack([point, point + _STEP * np.eye(dimension)]))[:, output]
+                slope = (around[1:] - around[0]) / _STEP
+                length = float(np.linalg.norm(slope))
+                point = -radius * slope / length if length > 0 else point
+            points.append(point)
+    return np.array(points)
+
+
+def importance_sample(
+    performance: Performance, points: Array, samples: int, random: np.random.Generator
+) -> tuple[Array, Array]:
+    """Return performances, shape (n, outputs), and weights, shape (n,), of draws about several points.
+
+    Normal distributions about all points, as many draws of each (rounded up), weighed by the density of their
+    mixture: one of them is the original distribution, so that no weight is larger than their number over n.
+
+    Source: Hesterberg, Technometrics 37 (1995) 185; Owen, Zhou, JASA 95 (2000) 135.
+    """
+    each = -(-samples // len(points))
+    drawn = np.repeat(points, each, axis=0) + random.standard_normal((each * len(points), points.shape[1]))
+    exponents = drawn @ points.T - 0.5 * np.sum(points**2, axis=1)
+    top = exponents.max(axis=1)
+    density = np.exp(top) * np.exp(exponents - top[:, None]).mean(axis=1)
+    return performance(drawn), 1.0 / (density * len(drawn))
+
+
+def subset_sample(
+    performance: Performance,
+    dimension: int,
+    probability: float,
+    samples: int,
+    random: np.random.Generator,
+) -> Sample:
+    """Return a sample that reaches down to the quantile of a probability, by subset simulation.
+
+    Each level keeps the worst tenth of the one before and goes on from them in Markov chains, whose candidates
+    ρ u + √(1−ρ²) ξ, ρ = 0.8, are taken if they stay below the threshold. `samples` counts by tens.
+
+    Source: Au, Beck, Probab. Eng. Mech. 16 (2001) 263; candidates: Papaioannou et al., Probab. Eng. Mech. 41 (2015) 89.
+    """
+    chains = samples // _CHAIN
+    u = random.standard_normal((chains * _CHAIN, dimension))
+    g, weight = performance(u), np.full(len(u), 1.0 / len(u))
+    values: list[Array] = []
+    weights: list[Array] = []
+    for _ in range(_levels(probability)):
+        order = np.argsort(g, kind="stable")
+        worst, threshold = order[:chains], g[order[chains]]
+        values.append(g[order[chains:]])
+        weights.append(weight[chains:])
+        weight = weight / _CHAIN
+        x, y = u[worst], g[worst]
+        states, found = [x], [y]
+        for _ in range(_CHAIN - 1):
+            candidate = _CORRELATION * x + sqrt(1 - _CORRELATION**2) * random.standard_normal(x.shape)
+            g_candidate = performance(candidate)
+            taken = g_candidate <= threshold
+            x, y = np.where(taken[:, None], candidate, x), np.where(taken, g_candidate, y)
+            states.append(x)
+            found.append(y)
+        u, g = np.concatenate(states), np.concatenate(found)
+    return Sample(np.concatenate([*values, g]), np.concatenate([*weights, weight]))
+
+
+def subset_cost(probability: float, samples: int) -> int:
+    """Return how many performances `subset_sample` asks for."""
+    return samples // _CHAIN * (_CHAIN + _levels(probability) * (_CHAIN - 1))
+
+
+def _levels(probability: float) -> int:
+    return max(ceil(-log(probability, _CHAIN) - _ROUNDING) - 1, 0)
+
+
+def depth(state: State, smallest: float) -> int:
+    """Return how many deviations out a state must be sampled for a quantile of probability `smallest` of all states."""
+    from scipy.special import ndtri
+
+    inside = smallest / state.probability
+    return 0 if inside >= 0.5 else int(np.ceil(-ndtri(inside)))

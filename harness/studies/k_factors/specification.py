@@ -1,0 +1,162 @@
+"""The file of a K factor study: what of a brake disperses and fails, with the source of every value."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, StrictInt, model_validator
+
+from railgrip.errors import ScenarioError
+from railgrip.scenario.load import load, read_toml, validated
+from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import Name, Seed, Speed, Table, broken
+
+Array = NDArray[np.float64]
+Extent = Literal["train", "group", "unit"]
+Quantity = Literal[
+    "pad_friction", "efficiency", "friction_radius", "pressure", "wheel_radius", "mass", "build_up"
+]  # fmt: skip
+
+LIBRARY = Path(__file__).parent / "library"
+EXTENTS: tuple[Extent, ...] = ("train", "group", "unit")
+_FINEST: dict[Quantity, Extent] = {"pressure": "group", "wheel_radius": "group", "mass": "train", "build_up": "train"}
+_WIDEST = 0.15
+"""Standard deviation as a share: of a wider one six are no positive factor any more."""
+_FARTHEST = 0.5
+
+
+class _Dispersion(Table):
+    """What every entry of [[dispersion]] says."""
+
+    quantity: Quantity
+    per: Extent = Field(description="what has a draw of its own")
+    source: Annotated[str, Field(min_length=3)]
+
+    def _deviation(self, name: str) -> float:
+        try:
+            return getattr(self, name).si("Pa" if self.quantity == "pressure" else "1")
+        except ValueError as problem:
+            raise broken(f"{name} of {self.quantity} {problem}") from problem
+
+    @model_validator(mode="after")
+    def _not_finer_than_it_is(self) -> Self:
+        finest = _FINEST.get(self.quantity, "unit")
+        if EXTENTS.index(self.per) > EXTENTS.index(finest):
+            raise broken(f"{self.quantity} per {self.per}: there is one for each {finest} at most")
+        return self
+
+
+class Normal(_Dispersion):
+    """A deviation from nominal with zero mean, normally distributed."""
+
+    kind: Literal["normal"]
+    deviation: Magnitude = Field(description="standard deviation")
+
+    @model_validator(mode="after")
+    def _plausible(self) -> Self:
+        sigma = self._deviation("deviation")
+        if sigma < 0 or (self.quantity != "pressure" and sigma > _WIDEST):
+            raise broken(f"deviation of {self.quantity} must be between 0 and {_WIDEST:g}, got {sigma:g}")
+        return self
+
+    def of(self, standard: Array) -> Array:
+        """Return deviations for standard normal numbers, as a share of nominal or in Pa."""
+        return self._deviation("deviation") * standard
+
+
+class Uniform(_Dispersion):
+    """A deviation from nominal that is as likely anywhere between two limits."""
+
+    kind: Literal["uniform"]
+    lowest: Magnitude
+    highest: Magnitude
+
+    @model_validator(mode="after")
+    def _plausible(self) -> Self:
+        lowest, highest = self._deviation("lowest"), self._deviation("highest")
+        if lowest >= highest:
+            raise broken(f"lowest of {self.quantity}, {lowest:g}, must be below highest, {highest:g}")
+        if self.quantity != "pressure" and max(-lowest, highest) > _FARTHEST:
+            raise broken(f"{self.quantity} must stay within {_FARTHEST:g} of nominal, got {lowest:g} to {highest:g}")
+        return self
+
+    def of(self, standard: Array) -> Array:
+        """Return deviations for standard normal numbers, as a share of nominal or in Pa."""
+        from scipy.special import ndtr
+
+        lowest, highest = self._deviation("lowest"), self._deviation("highest")
+        return lowest + (highest - lowest) * ndtr(standard)
+
+
+Dispersion = Annotated[Normal | Uniform, Field(discriminator="kind")]
+
+
+class Failure(Table):
+    """How likely one component has failed when the train brakes, independently of the others."""
+
+    probability: Annotated[float, Unit("1", at_least=0, at_most=0.1)]
+    source: Annotated[str, Field(min_length=3)]
+
+
+class Failures(Table):
+    """What fails as a whole."""
+
+    isolated_unit: Failure = Field(description="a brake unit without force, each of them")
+    stuck_valve: Failure = Field(description="a group whose vent valve stays open, each of them")
+
+
+class Effort(Table):
+    """How much is drawn."""
+
+    runs: Annotated[StrictInt, Field(ge=2, le=100)] = Field(description="independent ones, for the intervals")
+    samples: Annotated[StrictInt, Field(ge=20, le=20_000)] = Field(description="of each failure state, each run")
+
+
+class Loop(Effort):
+    """Subset simulation with the controller in the loop."""
+
+    probability: Annotated[float, Unit("1", at_least=1e-9, at_most=0.1)] = Field(description="of a lower deceleration")
+
+
+class Specification(Table):
+    """The file."""
+
+    name: Name
+    description: str = ""
+    seed: Seed
+    scenario: str = Field(description="the stop: a file from this one's folder, or the name of one of ours")
+    speed_steps: tuple[Speed, ...] = Field(description="inner limits of the steps of speed, rising")
+    estimate: Effort
+    loop: Loop | None = None
+    dispersion: Annotated[tuple[Dispersion, ...], Field(min_length=1)]
+    failures: Failures
+
+    @model_validator(mode="after")
+    def _rising(self) -> Self:
+        if list(self.speed_steps) != sorted(set(self.speed_steps)):
+            raise broken(f"speed_steps must rise, got {list(self.speed_steps)} m/s")
+        return self
+
+
+def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[Specification, Scenario]:
+    """Return the study of a file, or of the package by its name, and the scenario that it names.
+
+    Raises:
+        ScenarioError: In one of the files; each problem in a sentence.
+    """
+    ours = LIBRARY / f"{path}.toml"
+    path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
+    table = merged(read_toml(path), read_overrides(overrides))
+    found = validated(Specification, table, directory=path.parent, origin=path.name)
+    named = Path(found.scenario)
+    scenario = load(path.parent / named if named.suffix else named)
+    if found.speed_steps and found.speed_steps[-1] >= scenario.start.speed:
+        raise ScenarioError(
+            f"{path.name}: speed_steps end at {found.speed_steps[-1]:g} m/s; they must stay below [start] speed of "
+            f"{scenario.name}, {scenario.start.speed:g} m/s"
+        )
+    return found, scenario

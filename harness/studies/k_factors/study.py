@@ -1,0 +1,235 @@
+"""K_dry of a brake: by importance sampling of the quasi-static brake, by subset simulation of stops in the loop."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.assemble import braking_distance, formation_of, parameters_of, plant_description, plant_parameters
+from railgrip.errors import ScenarioError
+from railgrip.record.k_wet import Interval
+from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.studies.k_factors import rare
+from railgrip.studies.k_factors.brake import QuasiStaticBrake
+from railgrip.studies.k_factors.rare import Sample, State
+from railgrip.studies.k_factors.specification import Specification
+from railgrip.studies.k_factors.stops import open_stops
+
+Array = NDArray[np.float64]
+Tell = Callable[[str], None]
+
+PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
+"""Of a lower deceleration than K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
+
+_NEGLECT = 1e-3
+"""Most that failure states which are left out may have of the smallest probability in question."""
+_NEGLECT_IN_LOOP = 0.25
+"""The same where each state costs hundreds of stops; the interval says what it costs."""
+_SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class QuasiStatic:
+    """K of the quasi-static brake.
+
+    Attributes:
+        runs: For each output, the sample of each run.
+        k: For each output, K of EBCL 0 to 9.
+        states: Failure states that were sampled.
+        neglected: Probability of all others.
+    """
+
+    runs: tuple[tuple[Sample, ...], ...]
+    k: tuple[tuple[Interval, ...], ...]
+    states: tuple[State, ...]
+    neglected: float
+    seconds: float
+
+    @property
+    def draws(self) -> int:
+        """Draws in all runs."""
+        return sum(len(run.values) for run in self.runs[0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InTheLoop:
+    """K of the whole stop with the controller in the loop, at one probability.
+
+    Attributes:
+        quasi_static: K of the quasi-static brake at the same probability.
+        states: Number of failure states that were sampled.
+        neglected: Probability of all others.
+        stops: Of all runs; of them, `new_stops` were not kept from an earlier one.
+        stop_seconds: Median time of a stop on one core.
+        cost: Probability → stops that it would take with as many samples and runs.
+    """
+
+    probability: float
+    k: Interval
+    quasi_static: Interval
+    states: int
+    neglected: float
+    stops: int
+    new_stops: int
+    stop_seconds: float
+    cost: dict[float, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Study:
+    """A brake and what was found.
+
+    Attributes:
+        plant_distance: Of the nominal train in the loop [m].
+        loop: None where no stops were asked for.
+        workers: Processes that run stops.
+    """
+
+    specification: Specification
+    scenario: Scenario
+    brake: QuasiStaticBrake
+    plant_distance: float
+    found: QuasiStatic
+    loop: InTheLoop | None
+    workers: int
+
+
+def conduct(
+    specification: Specification, scenario: Scenario, folder: Path, *, loop: bool, workers: int, tell: Tell
+) -> Study:
+    """Return K of a brake; with `loop` also in stops, which are kept in `folder` and not run again.
+
+    Raises:
+        ScenarioError: The plant is no such train, its nominal stop has no end, or the file no [loop].
+    """
+    if loop and specification.loop is None:
+        raise ScenarioError(f"{specification.name}: has no [loop]; it is wanted for stops with the controller")
+    brake = brake_of_scenario(specification, scenario)
+    distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None))
+    if distance is None:
+        raise ScenarioError(f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration")
+    found = quasi_static(specification, brake, tell)
+    looped = in_the_loop(specification, scenario, brake, distance, found, folder, workers, tell) if loop else None
+    return Study(specification, scenario, brake, distance, found, looped, workers)
+
+
+def brake_of_scenario(specification: Specification, scenario: Scenario) -> QuasiStaticBrake:
+    """Return the quasi-static brake of a scenario's plant.
+
+    Raises:
+        ScenarioError: The plant is no such train, valves do not fill its cylinders, or something else than full
+            brake is demanded.
+    """
+    if scenario.actuation.kind != "pneumatic":
+        raise ScenarioError(
+            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors want 'pneumatic', for what "
+            "disperses is what valves fill the cylinders to, and how fast."
+        )
+    if scenario.demand is not None:
+        raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
+    plant = plant_description(scenario)
+    parameters = parameters_of(plant) | plant_parameters(scenario, plant)
+    speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
+    return QuasiStaticBrake(parameters, formation_of(scenario, plant), specification.dispersion, speeds)
+
+
+def quasi_static(specification: Specification, brake: QuasiStaticBrake, tell: Tell = lambda what: None) -> QuasiStatic:
+    """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
+    begin = time.perf_counter()
+    effort, smallest = specification.estimate, PROBABILITIES[-1]
+    states, neglected = _states(specification, brake.units, _NEGLECT * smallest)
+    parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
+    for number, state in enumerate(states, start=1):
+        tell(f"failure state {number} of {len(states)}")
+        performance = partial(brake.ratios, state.available)
+        points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest))
+        random = generator(specification.seed, f"k_factors {state.available}")
+        for run in range(effort.runs):
+            ratios, weights = rare.importance_sample(performance, points, effort.samples, random)
+            for output, of_output in enumerate(parts):
+                of_output[run].append(Sample(ratios[:, output], weights))
+    shares = [state.probability for state in states]
+    runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
+    k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
+    return QuasiStatic(runs=runs, k=k, states=states, neglected=neglected, seconds=time.perf_counter() - begin)
+
+
+def scenario_of_draw(
+    scenario: Scenario, brake: QuasiStaticBrake, available: Sequence[int], standard: Array | None
+) -> Scenario:
+    """Return the scenario whose plant is as drawn, or nominal; its controller still believes nominal data."""
+    drawn = {name: Magnitude(value) for name, value in brake.plant_parameters(available, standard).items()}
+    vehicle = scenario.vehicle.model_copy(update={"parameters": {**scenario.vehicle.parameters, **drawn}})
+    return scenario.model_copy(update={"vehicle": vehicle})
+
+
+def in_the_loop(
+    specification: Specification,
+    scenario: Scenario,
+    brake: QuasiStaticBrake,
+    nominal_distance: float,
+    known: QuasiStatic,
+    folder: Path,
+    workers: int,
+    tell: Tell,
+) -> InTheLoop:
+    """Return K of the whole stop with the controller in the loop, at the probability of [loop]."""
+    effort = specification.loop
+    assert effort is not None, "asked before anything was run"
+    states, neglected = _states(specification, brake.units, _NEGLECT_IN_LOOP * effort.probability)
+    nominal = brake.equivalent_deceleration(nominal_distance)
+    cost = {p: _cost(specification, brake.units, p) for p in _SCALING}
+    most = _cost(specification, brake.units, effort.probability)
+    runs: list[Sample] = []
+    with open_stops(scenario, folder, workers) as stops:
+
+        def performance(state: State, standard: Array) -> Array:
+            tell(f"stop {stops.asked} of {most}")
+            found = stops.distances([scenario_of_draw(scenario, brake, state.available, one) for one in standard])
+            # A train that does not stop has braked with nothing.
+            return np.array([0.0 if d is None else brake.equivalent_deceleration(d) / nominal for d in found])
+
+        for run in range(effort.runs):
+            parts = [
+                rare.subset_sample(
+                    partial(performance, state),
+                    brake.dimension,
+                    min(effort.probability / state.probability, 1.0),
+                    effort.samples,
+                    generator(specification.seed, f"k_factors loop {run} {state.available}"),
+                )
+                for state in states
+            ]
+            runs.append(rare.pooled(parts, [state.probability for state in states]))
+    return InTheLoop(
+        probability=effort.probability,
+        k=rare.estimates(runs, [effort.probability], neglected)[0],
+        quasi_static=rare.estimates(known.runs[-1], [effort.probability], known.neglected)[0],
+        states=len(states),
+        neglected=neglected,
+        stops=stops.asked,
+        new_stops=stops.run,
+        stop_seconds=stops.seconds,
+        cost=cost,
+    )
+
+
+def _states(specification: Specification, units: Sequence[int], neglect: float) -> tuple[tuple[State, ...], float]:
+    failures = specification.failures
+    isolated, stuck = failures.isolated_unit.probability, failures.stuck_valve.probability
+    return rare.states_of(units, isolated, stuck, neglect=neglect)
+
+
+def _cost(specification: Specification, units: Sequence[int], probability: float) -> int:
+    """Return how many stops subset simulation takes for a probability."""
+    assert specification.loop is not None
+    samples = specification.loop.samples
+    states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)
+    inside = [min(probability / state.probability, 1.0) for state in states]
+    return specification.loop.runs * sum(rare.subset_cost(one, samples) for one in inside)

@@ -1,0 +1,63 @@
+"""A brake whose K is known in closed form: linear in Gaussian numbers, and each isolated unit takes its share."""
+
+from itertools import product
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import binom, norm
+
+from railgrip.studies.k_factors.specification import Specification
+
+
+class LinearBrake:
+    """Share of the units that brake, times 1 minus 5 % of the first of eight numbers, and the same of all eight."""
+
+    units = (3, 2, 2, 3)
+    dimension = 8
+    outputs = ("first", "all")
+    SIGMA = 0.05
+
+    def ratios(self, available, standard):
+        whole = standard.sum(axis=1) / np.sqrt(self.dimension)
+        return sum(available) / sum(self.units) * (1 + self.SIGMA * np.stack([standard[:, 0], whole], axis=1))
+
+    def probability(self, k, isolated):
+        """P(ratio < k) where no valve sticks: units are isolated independently of each other."""
+        n = sum(self.units)
+        left = np.arange(1, n + 1)
+        below = norm.cdf((k * n / left - 1) / self.SIGMA)
+        return float(binom.pmf(left, n, 1 - isolated) @ below) + isolated**n * (k > 0)
+
+    def quantile(self, probability, isolated):
+        return brentq(lambda k: np.log(self.probability(k, isolated) / probability), 1e-3, 1.5, xtol=1e-12)
+
+
+def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, **more):
+    return Specification.model_validate(
+        {
+            "name": "test",
+            "seed": seed,
+            "scenario": "plain",
+            "speed_steps": [],
+            "estimate": {"runs": runs, "samples": samples},
+            "dispersion": [
+                {"quantity": "mass", "per": "train", "kind": "normal", "deviation": "2 %", "source": "a test"}
+            ],
+            "failures": {
+                "isolated_unit": {"probability": isolated, "source": "a test"},
+                "stuck_valve": {"probability": stuck, "source": "a test"},
+            },
+        }
+        | more
+    )
+
+
+def brute_states(units, isolated, stuck):
+    """Every combination of single units and valves: available units of each group → probability."""
+    found = {}
+    for failed in product(*(product((0, 1), repeat=n + 1) for n in units)):
+        p = np.prod([(stuck if f[0] else 1 - stuck) * np.prod([isolated if u else 1 - isolated for u in f[1:]])
+                     for f in failed])  # fmt: skip
+        left = tuple(0 if f[0] else len(f) - 1 - sum(f[1:]) for f in failed)
+        found[left] = found.get(left, 0.0) + p
+    return found

@@ -1,0 +1,146 @@
+"""The quasi-static brake against the plant in the loop, against brute force, and against what a brake must do."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from railgrip.assemble import braking_distance, run_stop
+from railgrip.studies.k_factors import brake as brake_module
+from railgrip.studies.k_factors.rare import estimates
+from railgrip.studies.k_factors.specification import load_specification
+from railgrip.studies.k_factors.study import brake_of_scenario, quasi_static, scenario_of_draw
+
+PER_DRAW = 0.01
+"""Share of the deceleration: pads settle over 0.2 MJ of 5 MJ of a unit, in which friction rises by some 20 %."""
+
+
+@pytest.fixture(scope="module")
+def vt642():
+    specification, scenario = load_specification(Path("vt642"))
+    return specification, scenario, brake_of_scenario(specification, scenario)
+
+
+@pytest.fixture(scope="module")
+def brake(vt642):
+    return vt642[2]
+
+
+def test_the_nominal_stop_is_that_of_the_plant(vt642):
+    _, scenario, brake = vt642
+    trace = run_stop(scenario_of_draw(scenario, brake, brake.units, None)).trace
+    speed, distance = trace.speed.values, trace.distance.values
+    assert brake.distance == pytest.approx(distance[-1], rel=PER_DRAW)
+    for nominal, low, high in zip(brake.nominal, (0.0, 40.0, 80.0), (40.0, 80.0, 115.0), strict=False):
+        inside = np.flatnonzero((3.6 * speed >= low) & (3.6 * speed < high))  # the build-up ends above 115 km/h
+        first, last = inside[0], inside[-1]
+        mean = (speed[first] ** 2 - speed[last] ** 2) / (2 * (distance[last] - distance[first]))
+        assert nominal == pytest.approx(mean, rel=1.5 * PER_DRAW)
+
+
+@pytest.mark.parametrize("available", [(3, 2, 2, 3), (2, 2, 1, 3), (0, 2, 2, 3)])
+def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, available):
+    _, scenario, brake = vt642
+    standard = 1.5 * np.random.default_rng(sum(available)).standard_normal(brake.dimension)
+    nominal, drawn = (
+        braking_distance(scenario_of_draw(scenario, brake, units, one))
+        for units, one in ((brake.units, None), (available, standard))
+    )
+    assert nominal is not None
+    assert drawn is not None
+    ratio = brake.equivalent_deceleration(drawn) / brake.equivalent_deceleration(nominal)
+    # what both leave out of the nominal stop cancels but for the share that depends on the draw
+    assert brake.ratios(available, standard[None, :])[0, -1] == pytest.approx(ratio, rel=0.5 * PER_DRAW)
+
+
+def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch):
+    """10⁷ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed."""
+    specification, scenario, _ = vt642
+    monkeypatch.setattr(brake_module, "PARTS", 1)
+    specification = specification.model_copy(update={"speed_steps": ()})
+    brake = brake_of_scenario(specification, scenario)
+    found = quasi_static(specification, brake)
+    random, count, chunk = np.random.default_rng(11), 10_000_000, 50_000
+    failures = specification.failures
+    lowest: list[np.ndarray] = []
+    for _ in range(count // chunk):
+        standard = random.standard_normal((chunk, brake.dimension))
+        left = random.binomial(brake.units, 1 - failures.isolated_unit.probability, (chunk, len(brake.units)))
+        left[random.random(left.shape) < failures.stuck_valve.probability] = 0
+        for available in np.unique(left, axis=0):
+            ratios = brake.ratios(available, standard[(left == available).all(axis=1)])[:, 0]
+            lowest.append(ratios[ratios < 0.95])
+    ordered = np.sort(np.concatenate(lowest))
+    for level, probability in ((3, 1e-3), (4, 1e-4), (5, 1e-5)):
+        # The number of draws below a quantile is binomial: order statistics hold it with 99.9 %.
+        reach = 3.3 * np.sqrt(count * probability)
+        low, high = ordered[[int(count * probability - reach), int(count * probability + reach)]]
+        one = found.k[0][level]
+        assert low <= one.high
+        assert one.low <= high
+
+
+def test_a_draw_without_deviation_is_the_nominal_train(vt642):
+    specification, scenario, brake = vt642
+    # All but the wheels, which are nominal when new, have their nominal value at zero.
+    around = [one for one in specification.dispersion if one.quantity != "wheel_radius"]
+    same = brake_of_scenario(specification.model_copy(update={"dispersion": tuple(around)}), scenario)
+    assert same.ratios(same.units, np.zeros((1, same.dimension))) == pytest.approx(np.ones((1, 4)), rel=1e-12)
+    assert same.nominal == pytest.approx(brake.nominal)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32), group=st.integers(0, 3))
+def test_fewer_units_brake_less_and_many_draws_are_as_many_single_ones(brake, seed, group):
+    standard = np.random.default_rng(seed).standard_normal((5, brake.dimension))
+    left = [n - (g == group) for g, n in enumerate(brake.units)]
+    whole, fewer = brake.ratios(brake.units, standard), brake.ratios(left, standard)
+    assert (fewer < whole).all()
+    one_by_one = np.concatenate([brake.ratios(brake.units, one[None, :]) for one in standard])
+    assert whole == pytest.approx(one_by_one, rel=1e-12)
+
+
+# sign of what a larger value does to the deceleration of every step
+SENSE = {"pad_friction": 1, "pressure": 1, "efficiency": 1, "friction_radius": 1, "wheel_radius": -1, "mass": -1}
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_each_deviation_has_its_sense(vt642, seed):
+    specification, _, brake = vt642
+    standard = np.random.default_rng(seed).standard_normal(brake.dimension)
+    widths = {"train": 1, "group": len(brake.units), "unit": sum(brake.units)}
+    first = 0
+    for one in specification.dispersion:
+        moved = standard.copy()
+        moved[first : first + widths[one.per]] += 0.1
+        first += widths[one.per]
+        change = np.diff(brake.ratios(brake.units, np.stack([standard, moved])), axis=0)[0]
+        if one.quantity == "build_up":  # is in the whole stop alone
+            assert change[:-1] == pytest.approx(np.zeros(3), abs=1e-15)
+            assert change[-1] < 0
+        else:
+            assert (change * SENSE[one.quantity] > 0).all()
+    assert first == brake.dimension
+
+
+def test_a_brake_that_has_lost_everything_is_slowed_by_its_resistance(brake):
+    """Over a step s = M/(2C) ln((A + C v₁²)/(A + C v₂²)) with resistance A + C v²."""
+    new_wheels = np.where(np.arange(brake.dimension) < brake.dimension - 2, 8.0, 0.0)  # mass and build-up come last
+    left = (brake.ratios([0, 0, 0, 0], new_wheels[None, :])[0] * brake.nominal)[:-1]
+    mass, c = 84e3, 0.5 * 1.2 * 0.9 * 10
+    a = mass * 9.81 * (0.0018 * 0.065 + 0.0004) / 0.385
+    mass += (2 * 222 + 2 * 209) / 0.385**2
+    limits = np.array([0.0, 40.0, 80.0, 120.0]) / 3.6
+    exact = c * np.diff(limits**2) / (mass * np.diff(np.log(a + c * limits**2)))
+    assert left == pytest.approx(exact, rel=0.005)  # four parts of a step
+
+
+def test_intervals_shrink_with_the_runs(vt642):
+    specification, _, brake = vt642
+    effort = specification.estimate.model_copy(update={"runs": 20, "samples": 60})
+    runs = quasi_static(specification.model_copy(update={"estimate": effort}), brake).runs[-1]
+    few, many = (estimates(of, [1e-9], 1e-12)[0] for of in (runs[:4], runs))
+    assert many.high - many.low < few.high - few.low

@@ -1,0 +1,122 @@
+"""`railgrip k-factors`: its files, its sentences, and stops with the controller that go on where they stopped."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from railgrip.__main__ import main
+from railgrip.scenario.load import load
+from railgrip.studies.k_factors.specification import LIBRARY
+from railgrip.studies.k_factors.stops import open_stops
+
+LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
+
+
+def files(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
+    for name in ("first", "again"):
+        main_ok(["k-factors", "vt642", "--out", str(tmp_path / name), *LITTLE])
+    first, again = (files(tmp_path / name) for name in ("first", "again"))
+    told = [json.loads(found.pop("k_factors.json")) for found in (first, again)]
+    assert all(content.pop("seconds")["quasi_static"] > 0 for content in told)
+    assert told[0] == told[1]
+    assert first == again
+    assert set(first) == {"k_factors.png", "k_factors.md"}
+    assert [one["ebcl"] for one in told[0]["k_dry"]] == 4 * list(range(10))
+    assert all(one["low"] <= one["k"] <= one["high"] for one in told[0]["k_dry"])
+    assert "EBCL" in capsys.readouterr().out
+
+
+def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_they_stopped(tmp_path):
+    study = tmp_path / "short.toml"
+    text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", "stop.toml")
+    study.write_text(text.replace('["40 km/h", "80 km/h"]', "[]").replace("samples = 1000", "samples = 40"), "utf-8")
+    stop = (LIBRARY / "vt642_dry.toml").read_text(encoding="utf-8")
+    (tmp_path / "stop.toml").write_text(stop.replace("120 km/h", "25 km/h"), "utf-8")
+    command = ["k-factors", str(study), "--loop", "--out", str(tmp_path / "out"), "--set", "loop.probability=0.1"]
+    found = []
+    for _ in range(2):
+        main_ok([*command, "--set", "loop.samples=20", "--set", "loop.runs=2"])
+        found.append(json.loads((tmp_path / "out" / "k_factors.json").read_text(encoding="utf-8")))
+    first, again = found
+    assert (first["seconds"].pop("new_stops"), again["seconds"].pop("new_stops")) == (40, 0)
+    assert first["loop"] == again["loop"]
+    assert first["loop"]["samples"] == 40
+    # Two runs of 20 draws: an interval of some hundredths about the tenth percentile, which 4000 draws tell sharper.
+    assert first["loop"]["low"] <= first["loop"]["quasi_static"]["k"] <= first["loop"]["high"]
+    assert first["loop"]["high"] - first["loop"]["low"] < 1.0
+    assert abs(first["loop"]["k"] - first["loop"]["quasi_static"]["k"]) < 0.05
+
+
+def test_half_a_line_of_a_killed_study_costs_one_stop(tmp_path):
+    scenario = load(LIBRARY / "vt642_dry.toml", ["start.speed=15 km/h"])
+    other = scenario.model_copy(update={"seed": 2})
+    with open_stops(scenario, tmp_path, 1) as stops:
+        known = stops.distances([scenario, other])
+        assert (stops.asked, stops.run) == (2, 2)
+    (journal,) = tmp_path.iterdir()
+    journal.write_text(journal.read_text(encoding="utf-8")[:-20], encoding="utf-8")
+    with open_stops(scenario, tmp_path, 1) as stops:
+        assert stops.distances([scenario, other, scenario]) == [*known, known[0]]
+        assert (stops.asked, stops.run) == (3, 1)
+        assert stops.seconds > 0
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("estimate.draws=3", "has no key 'draws'"),
+        ("estimate.runs=1", "[estimate] runs"),
+        ("failures.stuck_valve.probability=0.5", "must be at most 0.1"),
+        ("dispersion=[{quantity='mass', per='unit', kind='normal', deviation='2 %', source='none'}]", "per unit"),
+        ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='2 bar', source='none'}]", "bar"),
+        ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='20 %', source='none'}]", "0.15"),
+        (
+            "dispersion=[{quantity='pressure', per='group', kind='uniform', lowest='1 bar', highest='0 bar', "
+            "source='none'}]",
+            "must be below highest",
+        ),
+        ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='2 %'}]", "has no 'source'"),
+        ("speed_steps=['80 km/h', '40 km/h']", "must rise"),
+        ("speed_steps=['130 km/h']", "must stay below"),
+        ("scenario='nowhere.toml'", "no such file"),
+        ("scenario='trapezoid'; speed_steps=[]", "want 'pneumatic'"),
+        ("scenario='wagon'; speed_steps=[]", "K factors"),
+    ],
+)
+def test_a_wrong_file_ends_in_a_sentence(change, sentence, tmp_path, capsys):
+    changes = [part for one in change.split("; ") for part in ("--set", one)]
+    with pytest.raises(SystemExit) as end:
+        main(["k-factors", "vt642", "--out", str(tmp_path), *changes])
+    message = capsys.readouterr().err
+    assert end.value.code == 2
+    assert sentence in message
+    assert "Traceback" not in message
+
+
+def test_stops_want_their_table(tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    text = (
+        (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", str(LIBRARY / "vt642_dry.toml"))
+    )
+    study.write_text(text.replace("[loop]\nprobability = 0.01\nruns = 4\nsamples = 50\n", ""), "utf-8")
+    with pytest.raises(SystemExit) as end:
+        main(["k-factors", str(study), "--loop", "--out", str(tmp_path / "out")])
+    assert end.value.code == 2
+    assert "has no [loop]" in capsys.readouterr().err
+
+
+def main_ok(arguments):
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code in (0, None)
+
+
+def test_every_value_of_ours_has_a_source():
+    text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8")
+    assert text.count("source = ") == text.count("[[dispersion]]") + text.count("[failures.")
+    assert Path(LIBRARY / "vt642_dry.toml").is_file()

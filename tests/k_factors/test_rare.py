@@ -1,0 +1,147 @@
+"""Small quantiles against closed forms, against all combinations, and against their own intervals."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from linear import LinearBrake, brute_states, specification
+from scipy.stats import binom, norm
+
+from railgrip.studies.k_factors.rare import (
+    Sample,
+    estimates,
+    importance_sample,
+    pooled,
+    states_of,
+    subset_cost,
+    subset_sample,
+    worst_points,
+)
+from railgrip.studies.k_factors.study import PROBABILITIES, quasi_static
+
+ISOLATED = 1e-3
+
+
+def test_failure_states_are_those_of_every_combination_of_units_and_valves():
+    states, rest = states_of((2, 1, 2), 0.03, 0.01, neglect=0.0)
+    every = brute_states((2, 1, 2), 0.03, 0.01)
+    assert rest == 0.0
+    assert {state.available: pytest.approx(state.probability, rel=1e-12) for state in states} == every
+
+
+def test_what_is_left_out_of_failure_states_is_said_exactly():
+    every, _ = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=0.0)
+    kept, rest = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=1e-12)
+    left_out = sorted(state.probability for state in every if state.available not in {s.available for s in kept})
+    assert 0 < rest <= 1e-12
+    assert rest == pytest.approx(sum(left_out), rel=1e-9)
+    assert sum(state.probability for state in every) == pytest.approx(1.0, abs=1e-15)
+    assert [state.probability for state in kept] == sorted((state.probability for state in kept), reverse=True)
+
+
+def test_a_train_of_many_groups_has_few_states_that_matter():
+    states, rest = states_of((4,) * 30, 1e-5, 1e-6, neglect=1e-10)
+    assert len(states) < 10_000
+    assert sum(state.probability for state in states) + rest == pytest.approx(1.0, abs=1e-13)
+
+
+def test_a_linear_gaussian_brake_with_binomial_failures_has_its_closed_quantiles():
+    brake = LinearBrake()
+    found = quasi_static(specification(runs=20, samples=500), brake)
+    for output in found.k:
+        for probability, one in zip(PROBABILITIES, output, strict=True):
+            exact = brake.quantile(probability, ISOLATED)
+            assert one.value == pytest.approx(exact, abs=2e-3)
+            # 20 intervals of 95 % are not all kept; twice as wide they are, but for one in ten thousand
+            assert 2 * one.low - one.value <= exact <= 2 * one.high - one.value
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    brake, seeds, levels = LinearBrake(), 40, (0, 2, 5, 9)
+    exact = [brake.quantile(PROBABILITIES[level], ISOLATED) for level in levels]
+    held = np.zeros(len(levels))
+    for seed in range(seeds):
+        k = quasi_static(specification(seed=seed, runs=10, samples=100), brake).k[1]
+        held += [k[level].low <= truth <= k[level].high for level, truth in zip(levels, exact, strict=True)]
+    # one in ten thousand of right intervals does worse, of each level
+    assert min(held) >= binom.ppf(1e-4, seeds, 0.95)
+    assert max(held) <= seeds
+    assert held.sum() < len(levels) * seeds  # never wrong would be too wide
+
+
+@pytest.mark.parametrize("probability", [1e-2, 1e-4, 1e-6])
+def test_subset_simulation_finds_gaussian_quantiles(probability):
+    direction = np.full(20, 20**-0.5)
+    runs = [
+        subset_sample(lambda u: u @ direction, 20, probability, 1000, np.random.default_rng(seed)) for seed in range(12)
+    ]
+    (found,) = estimates(runs, [probability], confidence=0.999)
+    assert found.low <= norm.ppf(probability) <= found.high
+    assert found.high - found.low < 0.6
+
+
+def test_subset_simulation_costs_what_it_says():
+    for probability, samples in ((1.0, 20), (0.1, 50), (1e-2, 57), (3e-4, 100), (1e-6, 209)):
+        asked = 0
+
+        def performance(u):
+            nonlocal asked
+            asked += len(u)
+            return u[:, 0]
+
+        found = subset_sample(performance, 3, probability, samples, np.random.default_rng(1))
+        assert asked == subset_cost(probability, samples)
+        assert found.weights.sum() == pytest.approx(1.0)
+
+
+def test_weights_average_to_one_and_the_sampled_moments_are_those_of_the_normal_distribution():
+    points = worst_points(lambda u: u[:, :1] + 0.3 * u[:, 1:2] ** 2, 3, 4)
+    assert np.linalg.norm(points, axis=1) == pytest.approx([0, 1, 2, 3, 4])
+    u, weights = importance_sample(lambda u: u, points, 100_000, np.random.default_rng(3))
+    # a thousand times the standard error of 1e5 plain draws is 3; weighted ones scatter up to twice as much
+    assert weights.sum() == pytest.approx(1.0, abs=0.02)
+    assert weights @ u == pytest.approx(np.zeros(3), abs=0.03)
+    assert weights @ u**2 == pytest.approx(np.ones(3), abs=0.05)
+
+
+numbers = st.lists(st.floats(-10, 10), min_size=1, max_size=60)
+
+
+@settings(max_examples=60, deadline=None)
+@given(values=numbers, probability=st.floats(1e-6, 1.0))
+def test_the_quantile_of_equal_weights_is_that_of_the_empirical_distribution(values, probability):
+    found = Sample(np.array(values), np.full(len(values), 1 / len(values))).quantile(probability)
+    below, upto = np.mean(np.array(values) < found), np.mean(np.array(values) <= found)
+    assert below <= probability + 1e-12
+    assert upto >= probability - 1e-12
+
+
+@settings(max_examples=60, deadline=None)
+@given(first=numbers, second=numbers, share=st.floats(0.0, 1.0), probability=st.floats(0.01, 0.99))
+def test_the_quantile_of_a_mixture_lies_between_those_of_its_parts(first, second, share, probability):
+    parts = [Sample(np.array(v), np.full(len(v), 1 / len(v))) for v in (first, second)]
+    quantiles = sorted(part.quantile(probability) for part in parts)
+    found = pooled(parts, [share, 1 - share]).quantile(probability)
+    low, high = (Sample(part.values, part.weights) for part in parts)
+    assert min(low.values[0], high.values[0]) <= found
+    # rounding of the sums of weights may move it to the next value
+    assert found <= min([v for v in [*first, *second] if v > quantiles[1]], default=quantiles[1])
+
+
+def test_k_falls_with_the_confidence_level():
+    for output in quasi_static(specification(), LinearBrake()).k:
+        assert all(after.value < before.value for before, after in pairwise(output))
+
+
+def test_the_same_seed_gives_the_same_k_and_another_one_does_not():
+    first, again, other = (quasi_static(specification(seed=seed), LinearBrake()).k for seed in (5, 5, 6))
+    assert first == again
+    assert first != other
+
+
+def test_a_quantile_as_small_as_what_was_left_out_is_refused():
+    sample = Sample(np.arange(10.0), np.full(10, 0.1))
+    with pytest.raises(ValueError, match="left out"):
+        estimates([sample, sample], [1e-9], neglected=1e-9)

@@ -1,0 +1,64 @@
+"""K_wet_rst from stops on dry and wet rail."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import binom
+
+from railgrip.record.k_wet import corrected_distance, equivalent_time, k_wet
+
+SPEED, TIME = 33.3, 1.0
+
+
+def test_a_quarter_more_deceleration_distance_is_a_k_of_four_fifths():
+    dry, wet = [SPEED * TIME + 400.0] * 4, [SPEED * TIME + 500.0] * 4
+    found = k_wet(dry, wet, SPEED, TIME)
+    assert (found.value, found.low, found.high) == pytest.approx((0.8, 0.8, 0.8), rel=1e-12)
+
+
+distances = st.lists(st.floats(100.0, 1000.0), min_size=2, max_size=6)
+
+
+@given(dry=distances, wet=distances, scale=st.floats(0.5, 2.0))
+def test_k_is_a_ratio_between_equal_stops_one_and_the_other_way_round_its_inverse(dry, wet, scale):
+    found, same = k_wet(dry, wet, SPEED, TIME), k_wet(dry, dry, SPEED, TIME)
+    back = k_wet(wet, dry, SPEED, TIME)
+    larger = k_wet([scale * d for d in dry], [scale * w for w in wet], SPEED, scale * TIME)
+    assert found.low <= found.value <= found.high
+    assert same.value == pytest.approx(1.0)
+    assert (back.low, back.high) == pytest.approx((1 / found.high, 1 / found.low))
+    assert larger.value == pytest.approx(found.value)
+
+
+def test_the_interval_holds_the_true_k_as_often_as_it_says():
+    random, count = np.random.default_rng(7), 2000
+    draw = lambda mean: SPEED * TIME + mean * (1 + 0.03 * random.standard_normal(4))
+    found = [k_wet(draw(400.0), draw(500.0), SPEED, TIME) for _ in range(count)]
+    held = sum(one.low <= 0.8 <= one.high for one in found)
+    # Welch's degrees of freedom are an approximation: 94 to 97 % with four stops each
+    assert binom.ppf(1e-4, count, 0.94) <= held <= binom.ppf(1 - 1e-4, count, 0.97)
+
+
+def test_the_equivalent_time_of_a_first_order_build_up_is_dead_time_and_time_constant():
+    time = np.linspace(0.0, 20.0, 20_001)
+    pressure = np.where(time < 0.4, 0.0, 3.4e5 * (1 - np.exp(-(time - 0.4) / 0.5)))
+    assert equivalent_time(time, pressure) == pytest.approx(0.9, abs=1e-4)
+    assert equivalent_time(time, np.stack([pressure, 0.5 * pressure], axis=1)) == pytest.approx(0.9, abs=1e-4)
+
+
+def test_a_stop_is_corrected_to_its_nominal_speed():
+    deceleration = 1.1
+    stop = lambda v: v * TIME + v**2 / (2 * deceleration)
+    assert corrected_distance(stop(32.0), 32.0, SPEED, TIME) == pytest.approx(stop(SPEED))
+
+
+@pytest.mark.parametrize("dry", [[500.0], [500.0, 20.0], [500.0, float("nan")]])
+def test_stops_that_say_nothing_are_refused(dry):
+    with pytest.raises(ValueError, match="dry stops"):
+        k_wet(dry, [500.0, 510.0], SPEED, TIME)
+
+
+def test_a_release_has_no_equivalent_time():
+    with pytest.raises(ValueError, match="under pressure"):
+        equivalent_time(np.arange(3.0), np.zeros(3))
