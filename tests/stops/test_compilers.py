@@ -55,9 +55,9 @@ def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_resul
     assert set(content["fmus"]) == {"TwoPartTrain.fmu", "TrainPredictionReduced.fmu"}
 
     stop = PlannedStop(name="one", variants={}, scenario=scenario)
-    monkeypatch.setattr("railgrip.campaign.choose", lambda compiler: "openmodelica")
+    monkeypatch.setattr("railgrip.campaign.run.choose", lambda compiler: "openmodelica")
     assert is_there(stop, out)
-    monkeypatch.setattr("railgrip.campaign.choose", lambda compiler: "native")
+    monkeypatch.setattr("railgrip.campaign.run.choose", lambda compiler: "native")
     assert not is_there(stop, out), "distances from OpenModelica's FMUs are not ours"
 
 
