@@ -45,7 +45,7 @@ from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Plant
-from railgrip.loop.rail import TabulatedRail
+from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.watch import Believer
 from railgrip.record.adhesion_use import over_the_rail
 from railgrip.record.bound import with_bound
@@ -55,7 +55,7 @@ from railgrip.record.motion import braking_distance as distance_of
 from railgrip.record.motion import since_brake_demand
 from railgrip.record.outcome import Outcome
 from railgrip.record.stop import Stop
-from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.file import NamedFile
@@ -289,7 +289,7 @@ def assembled(
             parties={
                 "layout": layout,
                 "plant": plant,
-                "rail": TabulatedRail(profile_of(scenario, formation), track_force_of(scenario.track)),
+                "rail": _rail(scenario, plant_file, layout),
                 "sensors": sensors,
                 "believer": believer,
                 "actuation": actuation,
@@ -311,6 +311,18 @@ def assembled(
             fmus=fmus,
             classes=classes,
         )
+
+
+def _rail(scenario: Scenario, plant_file: Description, layout: Layout) -> TabulatedRail:
+    """Return the rail of a scenario, before any wheel has passed."""
+    adhesion, formation = scenario.adhesion, layout.formation
+    field = None
+    if adhesion.recovery is not None:
+        changed = plant_parameters(scenario, plant_file)
+        laid = {key: changed[f"{key}_falling"] for key in ("A", "B") if f"{key}_falling" in changed}
+        position_of(scenario, formation)
+        field = Field(formation, adhesion.recovery, adhesion.polach.model_copy(update=laid), reach_of(scenario))
+    return TabulatedRail(layout, profile_of(scenario, formation), track_force_of(scenario.track), field)
 
 
 def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) -> Driver:

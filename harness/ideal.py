@@ -42,9 +42,14 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     Speed over time is found by iteration: the bound depends on speed (falling friction) and, over distance, on place.
 
     Raises:
-        ScenarioError: The plant does not show its brakes, or the iteration does not settle; it contracts where
-            friction changes little with speed and place.
+        ScenarioError: Slip changes the rail, the plant does not show its brakes, or the iteration does not settle; it
+            contracts where friction changes little with speed and place.
     """
+    if scenario.adhesion.recovery is not None:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
+            "[adhesion.recovery] what a wheelset finds depends on how those ahead have slipped: leave one of them out"
+        )
     plant = assemble.plant_description(scenario)
     parameters = assemble.parameters_of(plant) | assemble.plant_parameters(scenario, plant)
     reference = assemble.run_stop(_full_brake(scenario), progress)

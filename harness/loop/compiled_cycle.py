@@ -101,25 +101,20 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
         _fields_ = (
             *((name, ctypes.c_void_p) for name in ("cross", "crossing", "taken", "shown", "present")),
             ("start", ctypes.c_double),
-            *((name, ctypes.c_void_p) for name in ("mu0", "begins", "forces", "rates")),
-            ("grid", ctypes.c_double),
             *((name, ctypes.c_void_p) for name in ("service", "read_of", "gain", "bias", "noise")),
             *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
             *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
             *((name, _Formula) for name in ("law", "valves")),
-            *((name, ctypes.c_void_p) for name in ("plausibility", "driver")),
+            *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver")),
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
             ("rows", ctypes.c_void_p),
             *((name, ctypes.c_double * size) for name, size in vectors.items()),
-            *((name, ctypes.c_longlong) for name in ("present_count", "points", "over_time", "sections", "width")),
+            *((name, ctypes.c_longlong) for name in ("present_count", "width")),
             *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
             *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at")),
-            *(
-                (name, ctypes.c_longlong)
-                for name in ("section", "any", "news", "crossed", "sample", "written", "failure")
-            ),
+            *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
         )
 
     return Cycle
@@ -183,8 +178,9 @@ def run(
     assert isinstance(plant, PlantInC)
     assert isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors)
     inputs = np.zeros(layout.inputs)
-    inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0(0.0, 0.0), rail.force(0.0)
+    inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0, rail.force
     truth = plant.start(inputs)
+    rail.meet(truth)
     parts = _Parts(layout, plant.edge(), rail, sensors, believer, controller, actuation, driver, wheel_radius, recorder)
     its = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
@@ -238,19 +234,13 @@ class _Parts:
         recorder: Recorder,
     ) -> None:
         self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, driver, recorder]
-        mu0 = np.ascontiguousarray(rail.friction.mu0_at)
-        begins, forces, rates = (
-            np.array(of) for of in (rail.sections.begins, rail.sections.forces, rail.sections.rates)
-        )
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
         read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.shown)
         self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, crossing=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
-            mu0=self._at(mu0), begins=self._at(begins), forces=self._at(forces), rates=self._at(rates),
-            grid=rail.friction.step, points=len(mu0), over_time=rail.friction.over_time, sections=begins.size,
             service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
-            driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
+            rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,

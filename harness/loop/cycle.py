@@ -98,9 +98,9 @@ def decisions(
     sent_force = layout.input["track_force"].start
 
     inputs = np.zeros(layout.inputs)
-    inputs[sent_friction] = rail.mu0(0.0, 0.0)
-    inputs[sent_force] = rail.force(0.0)
+    inputs[sent_friction], inputs[sent_force] = rail.mu0, rail.force
     truth = plant.start(inputs)
+    rail.meet(truth)
     watch = watch_of(layout, believer, wheel_radius, recorder, driver.pressure)
     demand_columns = recorder.columns.get("demand")
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
@@ -157,8 +157,8 @@ def decisions(
                 return stood(distance, time, written)
             if progress is not None and k % report_every == 0:
                 progress(speed)
-            inputs[sent_friction] = rail.mu0(time, distance)
-            inputs[sent_force] = rail.force(distance)
+            rail.roll(time, truth)
+            inputs[sent_friction], inputs[sent_force] = rail.mu0, rail.force
             if driver_columns is not None:
                 inputs[sent_force] += driver.force
     finally:

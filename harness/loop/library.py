@@ -11,17 +11,17 @@ from railgrip.fmus.native.toolchain import shared_library
 from railgrip.signals import Layout
 
 KERNEL: Final = files("railgrip.loop") / "kernel"
-_PARTS: Final = ("sensors.h", "sensors.c", "plausible.h", "plausible.c", "driver.h", "driver.c", "cycle.c")
+_PARTS: Final = tuple(f"{part}.{kind}" for part in ("sensors", "plausible", "driver", "rail") for kind in "hc")
 
 
 @cache
 def kernel(layout: Layout) -> ctypes.CDLL:
-    """Return the sensors, the checks of a plant, the driver and the cycle in C, for vectors of this layout.
+    """Return the sensors, the checks of a plant, the driver, the rail and the cycle in C, for vectors of this layout.
 
     Raises:
         railgrip.errors.CompilerMissing: There is no C compiler.
     """
-    sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in _PARTS}
+    sources = {part: (KERNEL / part).read_text(encoding="utf-8") for part in (*_PARTS, "cycle.c")}
     formation = layout.formation
     name = f"cycle_{formation.groups}_{formation.wheelsets}"
     library = ctypes.CDLL(str(shared_library(sources | {"layout.h": layout.header()}, name)))
@@ -33,6 +33,7 @@ def kernel(layout: Layout) -> ctypes.CDLL:
     library.plausible.restype = ctypes.c_int
     library.drive.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p]
     library.drive.restype = None
+    library.roll.argtypes, library.roll.restype = [ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p], None
     library.cycle.argtypes, library.cycle.restype = [ctypes.c_void_p, ctypes.c_longlong], ctypes.c_int
     return library
 

@@ -135,10 +135,20 @@ class Actuation(Protocol):
 class Rail(Protocol):
     """What the track does to the train."""
 
-    def mu0(self, time: float, distance: float, /) -> Vector:
-        """Return the maximum friction at each wheelset."""
+    @property
+    def mu0(self) -> Vector:
+        """The maximum friction at each wheelset, at first where the train starts."""
         ...
 
-    def force(self, distance: float, /) -> float:
-        """Return the force of gradient and curve on the train, forward positive [N]."""
+    @property
+    def force(self) -> float:
+        """Of gradient and curve on the train, forward positive [N]."""
+        ...
+
+    def meet(self, truth: Vector) -> None:
+        """Refuse a plant that does not show, at its start, what the rail depends on; raise ScenarioError."""
+        ...
+
+    def roll(self, time: float, truth: Vector) -> None:
+        """Find `mu0` and `force` at a time with these outputs of the plant; times come in order."""
         ...

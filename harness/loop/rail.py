@@ -1,10 +1,16 @@
-"""What the track does to the train, in tables."""
+"""What the track does to the train, and what slip does to the track."""
 
-from dataclasses import dataclass
-from typing import Protocol
+import ctypes
+from functools import cache
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from railgrip.errors import ScenarioError
+from railgrip.formation import Formation
+from railgrip.loop.library import kernel
+from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
 
@@ -27,10 +33,6 @@ class Profile(Protocol):
         """Friction at its points, shape (n, wheelsets)."""
         ...
 
-    def mu0(self, time: float, distance: float) -> Vector:
-        """Return the friction at each wheelset."""
-        ...
-
 
 class Sections(Protocol):
     """A force that is constant or straight between places, as `railgrip.scenario.track.TrackForce`."""
@@ -50,22 +52,156 @@ class Sections(Protocol):
         """Change of the force over each section, 0 for the first [N/m]."""
         ...
 
-    def at(self, distance: float) -> float:
-        """Return the force at a distance."""
+
+class Falling(Protocol):
+    """How friction falls with slip speed: to the share A, at the rate B [s/m]."""
+
+    @property
+    def A(self) -> float:  # noqa: N802 (the name in the literature)
+        """Friction at infinite slip speed over that at none."""
+        ...
+
+    @property
+    def B(self) -> float:  # noqa: N802 (the name in the literature)
+        """Decay of friction with slip speed [s/m]."""
         ...
 
 
-@dataclass(frozen=True, slots=True)
+class Clean(Falling, Protocol):
+    """The rail once slip has cleaned it, as `railgrip.scenario.profile.Recovery`."""
+
+    @property
+    def mu0(self) -> float:
+        """Friction at no slip speed."""
+        ...
+
+    @property
+    def rate(self) -> float:
+        """Of the recovery, over the energy of the slip [m/J]."""
+        ...
+
+
+_CELL = 0.1  # m; beside patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
+
+
+@cache
+def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Return the structs `Rail` and `Recovery` of rail.h for so many wheelsets."""
+
+    class Recovery(ctypes.Structure):
+        _fields_ = (
+            *((name, ctypes.c_void_p) for name in ("energy", "position", "group")),
+            *((name, ctypes.c_double) for name in ("origin", "length", "rate")),
+            *((name, ctypes.c_double) for name in ("clean", "clean_A", "clean_B", "A", "B")),
+            *((name, ctypes.c_double * wheelsets) for name in ("place", "loss", "met", "left")),
+            ("cell", ctypes.c_longlong * wheelsets),
+            *((name, ctypes.c_longlong) for name in ("cells", "begun")),
+        )
+
+    class Rail(ctypes.Structure):
+        _fields_ = (
+            *((name, ctypes.c_void_p) for name in ("friction", "begins", "forces", "rates")),
+            *((name, ctypes.c_double) for name in ("grid", "force")),
+            ("mu0", ctypes.c_double * wheelsets),
+            *((name, ctypes.c_longlong) for name in ("points", "over_time", "sections", "section")),
+            ("recovery", ctypes.c_void_p),
+        )
+
+    return Rail, Recovery
+
+
+class Field:
+    """The energy that slip has left on the rail, cell by cell, and the friction that it wins back.
+
+    A wheel with adhesion force F and slip s dissipates W = F s on each metre of its rail. Where wheels have left the
+    sum E and the present one dissipates W, friction is
+
+        f = f_d + λ (max(f_r, f_d) − f_d),   λ = 1 − e^(−τ (E + W)),   f_i = mu0_i ((1 − A_i) e^(−B_i w) + A_i)
+
+    with the slip speed w, f_d of the rail as it lies and f_r of the clean one. So a wheel that slips much gains
+    friction itself, and each one behind begins with what those ahead have won. The two wheels of a wheelset share its
+    force. A wheelset meets E of its cell as it was when it got there; its own W is added when it leaves.
+
+    Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128, and Meccanica 49 (2014) 919, for
+    one wheel (E = 0). That E adds up over wheels is that law for a film that does not know which wheel wears it:
+    1 − λ = e^(−τ W1) e^(−τ W2).
+
+    Limits: creep stiffness (k_A, k_S) stays that of the rail as it lies, and what a wheel cleans of its own tread is in
+    τ. W is that of the sample before.
+    """
+
+    def __init__(self, formation: Formation, clean: Clean, laid: Falling, reach: float) -> None:
+        """Lay a rail that no wheel has cleaned.
+
+        Args:
+            formation: Whose wheelsets run on it; it says where they are.
+            clean: What slip makes of the rail.
+            laid: How the plant's contact lets friction fall.
+            reach: How far the train may get [m].
+        """
+        position = formation.position
+        assert position is not None  # or the friction profile has refused it
+        _, recovery = _structs(formation.wheelsets)
+        self.origin = -float(position[-1]) - _CELL
+        self.energy = np.zeros(int((reach - self.origin) / _CELL) + 2)
+        """Of each cell, by the wheelsets that have left it, of one wheel of each [J/m]."""
+        self._keep = position, np.ascontiguousarray(formation.group_of_wheelset, dtype=np.longlong)
+        self.struct: Any = recovery(
+            energy=self.energy.ctypes.data, position=self._keep[0].ctypes.data, group=self._keep[1].ctypes.data,
+            origin=self.origin, length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
+            A=laid.A, B=laid.B, cells=self.energy.size,
+        )  # fmt: skip
+
+
 class TabulatedRail:
-    """Friction and force along the track."""
+    """Friction and force along the track; the look-up is in C (`kernel/rail.c`), for this class as for the loop in C.
 
-    friction: Profile
-    sections: Sections
+    Attributes:
+        friction: As it lies.
+        sections: Of the force.
+        field: Of the energy that slip leaves; None leaves friction as it lies.
+        mu0: Maximum friction at each wheelset, shape (wheelsets,), where the train was last.
+        struct: `Rail` of rail.h.
+    """
 
-    def mu0(self, time: float, distance: float, /) -> Vector:
-        """Return the maximum friction at each wheelset."""
-        return self.friction.mu0(time, distance)
+    def __init__(self, layout: Layout, friction: Profile, sections: Sections, field: Field | None = None) -> None:
+        """Lay it under a vehicle of this layout, whose leading wheelset is at distance 0."""
+        self.friction, self.sections, self.field = friction, sections, field
+        self._truth = np.empty(layout.outputs)
+        self._roll = kernel(layout).roll
+        self._needed = [layout.output[name] for name in ("adhesion", "slip", "wheelset_load")]
+        self._keep = tuple(
+            np.ascontiguousarray(table, dtype=np.float64)
+            for table in (friction.mu0_at, sections.begins, sections.forces, sections.rates)
+        )
+        rail, _ = _structs(layout.formation.wheelsets)
+        self.struct: Any = rail(
+            *(table.ctypes.data for table in self._keep), grid=friction.step, points=len(friction.mu0_at),
+            over_time=friction.over_time, sections=len(sections.begins),
+        )  # fmt: skip
+        self.mu0: Vector = np.ctypeslib.as_array(self.struct.mu0)
+        self.roll(0.0, np.zeros(layout.outputs))
+        if field is not None:
+            self.struct.recovery = ctypes.addressof(field.struct)
 
-    def force(self, distance: float, /) -> float:
-        """Return the force of gradient and curve on the train, forward positive [N]."""
-        return self.sections.at(distance)
+    @property
+    def force(self) -> float:
+        """Of gradient and curve on the train where it was last, forward positive [N]."""
+        return self.struct.force
+
+    def meet(self, truth: Vector) -> None:
+        """Refuse a plant that, at its start, does not show what the rail depends on.
+
+        Raises:
+            ScenarioError: Slip is to change the rail, and the plant has no adhesion, slip or load of its wheelsets.
+        """
+        if self.field is not None and any(np.isnan(truth[place]).any() for place in self._needed):
+            raise ScenarioError(
+                "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion, slip and "
+                "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"
+            )
+
+    def roll(self, time: float, truth: Vector) -> None:
+        """Find friction and force at a time with these outputs of the plant; times come in order."""
+        self._truth[:] = truth
+        self._roll(ctypes.addressof(self.struct), time, self._truth.ctypes.data)

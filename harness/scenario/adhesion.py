@@ -38,16 +38,8 @@ class Profile:
     step: float
     mu0_at: Array
 
-    def mu0(self, time: float, distance: float) -> Array:
-        """Return the friction at each wheelset, shape (wheelsets,), at a time [s] and distance [m] since the demand.
-
-        The array is a view of the table, not to be written to.
-        """
-        nearest = int((time if self.over_time else distance) / self.step + 0.5)
-        return self.mu0_at[min(max(nearest, 0), len(self.mu0_at) - 1)]
-
     def table(self, time: Array, distance: Array) -> Array:
-        """Return `mu0` for many instants at once: shapes (n,), (n,) → (n, wheelsets)."""
+        """Return the friction at each wheelset, (n, wheelsets), at times [s] and distances [m] since the demand."""
         nearest = ((time if self.over_time else distance) / self.step + 0.5).astype(int)
         return self.mu0_at[np.clip(nearest, 0, len(self.mu0_at) - 1)]
 
@@ -66,37 +58,28 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     _demand_resolved(scenario)
     over_time = not scenario.runs_over_distance
     if over_time:
+        if adhesion.patch:
+            raise ScenarioError(
+                f"{scenario.name}: [adhesion.patch] lies on the rail, and the profile it lies on runs over time: "
+                "let it run over distance"
+            )
         step = scenario.periods.communication
         axis = step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)
         places = np.repeat(axis[:, None], wheelsets, axis=1)
     else:
         step = _PLACE_STEP
-        if formation.position is None:
-            raise ScenarioError(
-                f"{scenario.name}: [adhesion] runs over distance, and the plant does not say where its wheelsets are: "
-                "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
-            )
-        # A train cannot get farther than this before the horizon: braking it gets no faster, driven as fast as any.
-        driven = scenario.demand is not None and scenario.demand.has_traction
-        reach = (FASTEST if driven else scenario.start.speed) * scenario.limits.horizon
+        position = position_of(scenario, formation)
         if isinstance(adhesion, Constant):  # behind its patches nothing changes
-            reach = max(p.begin + p.length for p in adhesion.patch) + formation.position.max() + step
-        if reach > _FARTHEST:
-            fastest = "any train" if driven else "[start] speed"
-            raise ScenarioError(
-                f"{scenario.name}: [adhesion] over distance is tabulated as far as {fastest} goes until [limits] "
-                f"horizon, {reach / 1e3:.3g} km; {_FARTHEST / 1e3:g} km is the most, shorten the horizon"
-            )
+            reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
+            _demand_tabulated(scenario, reach, "a wheelset meets the last patch")
+        else:
+            reach = reach_of(scenario)
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
-        places = axis[:, None] - formation.position
+        places = axis[:, None] - position
     match adhesion:
         case Constant(mu0=mu0):
-            for what, each in (("mu0", mu0), *(("patch mu0", patch.mu0) for patch in adhesion.patch)):
-                if len(each) > 1:
-                    _check_count(scenario, f"[adhesion] {what}", len(each), wheelsets)
+            _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
             found = np.broadcast_to(mu0, places.shape)
-            for patch in adhesion.patch:
-                found = found + _inside(patch, places) * (np.array(patch.mu0) - found)
         case Points():
             found = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
             if adhesion.correlation is not None:
@@ -111,11 +94,13 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         case Random():
             found = _random(adhesion, places, scenario.seed)
         case FromTable(curve=curve):
-            if curve.mu0.shape[1] > 1:
-                _check_count(scenario, f"[adhesion] file {adhesion.file.written}", curve.mu0.shape[1], wheelsets)
+            _check_count(scenario, f"[adhesion] file {adhesion.file.written}", curve.mu0.shape[1], wheelsets)
             found = _from_curve(curve, places)
         case _:
             assert_never(adhesion)
+    for patch in adhesion.patch:
+        _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
+        found = found + _inside(patch, places) * (np.array(patch.mu0) - found)
     mu0 = _conditioned(adhesion.factor * found, adhesion.conditioning, formation)
     if mu0.max() > 1:
         raise ScenarioError(
@@ -125,8 +110,44 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     return Profile(over_time=over_time, step=step, mu0_at=mu0)
 
 
+def position_of(scenario: Scenario, formation: Formation) -> Array:
+    """Return how far each wheelset is behind the leading one [m].
+
+    Raises:
+        ScenarioError: Nobody says where they are.
+    """
+    if formation.position is None:
+        what = "runs over distance" if scenario.runs_over_distance else "has recovery"
+        raise ScenarioError(
+            f"{scenario.name}: [adhesion] {what}, and the plant does not say where its wheelsets are: "
+            "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
+        )
+    return formation.position
+
+
+def reach_of(scenario: Scenario) -> float:
+    """Return how far a train may get before the horizon [m]: braking it gets no faster, driven as fast as any.
+
+    Raises:
+        ScenarioError: That is too far to be tabulated.
+    """
+    driven = scenario.demand is not None and scenario.demand.has_traction
+    reach = (FASTEST if driven else scenario.start.speed) * scenario.limits.horizon
+    fastest = "any train" if driven else "[start] speed"
+    _demand_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
+    return reach
+
+
+def _demand_tabulated(scenario: Scenario, reach: float, what: str) -> None:
+    if reach > _FARTHEST:
+        raise ScenarioError(
+            f"{scenario.name}: [adhesion] over distance is tabulated as far as {what}, {reach / 1e3:.3g} km; "
+            f"{_FARTHEST / 1e3:g} km is the most, shorten it"
+        )
+
+
 def _check_count(scenario: Scenario, what: str, count: int, wheelsets: int) -> None:
-    if count != wheelsets:
+    if count not in (1, wheelsets):
         raise ScenarioError(f"{scenario.name}: {what} is for {count} wheelsets, the vehicle has {wheelsets}")
 
 

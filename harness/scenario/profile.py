@@ -19,6 +19,21 @@ class Conditioning(Table):
     by: Literal["group", "wheelset"]
 
 
+class Recovery(Table):
+    """What the energy of slip makes of the rail, for the wheel that slips and for those behind it.
+
+    Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128; `railgrip.loop.rail.Field` has the
+    law.
+    """
+
+    mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
+    A: Annotated[float, Unit("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
+    B: Annotated[float, Unit("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
+    rate: Annotated[
+        float, Unit("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel")
+    ] = Field(description="τ, of the recovery over the energy of the slip of a wheel on a metre of rail")
+
+
 Over = Literal["time", "distance"]
 
 _FARTHEST = 1e5  # s or m
@@ -26,25 +41,6 @@ _FARTHEST = 1e5  # s or m
 
 class Extent(Magnitude):
     """A length or a duration: which one is wanted depends on `over`."""
-
-
-class _Profile(Table):
-    """What all profiles share."""
-
-    polach: Polach
-    level: Annotated[float, Unit("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
-        default=1.0, description="factor on the first wheelset's friction"
-    )
-    calibrated: dict[str, Annotated[float, Unit("1", above=0, at_most=100)]] = Field(
-        default={},
-        description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
-    )
-    conditioning: Conditioning | None = None
-
-    @property
-    def factor(self) -> float:
-        """Factor on the first wheelset's friction: the level, times what the calibration found for this shape."""
-        return self.level * self.calibrated.get(self.polach.name, 1.0)
 
 
 def _one_or_each(written: Any) -> Any:
@@ -65,12 +61,41 @@ class Patch(Table):
     edge: Length = Field(default=0.0, description="over which friction changes at either end, inside the patch")
 
 
+class _Profile(Table):
+    """What all profiles share."""
+
+    polach: Polach
+    level: Annotated[float, Unit("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
+        default=1.0, description="factor on the first wheelset's friction"
+    )
+    calibrated: dict[str, Annotated[float, Unit("1", above=0, at_most=100)]] = Field(
+        default={},
+        description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
+    )
+    conditioning: Conditioning | None = None
+    recovery: Recovery | None = Field(default=None, exclude_if=lambda recovery: recovery is None)
+    patch: tuple[Patch, ...] = Field(default=(), exclude_if=lambda patches: not patches)
+
+    @model_validator(mode="after")
+    def _one_cleaning(self) -> Self:
+        if self.recovery is not None and self.conditioning is not None and self.conditioning.fraction > 0:
+            raise broken(
+                "has conditioning, which cleans the rail for wheels behind whatever those ahead do, and recovery, "
+                "which cleans it by their slip; keep one (conditioning.fraction = 0 does nothing)"
+            )
+        return self
+
+    @property
+    def factor(self) -> float:
+        """Factor on the first wheelset's friction: the level, times what the calibration found for this shape."""
+        return self.level * self.calibrated.get(self.polach.name, 1.0)
+
+
 class Constant(_Profile):
     """The same friction everywhere, for the train or for each wheelset, but for patches of the rail."""
 
     kind: Literal["constant"]
     mu0: Frictions = Field(description="one number for the whole train, or one for each wheelset")
-    patch: tuple[Patch, ...] = Field(default=(), exclude_if=lambda patches: not patches)
 
     @property
     def over(self) -> Over:

@@ -28,15 +28,18 @@ from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
-from railgrip.loop.rail import TabulatedRail
+from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import Believer
 from railgrip.record.outcome import Outcome
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
+from railgrip.scenario.polach import Polach
+from railgrip.scenario.profile import Recovery
 from railgrip.trace.recorder import Recorder
 
 RADIUS = (0.38,) * 4
+LAID = Polach(k_A=0.3, k_S=0.1, A=0.5, B=0.1)
 GROUPS = (
     BrakeGroup(
         load=14500 * 9.81, inertia=209.0, wheel_radius=0.38, units=2, friction_radius=0.22, piston_area=0.0324,
@@ -202,8 +205,9 @@ SENSORS = {
 
 
 def brake(
-    engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None
-):
+    engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None,
+    field=lambda: None,
+):  # fmt: skip
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
         (
@@ -227,7 +231,7 @@ def brake(
     try:
         end = engine.run(
             **parties,
-            rail=TabulatedRail(Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps()),
+            rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps(), field()),
             driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
             wheel_radius=RADIUS,
             clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
@@ -304,6 +308,25 @@ def test_mixes_of_parties(lacks, sensors, filter_, controller, valves, every, ov
         sensors=sensors, valves=valves, every=every, over_time=over_time, samples=BLOCK + 300,
     )  # fmt: skip
     assert outcome is Outcome.STANDSTILL
+
+
+@pytest.mark.parametrize("reach", [20.0, 5.0])
+def test_a_rail_that_slip_changes(reach):
+    """Slip and adhesion of either sign, a train that rolls back, or gets farther than it should."""
+
+    def slides(k, truth):
+        truth[LAYOUT.output["slip"]] = 0.5 + 0.5 * np.sin(0.01 * k + np.arange(4))
+        truth[LAYOUT.output["adhesion"]] = 0.018 * np.sin(0.01 * k + np.arange(6))
+        truth[LAYOUT.output["wheelset_load"]] = 1e5
+
+    clean, rows = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1e-2), []
+    ended, _, _ = same(
+        lambda: Plant(speed=12.0, slowing=10.6, wrong=slides), samples=BLOCK + 300,
+        field=lambda: Field(TWO_PART_TRAIN, clean, LAID, reach),
+        keep=lambda recorder: rows.append(recorder.rows[: recorder.written, recorder.columns["mu0"]].copy()),
+    )  # fmt: skip
+    assert ended is Outcome.STANDSTILL
+    assert rows[0].max() > 0.25
 
 
 until = st.one_of(

@@ -24,6 +24,11 @@ def profile(name, *overrides):
     return profile_of(load(LIBRARY / f"{name}.toml", ["adhesion.polach=soap", *overrides]), TWO_PART_TRAIN)
 
 
+def friction_at(found, time, distance):
+    """Return the friction at each wheelset then."""
+    return found.table(np.array([time]), np.array([distance]))[0]
+
+
 def test_calibration_scales_the_shape_it_is_for_and_no_other():
     plain, scaled = (
         profile("trapezoid", *PLAIN, "adhesion.calibrated.leaf=1.25", f"adhesion.polach={shape}")
@@ -47,7 +52,7 @@ def test_a_trapezoid_is_high_falls_stays_low_and_rises():
         13: 0.055,
     }
     for time, mu0 in expected.items():
-        assert found.mu0(time, 0.0) == pytest.approx(np.full(6, mu0), abs=1e-12)
+        assert friction_at(found, time, 0.0) == pytest.approx(np.full(6, mu0), abs=1e-12)
 
 
 def test_a_sine_sweep_starts_at_its_mean_with_its_first_frequency_and_ends_with_its_last():
@@ -105,22 +110,22 @@ def test_on_the_rail_every_wheelset_meets_the_same_spot_later():
     found = profile("random", *ON_THE_RAIL)
     offsets = [0, 1.9, 15.625, 18.275, 32, 33.9]
     spot = 60.0
-    met = [found.mu0(0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
+    met = [friction_at(found, 0.0, spot + offset)[wheelset] for wheelset, offset in enumerate(offsets)]
     # Offsets are whole numbers of the 5 mm grid, so that no interpolation stands between.
     assert met == pytest.approx([met[0]] * 6, abs=1e-12)
-    assert len(set(np.round(found.mu0(0.0, spot), 6))) == 6
+    assert len(set(np.round(friction_at(found, 0.0, spot), 6))) == 6
 
 
 def test_the_rail_behind_the_start_is_there_too():
     found = profile("random", *ON_THE_RAIL)
-    assert np.all(found.mu0(0.0, 0.0) > 0)
-    assert found.mu0(0.0, 33.9)[5] == pytest.approx(found.mu0(0.0, 0.0)[0])
+    assert np.all(friction_at(found, 0.0, 0.0) > 0)
+    assert friction_at(found, 0.0, 33.9)[5] == pytest.approx(friction_at(found, 0.0, 0.0)[0])
 
 
 @pytest.mark.parametrize("by", ["group", "wheelset"])
 def test_conditioning_raises_minima_from_front_to_rear_and_leaves_maxima(by):
     found = profile("trapezoid", f"adhesion.conditioning.by={by}", "adhesion.conditioning.fraction=0.1")
-    low, high = found.mu0(7.0, 0.0), found.mu0(2.0, 0.0)
+    low, high = friction_at(found, 7.0, 0.0), friction_at(found, 2.0, 0.0)
     ahead = np.array([0, 0, 1, 2, 3, 3] if by == "group" else range(6))
     assert low == pytest.approx(0.13 - (0.13 - 0.055) * 0.9**ahead)
     assert high == pytest.approx(np.full(6, 0.13))
@@ -147,13 +152,13 @@ def test_one_look_up_and_many_are_the_same(name, times):
     found = profile(name, "limits.horizon=30 s")
     times = np.array(times)
     many = found.table(times, 20 * times)
-    assert np.array_equal(many, [found.mu0(time, 20 * time) for time in times])
+    assert np.array_equal(many, [friction_at(found, time, 20 * time) for time in times])
     assert np.all((many > 0) & (many <= 1))
 
 
 def test_the_table_of_the_loop_cannot_be_written_to():
     with pytest.raises(ValueError, match="read-only"):
-        profile("trapezoid").mu0(0.0, 0.0)[0] = 1
+        profile("trapezoid").mu0_at[0, 0] = 1
 
 
 def tabled(tmp_path, content, *overrides):
@@ -169,9 +174,9 @@ def tabled(tmp_path, content, *overrides):
 
 def test_a_users_curve_is_straight_between_its_points(tmp_path):
     found = profile_of(tabled(tmp_path, "time,mu0\n1,0.10\n3,0.20\n"), TWO_PART_TRAIN)
-    assert found.mu0(0.0, 0.0) == pytest.approx(np.full(6, 0.10))
-    assert found.mu0(2.0, 0.0) == pytest.approx(np.full(6, 0.15))
-    assert found.mu0(50.0, 0.0) == pytest.approx(np.full(6, 0.20))
+    assert friction_at(found, 0.0, 0.0) == pytest.approx(np.full(6, 0.10))
+    assert friction_at(found, 2.0, 0.0) == pytest.approx(np.full(6, 0.15))
+    assert friction_at(found, 50.0, 0.0) == pytest.approx(np.full(6, 0.20))
 
 
 def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path):
@@ -179,8 +184,8 @@ def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path
     rows = "distance," + header + "\n0,.1,.1,.1,.1,.1,.1\n100,.2,.3,.4,.5,.6,.7\n"
     found = profile_of(tabled(tmp_path, rows), TWO_PART_TRAIN)
     # wheelset 6 is 33.9 m behind the first
-    assert found.mu0(0.0, 83.9)[5] == pytest.approx(0.1 + 0.6 * 0.5)
-    assert found.mu0(0.0, 50.0)[0] == pytest.approx(0.15)
+    assert friction_at(found, 0.0, 83.9)[5] == pytest.approx(0.1 + 0.6 * 0.5)
+    assert friction_at(found, 0.0, 50.0)[0] == pytest.approx(0.15)
 
 
 @pytest.mark.parametrize(
@@ -208,7 +213,7 @@ def test_what_is_given_for_another_number_of_wheelsets_is_refused_by_its_key(tmp
     two = load(LIBRARY / "plain.toml", [*constant, "adhesion.mu0=[0.1, 0.2]"])
     with pytest.raises(ScenarioError, match=r"\[adhesion\] mu0 is for 2 wheelsets, the vehicle has 6"):
         profile_of(two, TWO_PART_TRAIN)
-    assert profile_of(two, Formation((1, 1))).mu0(0.0, 0.0).tolist() == [0.1, 0.2]
+    assert friction_at(profile_of(two, Formation((1, 1))), 0.0, 0.0).tolist() == [0.1, 0.2]
     with pytest.raises(ScenarioError, match=r"file rail.csv is for 2 wheelsets, the vehicle has 6"):
         profile_of(tabled(tmp_path, "time,mu0_1,mu0_2\n0,.1,.1\n1,.1,.1\n"), TWO_PART_TRAIN)
     short = [f"adhesion.{extent}='5 m'" for extent in ("first_fall", "low", "ramp")]
@@ -257,3 +262,20 @@ def test_each_wheelset_meets_a_patch_of_the_rail_when_it_gets_there(tmp_path):
         found = profile.table(np.zeros(7), places)[:, wheelset]
         # The table's grid is 5 mm, of an edge of 1 m that is 1e-3 of 0.18.
         assert found == pytest.approx([0.28, (0.28 + low) / 2, low, low, (0.28 + low) / 2, 0.28, 0.28], abs=1e-3)
+
+
+def test_a_patch_lies_on_any_rail_that_runs_over_the_distance(tmp_path):
+    """Leaves of 8 m on a ramp, with steps at both ends; the later one covers the earlier."""
+    patches = "[{ begin = '20 m', length = '8 m', mu0 = 0.03 }, { begin = '27 m', length = '5 m', mu0 = 0.15 }]"
+    ramp = ("kind = 'points'", "over = 'distance'", "points = [['0 m', 0.1], ['100 m', 0.2]]")
+    made = pointed(tmp_path, *ramp, f"patch = {patches}")
+    places = np.array([19.9, 20.1, 26.9, 27.1, 31.9, 32.1])
+    found = profile_of(made, TWO_PART_TRAIN).table(np.zeros(6), places)[:, 0]
+    assert found == pytest.approx([0.1199, 0.03, 0.03, 0.15, 0.15, 0.1321], abs=1e-5)
+
+
+def test_a_patch_has_no_place_in_a_profile_over_time(tmp_path):
+    patch = "patch = [{ begin = '20 m', length = '8 m', mu0 = 0.03 }]"
+    made = pointed(tmp_path, "kind = 'points'", "over = 'time'", "points = [['0 s', 0.1]]", patch)
+    with pytest.raises(ScenarioError, match=r"\[adhesion\.patch\] lies on the rail, and the profile .* runs over time"):
+        profile_of(made, TWO_PART_TRAIN)

@@ -6,6 +6,7 @@
 
 #include "driver.h"
 #include "plausible.h"
+#include "rail.h"
 #include "sensors.h"
 
 typedef int Cross(void *, int, double);
@@ -32,9 +33,6 @@ typedef struct {
     const double *shown;
     const long long *present;                    /* places of what is shown among all outputs */
     double start;                                /* time of sample 0 */
-    /* the rail: friction on an even grid, the force straight in sections */
-    const double *mu0, *begins, *forces, *rates;
-    double grid;
     /* instruments; null: the outputs themselves, with errors if there is noise */
     Service *service;
     const long long *read_of;
@@ -47,15 +45,15 @@ typedef struct {
     const double *radius;
     Formula law, valves;
     Plausibility *plausibility;
+    Rail *rail;
     Driver *driver;                              /* null: full brake */
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
-    long long present_count, points, over_time, sections, width, seen_count;
+    long long present_count, width, seen_count;
     long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
     long long demand_at, driver_at;              /* -1: it is not kept */
-    long long section;                           /* of the force, the last one */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
 } Cycle;
@@ -163,33 +161,11 @@ static int decide(Cycle *c)
     return isfinite(total);
 }
 
-/* What the rail does at the place and time of this sample. */
-static void roll(Cycle *c, double time)
-{
-    const double distance = c->truth[OUTPUT_DISTANCE], last = (double)(c->points - 1);
-    const double place = fmin(fmax((c->over_time ? time : distance) / c->grid + 0.5, 0.0), last);
-    const long long nearest = (long long)place;
-    long long section = c->section;
-
-    copy(c->inputs + INPUT_MU0, c->mu0 + nearest * WHEELSETS, WHEELSETS);
-    while (section + 1 < c->sections && c->begins[section + 1] <= distance)
-        section++;
-    while (section > 0 && c->begins[section] > distance)
-        section--;
-    c->section = section;
-    c->inputs[INPUT_TRACK_FORCE] = c->forces[section];
-    if (c->rates[section] != 0.0)
-        c->inputs[INPUT_TRACK_FORCE] += c->rates[section] * (distance - c->begins[section]);
-    if (c->driver)
-        c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
-}
-
 /* Go on until the sample `until` is due, or something ends the stop. */
 EXPORT int cycle(Cycle *c, long long until)
 {
     for (; c->sample < until; c->sample++) {
         const long long k = c->sample;
-        const double time = (double)k * c->period;
         double *row = c->rows + k * c->width;
 
         if (k > 0) {
@@ -230,7 +206,11 @@ EXPORT int cycle(Cycle *c, long long until)
         }
         if (c->truth[OUTPUT_SPEED] <= c->stop_speed)
             return STANDING;
-        roll(c, time);
+        roll(c->rail, (double)k * c->period, c->truth);
+        copy(c->inputs + INPUT_MU0, c->rail->mu0, WHEELSETS);
+        c->inputs[INPUT_TRACK_FORCE] = c->rail->force;
+        if (c->driver)
+            c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
     }
     return GOING;
 }

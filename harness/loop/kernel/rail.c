@@ -1,0 +1,78 @@
+/* The rail of rail.h under a train; what its recovery is for is said in rail.py. */
+
+#include <math.h>
+
+#include "rail.h"
+
+/* Friction at a slip speed, over that at none. */
+static double falling(double A, double B, double slip_speed)
+{
+    return (1.0 - A) * exp(-B * slip_speed) + A;
+}
+
+/* Wheelset w has come to a place, with this energy of its slip per metre: leave on the way what is its own. */
+static void pass(Recovery *its, int w, double place, double loss)
+{
+    const double mean = 0.5 * (its->loss[w] + loss);
+
+    its->loss[w] = loss;
+    if (place <= its->place[w])
+        return;
+    while (its->cell[w] + 1 < its->cells) {
+        const double end = its->origin + (double)(its->cell[w] + 1) * its->length;
+        if (place < end)
+            break;
+        its->left[w] += mean * (end - its->place[w]);
+        its->energy[its->cell[w]++] += its->left[w] / its->length;
+        its->left[w] = 0.0;
+        its->place[w] = end;
+        its->met[w] = its->energy[its->cell[w]];
+    }
+    its->left[w] += mean * (place - its->place[w]);
+    its->place[w] = place;
+}
+
+static void recover(Recovery *its, const double *truth, double *mu0)
+{
+    const double speed = truth[OUTPUT_SPEED], distance = truth[OUTPUT_DISTANCE];
+
+    for (int w = 0; w < WHEELSETS; w++) {
+        const double slip = fmax(truth[OUTPUT_SLIP + its->group[w]], 0.0);
+        const double loss = 0.5 * fmax(truth[OUTPUT_ADHESION + w], 0.0) * truth[OUTPUT_WHEELSET_LOAD + w] * slip;
+        const double place = distance - its->position[w];
+        if (!its->begun) {
+            its->place[w] = place;
+            its->cell[w] = (long long)fmax((place - its->origin) / its->length, 0.0);
+            its->loss[w] = loss;
+        }
+        pass(its, w, place, loss);
+        const double share = 1.0 - exp(-its->rate * (its->met[w] + loss));
+        const double slip_speed = slip * fmax(speed, 0.0), falls = falling(its->A, its->B, slip_speed);
+        const double laid = mu0[w] * falls, clean = its->clean * falling(its->clean_A, its->clean_B, slip_speed);
+        /* In terms of friction at no slip speed, which is what the plant's contact takes and lets fall by its own law. */
+        mu0[w] = fmin((laid + share * (fmax(clean, laid) - laid)) / falls, 1.0);
+    }
+    its->begun = 1;
+}
+
+/* Friction and force at a time, with these outputs of the plant; times come in order. */
+EXPORT void roll(Rail *its, double time, const double *truth)
+{
+    const double distance = truth[OUTPUT_DISTANCE], last = (double)(its->points - 1);
+    const double place = fmin(fmax((its->over_time ? time : distance) / its->grid + 0.5, 0.0), last);
+    const double *nearest = its->friction + (long long)place * WHEELSETS;
+    long long section = its->section;
+
+    for (int w = 0; w < WHEELSETS; w++)
+        its->mu0[w] = nearest[w];
+    if (its->recovery)
+        recover(its->recovery, truth, its->mu0);
+    while (section + 1 < its->sections && its->begins[section + 1] <= distance)
+        section++;
+    while (section > 0 && its->begins[section] > distance)
+        section--;
+    its->section = section;
+    its->force = its->forces[section];
+    if (its->rates[section] != 0.0)
+        its->force += its->rates[section] * (distance - its->begins[section]);
+}

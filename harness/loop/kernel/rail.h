@@ -1,0 +1,37 @@
+/* What the track does to the train; the structs are mirrored in rail.py, field by field. */
+#ifndef RAIL_H
+#define RAIL_H
+
+#include "layout.h"
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+typedef struct {
+    double *energy;                              /* of each cell: what slip has dissipated in it, of one wheel of each pair [J/m] */
+    const double *position;                      /* of each wheelset behind the leading one */
+    const long long *group;                      /* that it belongs to */
+    double origin, length;                       /* where the first cell begins; of a cell */
+    double rate;                                 /* of the recovery [m/J] */
+    double clean, clean_A, clean_B, A, B;        /* friction of the clean rail; how that and the one as laid fall with slip speed */
+    double place[WHEELSETS], loss[WHEELSETS];   /* at the last sample: where, and the energy of the slip [J/m] */
+    double met[WHEELSETS], left[WHEELSETS];      /* in the present cell: left by those ahead [J/m], by the wheelset itself [J] */
+    long long cell[WHEELSETS];
+    long long cells, begun;
+} Recovery;
+
+typedef struct {
+    const double *friction;                      /* as it lies, on an even grid: points x WHEELSETS */
+    const double *begins, *forces, *rates;       /* of the force: straight in sections */
+    double grid, force;
+    double mu0[WHEELSETS];
+    long long points, over_time, sections, section;   /* section: the last one */
+    Recovery *recovery;                          /* null: slip leaves friction as it lies */
+} Rail;
+
+void roll(Rail *its, double time, const double *truth);
+
+#endif

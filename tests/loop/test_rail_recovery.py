@@ -1,0 +1,190 @@
+"""Slip changes the rail as the published law says, for the wheel that slips and for those behind it."""
+
+from collections import namedtuple
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
+
+from railgrip.assemble import assembled, run_stop
+from railgrip.engine import Engine
+from railgrip.errors import ScenarioError
+from railgrip.loop.compiled_cycle import run
+from railgrip.loop.rail import Field, TabulatedRail
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.adhesion import Profile, position_of
+from railgrip.scenario.load import load
+from railgrip.scenario.profile import Recovery
+
+Falling = namedtuple("Falling", "A B")
+Sections = namedtuple("Sections", "begins forces rates")
+
+CLEAN = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1.9e-4)
+LAID = Falling(A=0.5, B=0.1)
+LOAD = 1e5
+CELL = 0.1
+WRITTEN = "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"
+LOW = ("adhesion.mu0=0.05", "adhesion.polach=low", "estimator.kind=none", "controller.kind=slip_two_state")
+
+
+def rail(mu0=0.05, reach=200.0, clean=CLEAN):
+    profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
+    straight = Sections((-np.inf,), (0.0,), (0.0,))
+    return TabulatedRail(LAYOUT, profile, straight, Field(TWO_PART_TRAIN, clean, LAID, reach))
+
+
+def truth(distance, speed=20.0, slip=0.1, adhesion=0.05):
+    found = np.full(LAYOUT.outputs, np.nan)
+    named = {"distance": distance, "speed": speed, "slip": slip, "adhesion": adhesion, "wheelset_load": LOAD}
+    for name, value in named.items():
+        found[LAYOUT.output[name]] = value
+    return found
+
+
+def rolled(track, to, step=0.05, slip=lambda place: 0.1, **shown):
+    for place in np.arange(round(to / step) + 1) * step:
+        track.roll(0.0, truth(place, slip=slip(place), **shown))
+    return track
+
+
+def law(energy, mu0, slip_speed, clean=CLEAN):
+    """The law by hand: friction at no slip speed, as a contact takes it that lets friction fall as LAID says."""
+    falling = lambda of: (1 - of.A) * np.exp(-of.B * slip_speed) + of.A
+    laid = mu0 * falling(LAID)
+    gained = max(clean.mu0 * falling(clean) - laid, 0.0)
+    return (laid + (1 - np.exp(-clean.rate * energy)) * gained) / falling(LAID)
+
+
+def test_each_wheelset_begins_with_what_those_ahead_have_won():
+    """Constant force and slip: behind n wheelsets, and with its own, a wheel has had n + 1 times F s."""
+    track = rolled(rail(), 60.0)
+    each = 0.5 * 0.05 * LOAD * 0.1  # F s of a wheel, 250 J/m
+    expected = [law((ahead + 1) * each, 0.05, slip_speed=2.0) for ahead in range(6)]
+    assert track.mu0 == pytest.approx(expected, rel=1e-9)
+    assert np.all(np.diff(track.mu0) > 0)
+
+
+def test_the_product_of_shares_is_the_sum_of_energies():
+    """1 − λ of wheels one after the other multiply, whatever each of them did."""
+    track = rail()
+    slips = np.array([0.05, 0.3, 0.1, 0.2])
+    for place in np.arange(0, 60, 0.05):
+        shown = truth(place)
+        shown[LAYOUT.output["slip"]] = slips
+        track.roll(0.0, shown)
+    each = 0.5 * 0.05 * LOAD * slips[TWO_PART_TRAIN.group_of_wheelset]
+    kept = np.cumprod(np.exp(-CLEAN.rate * each))
+    speeds = 20.0 * slips[TWO_PART_TRAIN.group_of_wheelset]
+    expected = [law(-np.log(share) / CLEAN.rate, 0.05, speed) for share, speed in zip(kept, speeds, strict=True)]
+    assert track.mu0 == pytest.approx(expected, rel=1e-9)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0)), min_size=2, max_size=60))
+def test_the_rail_keeps_all_the_energy(moves):
+    """Of every wheel the integral of F s over its way, in strides from nothing to thirty cells."""
+    track, place = rail(), 0.0
+    track.roll(0.0, truth(0.0, slip=0.2))
+    spent, before = 0.0, 0.2
+    for stride, slip in moves:
+        place += stride
+        track.roll(0.0, truth(place, slip=slip))
+        spent += 6 * 0.5 * 0.05 * LOAD * 0.5 * (before + slip) * stride
+        before = slip
+    kept = CELL * track.field.energy.sum() + sum(track.field.struct.left)
+    assert kept == pytest.approx(spent, rel=1e-9, abs=1e-6)
+
+
+def test_halving_the_stride_changes_the_rail_by_a_quarter_each_time():
+    wave = lambda place: 0.1 * (1 + np.sin(place))
+    strides = (0.08, 0.04, 0.02, 0.01)
+    found = [rolled(rail(), 60.0, stride, wave).mu0[-1] for stride in strides]
+    first, second, third = np.abs(np.diff(found))
+    assert third < 0.5 * first
+    assert third < 1e-4 * found[-1]
+    assert second < 3e-4 * found[-1]
+
+
+def test_better_rail_than_the_clean_one_stays_as_it_lies():
+    assert rolled(rail(mu0=0.5, clean=CLEAN.model_copy(update={"B": 5.0})), 50.0).mu0 == pytest.approx(np.full(6, 0.5))
+
+
+def test_rolling_wheels_leave_the_rail_alone_and_standing_ones_do_not_dig():
+    assert rolled(rail(), 50.0, slip=lambda place: 0.0).mu0 == pytest.approx(np.full(6, 0.05))
+    track = rolled(rail(), 50.0)
+    before = track.field.energy.copy()
+    for _ in range(1000):
+        track.roll(0.0, truth(50.0, speed=0.0, slip=1.0))
+    assert np.array_equal(track.field.energy, before)
+
+
+def test_beyond_the_reach_the_rail_is_the_last_cell_s():
+    """A train cannot get there; if one does, memory stays whole."""
+    track = rolled(rail(reach=20.0), 60.0)
+    assert np.isfinite(track.mu0).all()
+    assert track.field.energy[:-1].max() == pytest.approx(6 * 250.0)
+
+
+def test_both_engines_clean_the_same_rail_and_the_heat_of_the_contacts_is_on_it():
+    scenario = load(LIBRARY / "plain.toml", [*LOW, WRITTEN, "limits.horizon=4 s"])
+    with assembled(scenario) as parts:
+        ended = run(controller=parts.controller, **parts.parties)
+        field, trace = parts.parties["rail"].field, parts.recorder.trace(ended.samples, 1e-3)
+    # Of both wheels of each wheelset; the plant's heat is that of all slip, the rail's that of samples 1 ms apart.
+    kept = 2 * (CELL * field.energy.sum() + sum(field.struct.left))
+    assert kept == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)
+    assert float(trace.mu0.max()) > 0.1
+    python = run_stop(scenario, engine=Engine.PYTHON).trace
+    assert np.array_equal(python.mu0.values, trace.mu0.values)
+    assert np.array_equal(python.adhesion.values, trace.adhesion.values)
+
+
+@pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
+def test_slip_that_cleans_stops_earlier_and_half_the_period_changes_little(controller):
+    """Sensors, law and valves of the ideal stop have a period of their own; the rail has the communication's."""
+    changes = (*LOW[:3], f"controller.kind={controller}", "limits.horizon=100 s", "start.speed=50 km/h")
+    plain = run_stop(load(LIBRARY / "plain.toml", changes))
+    stops = [
+        run_stop(load(LIBRARY / "plain.toml", [*changes, WRITTEN, f"periods.communication={period}"]))
+        for period in ("1 ms", "0.5 ms")
+    ]
+    assert all(stop.outcome is Outcome.STANDSTILL for stop in (plain, *stops))
+    one, half = (stop.metrics.distance for stop in stops)
+    assert one < 0.8 * plain.metrics.distance
+    assert half == pytest.approx(one, rel=2e-3)
+    assert stops[0].metrics.utilisation <= 1.0
+
+
+def test_without_recovery_a_scenario_is_what_it_was():
+    plain = load(LIBRARY / "plain.toml", [])
+    assert "recovery" not in plain.resolved()["adhesion"]
+    assert load(LIBRARY / "plain.toml", [WRITTEN]).digest() != plain.digest()
+
+
+def refusal(*changes, scenario="plain", run=run_stop):
+    with pytest.raises(ScenarioError) as found:
+        run(load(LIBRARY / f"{scenario}.toml", changes))
+    return str(found.value)
+
+
+def test_what_cannot_be_is_refused_in_a_sentence():
+    assert "has conditioning" in refusal(WRITTEN, scenario="trapezoid")
+    assert "conditioning.fraction = 0" in refusal(WRITTEN, scenario="trapezoid")
+    assert "how those ahead have slipped" in refusal(WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none")
+    assert "recovery] rate" in refusal("adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}")
+    assert "recovery" in refusal("adhesion.recovery={mu0=0.3, A=0.4, B=0.6}")
+    assert "shorten" in refusal(WRITTEN, "limits.horizon=950 s")
+
+
+def test_a_plant_without_loads_or_places_is_refused():
+    shown = truth(0.0)
+    shown[LAYOUT.output["wheelset_load"]] = np.nan
+    with pytest.raises(ScenarioError, match="does not show adhesion, slip and wheelset_load"):
+        rail().meet(shown)
+    TabulatedRail(LAYOUT, rail().friction, rail().sections).meet(shown)
+    nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
+    with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not say where"):
+        position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)
