@@ -65,7 +65,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
-from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, Layout, layout_of, sent
+from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, TRACTION, Layout, layout_of, sent
 from railgrip.trace.recorder import Recorder
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
@@ -282,6 +282,7 @@ def assembled(
             *layout.reading_signals,
             *(() if commands_valves else DEMANDED),
             *(DRIVEN if scenario.demand is not None else ()),
+            *(TRACTION if scenario.demand is not None and scenario.demand.has_traction else ()),
             *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
         )
         yield Assembled(

@@ -92,6 +92,9 @@ DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the co
 DRIVEN = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver demands"),)
 """The most that could be sent; absent from the trace of a stop whose scenario has no [demand]."""
 
+TRACTION = (Signal("traction", "train", "N", "force of the traction, forward positive, a part of track_force"),)
+"""Absent from the trace of a stop whose [demand] has none."""
+
 
 def sent(*, pneumatic: bool) -> tuple[Signal, ...]:
     """Return the signals of `SENT`, with the unit that a command has: a valve's position, or else a pressure."""

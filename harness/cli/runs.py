@@ -32,7 +32,7 @@ def run(
 
     scenario = load(file, overrides or [])
     directory = out or Path("build/runs") / scenario.name
-    with progress(scenario.name, scenario.start.speed) as shown:
+    with progress(scenario.name, scenario.start.speed or None) as shown:
         stop = run_scenario(
             scenario,
             directory,

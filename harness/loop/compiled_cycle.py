@@ -113,8 +113,11 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_longlong) for name in ("present_count", "width")),
             *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
-            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at")),
-            *((name, ctypes.c_longlong) for name in ("any", "news", "crossed", "sample", "written", "failure")),
+            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at", "traction_at")),
+            *(
+                (name, ctypes.c_longlong)
+                for name in ("any", "news", "crossed", "sample", "written", "failure", "moved")
+            ),
         )
 
     return Cycle
@@ -246,6 +249,7 @@ class _Parts:
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,
             read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
             driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
+            traction_at=recorder.at.get("traction", -1),
         )  # fmt: skip
         its = self.struct
         if isinstance(sensors, WhiteSensors):

@@ -82,7 +82,8 @@ def decisions(
         wheel_radius: Nominal radii for a slip from readings [m].
         clock: Periods and horizon.
         start_speed: That the plant was asked to start with [m/s].
-        stop_speed: The train stands below this speed [m/s].
+        stop_speed: The train stands below this speed [m/s]; one that starts at rest, once it has been faster or brakes
+            are asked for.
         recorder: Written from row 0 on; holds clock.samples + 1 rows.
         progress: Called with the train speed [m/s] every 0.25 s of simulated time.
 
@@ -104,10 +105,11 @@ def decisions(
     watch = watch_of(layout, believer, wheel_radius, recorder, driver.pressure)
     demand_columns = recorder.columns.get("demand")
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
+    traction_columns = recorder.columns.get("traction")
     demands = driver_demands = (0.0,) * layout.formation.groups
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
-    written = 0
+    written, moved = 0, False
     try:
         for k in range(clock.samples + 1):
             if k > 0:
@@ -127,6 +129,8 @@ def decisions(
                 row[demand_columns] = demands
             if driver_columns is not None:
                 row[driver_columns] = driver_demands
+                if traction_columns is not None:
+                    row[traction_columns] = driver.force
                 driver.drive(k, truth)
                 watch.driver_demand = driver.pressure
             watch.see(reading)
@@ -153,7 +157,8 @@ def decisions(
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
                 inputs[sent_command] = command
-            if speed <= stop_speed:
+            moved = moved or speed > stop_speed
+            if speed <= stop_speed and (moved or driver.pressure.any()):
                 return stood(distance, time, written)
             if progress is not None and k % report_every == 0:
                 progress(speed)

@@ -52,14 +52,15 @@ def jerk(trace: xarray.Dataset) -> tuple[float, float]:
 
 
 def energy_residual(trace: xarray.Dataset) -> float:
-    """Return what the plant's energies leave unexplained, over the kinetic energy at the start.
+    """Return what the plant's energies leave unexplained, over the kinetic energy at the start; NaN without any.
 
     Kinetic energy lost − heat in contacts, pads and dampers − work of resistance; near zero unless the plant
     errs.
     """
     lost = -_change(trace, "kinetic_energy")
     found = sum(_change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
-    return (lost - found) / float(trace["kinetic_energy"].values[0])
+    start = float(trace["kinetic_energy"].values[0])
+    return (lost - found) / start if start > 0 else float("nan")
 
 
 def _change(trace: xarray.Dataset, name: str) -> float:

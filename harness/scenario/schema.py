@@ -64,10 +64,11 @@ class Scenario(Table):
                 f"[limits] horizon {self.limits.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
             )
-        if self.limits.stop_speed >= self.start.speed:
+        driven = self.demand is not None and self.demand.has_traction
+        if self.limits.stop_speed >= self.start.speed and not driven:
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
-                f"{self.start.speed:g} m/s"
+                f"{self.start.speed:g} m/s; a train that starts so slowly wants traction in [[demand.phases]]"
             )
         slowest = max(
             ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)

@@ -16,6 +16,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=
 Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
 Friction = Annotated[float, Unit("1", above=0, at_most=1)]
 Speed = Annotated[float, Unit("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
+StartSpeed = Annotated[float, Unit("m/s", at_least=0, at_most=FASTEST, because=_FASTEST)]
 Duration = Annotated[float, Unit("s", above=0, at_most=10800, because=_LONGEST)]
 Period = Annotated[
     float,

@@ -7,7 +7,7 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_seriali
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, ModelicaClass, Parameters, Speed, Table, broken, scalars
+from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, scalars
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
@@ -126,6 +126,6 @@ class Vehicle(Table):
 
 
 class Start(Table):
-    """The state at the brake demand, t = 0."""
+    """The state at t = 0, which is the brake demand where the driver asks for nothing else."""
 
-    speed: Speed
+    speed: StartSpeed = Field(description="0 for a train at rest, which then wants traction in [demand]")

@@ -42,11 +42,16 @@ class Block:
 
 
 class Rail:
-    def mu0(self, time, distance):
-        return np.full(6, 0.1 + distance * 1e-6)
+    force = 5.0
 
-    def force(self, distance):
-        return 5.0
+    def __init__(self):
+        self.mu0 = np.full(6, 0.1)
+
+    def meet(self, truth):
+        pass
+
+    def roll(self, time, truth):
+        self.mu0 = np.full(6, 0.1 + truth[LAYOUT.output["distance"]] * 1e-6)
 
 
 class Constant:

@@ -102,7 +102,7 @@ REFUSALS = [
     (["start.speed=fast"], "[start] speed is 'fast', which is not a number with a unit such as '80 km/h'."),
     (["start.speed=true"], "[start] speed is true, but a number in 'm/s' is wanted."),
     (["start.speed=nan"], "[start] speed is nan, but a finite number is wanted."),
-    (["start.speed=-3 km/h"], "[start] speed must be above 0 m/s, got '-3 km/h'."),
+    (["start.speed=-3 km/h"], "[start] speed must be at least 0 m/s, got '-3 km/h'."),
     (["start=3"], "[start] must be a table, got 3"),
     (["adhesion.minimum=2"], "[adhesion] minimum must be at most 1, got 2."),
     (["adhesion.minimum=0.5"], "[adhesion] minimum 0.5 is above maximum 0.13."),
@@ -173,7 +173,8 @@ REFUSALS = [
     (["limits.alpha_max=0"], "[limits] alpha_max must be above 0, got 0."),
     (
         ["limits.stop_speed=100 km/h"],
-        "[limits] stop_speed 27.7778 m/s is not below [start] speed 22.2222 m/s.",
+        "[limits] stop_speed 27.7778 m/s is not below [start] speed 22.2222 m/s; a train that starts so "
+        "slowly wants traction in [[demand.phases]].",
     ),
 ]
 

@@ -82,6 +82,31 @@ def test_traction_accelerates_by_its_force(steps):
     assert pushed == pytest.approx(8e5, rel=1e-3)
 
 
+def from_rest(force):
+    """Return a stop of a train that is driven from rest to 30 km/h, or for 4 s, and then braked."""
+    driven = {"pressure": 0, "traction": {"force": force}}
+    phases = [driven | {"until": {"time": "4 s"}}, driven | {"until": {"speed_above": "30 km/h"}}, {"pressure": "full"}]
+    phases = phases if force != "1 N" else [phases[0], phases[-1]]
+    return same(rg.Scenario.load("service_steps", {"start.speed": 0, "demand": {"phases": phases}} | GRIPPY))
+
+
+def test_a_train_at_rest_stands_once_it_has_moved():
+    """Standing still at the start is not the end; the distance counts from the brake demand."""
+    stop = from_rest("80 kN")
+    assert stop.outcome is Outcome.STANDSTILL
+    assert float(stop.trace["speed"].max()) == pytest.approx(30.0 / 3.6, abs=0.01)
+    assert 0.0 < stop.metrics.distance < float(stop.trace["distance"][-1])
+    # Level track: what pushes the train is its traction, recorded beside the force that the plant was sent.
+    np.testing.assert_array_equal(stop.trace["traction"], stop.trace["track_force"])
+    assert float(stop.trace["traction"].max()) == 80e3
+
+
+def test_a_train_that_never_moves_stands_when_brakes_are_asked_for():
+    stop = from_rest("1 N")
+    assert stop.outcome is Outcome.STANDSTILL
+    assert float(stop.trace["time"][-1]) == pytest.approx(4.0, abs=2e-3)
+
+
 def test_full_brake_from_the_start_is_a_stop_without_a_demand():
     """To the last bit, but for the variable that says what the driver asked for."""
     plain = {"start.speed": "20 km/h", **GRIPPY}

@@ -53,9 +53,10 @@ typedef struct {
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
     long long present_count, width, seen_count;
     long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
-    long long demand_at, driver_at;              /* -1: it is not kept */
+    long long demand_at, driver_at, traction_at; /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
+    long long moved;                             /* whether the train has been faster than stop_speed */
 } Cycle;
 
 static void copy(double *to, const double *from, long long count)
@@ -161,6 +162,14 @@ static int decide(Cycle *c)
     return isfinite(total);
 }
 
+static int brakes_demanded(const Driver *driver)
+{
+    for (int g = 0; driver && g < GROUPS; g++)
+        if (driver->pressure[g] != 0.0)
+            return 1;
+    return !driver;
+}
+
 /* Go on until the sample `until` is due, or something ends the stop. */
 EXPORT int cycle(Cycle *c, long long until)
 {
@@ -185,6 +194,8 @@ EXPORT int cycle(Cycle *c, long long until)
             copy(row + c->demand_at, c->demand, GROUPS);
         if (c->driver) {
             copy(row + c->driver_at, c->driver_demand, GROUPS);
+            if (c->traction_at >= 0)
+                row[c->traction_at] = c->driver->force;
             drive(c->driver, k, c->truth);
         }
         read_all(c, row + c->read_at);
@@ -204,7 +215,8 @@ EXPORT int cycle(Cycle *c, long long until)
                 return NO_COMMAND;
             copy(c->inputs, c->command, GROUPS);
         }
-        if (c->truth[OUTPUT_SPEED] <= c->stop_speed)
+        c->moved |= c->truth[OUTPUT_SPEED] > c->stop_speed;
+        if (c->truth[OUTPUT_SPEED] <= c->stop_speed && (c->moved || brakes_demanded(c->driver)))
             return STANDING;
         roll(c->rail, (double)k * c->period, c->truth);
         copy(c->inputs + INPUT_MU0, c->rail->mu0, WHEELSETS);
