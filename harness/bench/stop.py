@@ -12,7 +12,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from railgrip.assemble import lowered, run_stop
+from railgrip.assemble import braking_distance, lowered, run_stop
 from railgrip.cache import VARIABLE
 from railgrip.engine import Engine
 from railgrip.estimators.compiled import CompiledFilter
@@ -114,6 +114,18 @@ def stop_costs(*overrides: str, rounds: int = 3) -> dict[Engine, StopCost]:
         )
         for engine in engines
     }
+
+
+def bare_cost(*overrides: str, rounds: int = 5) -> float:
+    """Return the time of the processor per communication period of a stop of which only the distance is taken [µs]."""
+    scenario = load(LIBRARY / "trapezoid.toml", overrides)
+    samples = run_stop(scenario).metrics.duration / scenario.periods.communication
+    took: list[float] = []
+    for _ in range(rounds):
+        begun = process_time()
+        braking_distance(scenario)
+        took.append((process_time() - begun) / samples * 1e6)
+    return median(took)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

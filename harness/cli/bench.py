@@ -11,7 +11,7 @@ def bench() -> None:
     from railgrip.bench.estimation import estimation_cost
     from railgrip.bench.fmi import step_cost
     from railgrip.bench.rig_filter import rig_filter_cost
-    from railgrip.bench.stop import build_cost, filter_cost, machine, stop_costs
+    from railgrip.bench.stop import bare_cost, build_cost, filter_cost, machine, stop_costs
     from railgrip.fmus.build import fmu
     from railgrip.report.table import Table
 
@@ -69,5 +69,6 @@ def bench() -> None:
             add(f"{what}: a cycle of the Python engine, figures included", f"{python.cycle:.0f} µs", "60 µs")
             add(f"  whole stop of {python.simulated:.1f} s", f"{python.wall:.2f} s", "2.5 s for 35 s")
             add("  a cycle of the compiled engine, figures included", f"{compiled.cycle:.0f} µs", "")
+            add("  the same without a trace", f"{bare_cost(*overrides):.1f} µs", "10 µs")
             add("  Python over compiled", f"{python.cycle / compiled.cycle:.1f}", "")
     show_table(Table.of(("what", "measured", "target"), rows, title=machine()))

@@ -42,16 +42,13 @@ class Block:
 
 
 class Rail:
-    force = 5.0
-
-    def __init__(self):
-        self.mu0 = np.full(6, 0.1)
+    mu0, force = np.full(6, 0.1), 5.0
 
     def meet(self, truth):
         pass
 
     def roll(self, time, truth):
-        self.mu0 = np.full(6, 0.1 + truth[LAYOUT.output["distance"]] * 1e-6)
+        self.mu0 = np.full(6, 0.1 + float(truth[LAYOUT.output["distance"]][0]) * 1e-6)
 
 
 class Constant:

@@ -1,12 +1,16 @@
 """Slip changes the rail as the published law says, for the wheel that slips and for those behind it."""
 
+import runpy
 from collections import namedtuple
 from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.assemble import assembled, run_stop
@@ -26,6 +30,7 @@ CLEAN = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1.9e-4)
 LAID = Falling(A=0.5, B=0.1)
 LOAD = 1e5
 CELL = 0.1
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 WRITTEN = "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"
 LOW = ("adhesion.mu0=0.05", "adhesion.polach=low", "estimator.kind=none", "controller.kind=slip_two_state")
 
@@ -188,3 +193,27 @@ def test_a_plant_without_loads_or_places_is_refused():
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
     with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not say where"):
         position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)
+
+
+@pytest.fixture(scope="module")
+def example():
+    return SimpleNamespace(**runpy.run_path(str(EXAMPLES / "rail_that_slip_cleans.py")))
+
+
+def test_adhesion_falls_behind_the_peak_and_rises_again_at_large_slip(example):
+    """The second maximum of contaminated rails; where slip does not clean, adhesion only falls behind the peak."""
+    slips = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 14)])
+    as_it_lies, cleaned = example.curves("low", 0.06, slips)
+    peak = np.argmax(as_it_lies)
+    assert np.all(np.diff(as_it_lies[peak:]) < 0)
+    first = cleaned[:, 0]
+    valley = peak + np.argmin(first[peak:])
+    assert slips[valley] == pytest.approx(0.28, abs=0.1)
+    assert first[valley] < 0.9 * first[: valley + 1].max()
+    assert first[-1] > 1.5 * first[: valley + 1].max()
+    assert np.all(cleaned[1:, 1:] >= cleaned[1:, :-1] - 1e-12)  # lead to trail, at any slip
+
+
+def test_the_figure_of_the_manual_is_drawn_by_the_example(example, tmp_path):
+    example.main(str(tmp_path / "rail.png"))
+    assert Image.open(tmp_path / "rail.png").size == Image.open(EXAMPLES.parent / "rail.png").size
