@@ -7,9 +7,9 @@ from synthetic import LAYOUT
 
 from railgrip.fmu import crossing
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.loop import compiled, compiled_cycle, driver, library, plausible, sensors
+from railgrip.loop import compiled, compiled_cycle, driver, faults, library, plausible, sensors
 
-LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "run.c")}
+LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "cycle.c", "run.c")}
 SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.header()}
 
 
@@ -21,6 +21,8 @@ SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.
         ("plausible.c", "Plausibility", plausible.Plausibility),
         ("driver.c", "Phase", driver._Phase),
         ("driver.c", "Driver", driver.driver_struct(LAYOUT.formation.groups)),
+        ("faults.c", "Fault", faults._Fault),
+        ("faults.c", "Faults", faults._Faults),
         ("cycle.c", "Formula", compiled_cycle._Formula),
         ("cycle.c", "Cycle", compiled_cycle.cycle_struct(LAYOUT)),
         ("crossing.c", "Channel", crossing._Channel),
@@ -38,7 +40,8 @@ def test_members_stand_where_c_puts_them(source, name, mirror):
         f"EXPORT long long place(int which)\n{{\n    static const size_t at[] = {{{places}, sizeof({name})}};\n"
         "    return (long long)at[which];\n}\n"
     )
-    units = ("probe.c", "sensors.c", "plausible.c", "driver.c") if source == "cycle.c" else ("probe.c",)
+    parts = [part for part in library._PARTS if part.endswith(".c")]
+    units = ("probe.c", *parts) if source == "cycle.c" else ("probe.c",)
     built = ctypes.CDLL(str(shared_library(SOURCES | {"probe.c": probe}, "probe", units=units)))
     built.place.restype = ctypes.c_longlong
     assert [built.place(k) for k in range(len(members))] == [getattr(mirror, member).offset for member in members]
