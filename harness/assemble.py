@@ -31,6 +31,7 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
+from railgrip.faults import faults_of, isolated_groups, isolated_units
 from railgrip.fmu import Description, FmuPrediction, Signal, bind, describe, open_plant
 from railgrip.fmus.build import build_class, choose, fmu
 from railgrip.fmus.native import Model, lower
@@ -48,7 +49,7 @@ from railgrip.loop.ports import Actuation, Controller, Plant
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.watch import Believer
 from railgrip.record.adhesion_use import over_the_rail
-from railgrip.record.bound import with_bound
+from railgrip.record.bound import Brake, with_bound
 from railgrip.record.contact import Contact
 from railgrip.record.metrics import measure
 from railgrip.record.motion import braking_distance as distance_of
@@ -58,12 +59,13 @@ from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.demand import phases_of
+from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
-from railgrip.scenario.track import STEEPEST, track_force_of
+from railgrip.scenario.track import STEEPEST, TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
 from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, TRACTION, Layout, layout_of, sent
 from railgrip.trace.recorder import Recorder
@@ -295,6 +297,13 @@ def assembled(
                 "believer": believer,
                 "actuation": actuation,
                 "driver": _driver(scenario, layout, groups),
+                "faults": faults_of(
+                    scenario,
+                    layout,
+                    groups,
+                    shown=shown_by(scenario, plant_file),
+                    valves=scenario.actuation.kind == "pneumatic",
+                ),
                 "wheel_radius": radius,
                 "clock": Clock(
                     period=scenario.periods.communication,
@@ -323,7 +332,7 @@ def _rail(scenario: Scenario, plant_file: Description, layout: Layout) -> Tabula
         laid = {key: changed[f"{key}_falling"] for key in ("A", "B") if f"{key}_falling" in changed}
         position_of(scenario, formation)
         field = Field(formation, adhesion.recovery, adhesion.polach.model_copy(update=laid), reach_of(scenario))
-    return TabulatedRail(layout, profile_of(scenario, formation), track_force_of(scenario.track), field)
+    return TabulatedRail(layout, profile_of(scenario, formation), force_on(scenario, plant_file), field)
 
 
 def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) -> Driver:
@@ -364,14 +373,13 @@ def judged(
 ) -> Stop:
     """Return the stop that a run of the loop gave, with bound and figures."""
     trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
-    # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve.
-    truth = parameters_of(plant_file) | plant_parameters(scenario, plant_file)
-    # A foreign plant that does not show its brakes has no bound; the figures that need it are empty.
+    # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
+    # that does not show its brakes has none; the figures that need it are empty.
     with suppress(ScenarioError):
         trace = with_bound(
             trace,
             contact_of(scenario, plant_file),
-            brake_of(truth, formation_of(scenario, plant_file)),
+            true_brake(scenario, plant_file),
             scenario.limits.alpha_max,
         )
     share = over_the_rail(trace)
@@ -594,19 +602,89 @@ def _units_of(description: Description) -> dict[str, Unit | str]:
 
 
 def plant_parameters(scenario: Scenario, description: Description) -> dict[str, float]:
-    """Return [vehicle.parameters] in the units of the plant FMU.
+    """Return what [vehicle.parameters], [truth] and isolated brake units change of a plant FMU, in its units.
+
+    None of them changes what controller, estimator and driver are told.
 
     Raises:
         ScenarioError: There is no such parameter, its unit has another dimension, or it only describes the plant.
     """
-    if scenario.vehicle.own_class:
-        return {}  # they are arguments of the class
+    factors = scenario.truth.factors()
+    if scenario.vehicle.own_class:  # [vehicle.parameters] are arguments of the class
+        if factors:
+            key = TRUTH_KEYS.get(next(iter(factors)), "creep")
+            raise ScenarioError(
+                f"{scenario.name}: [truth] {key} changes parameters of an FMU; the plant is a class of Python"
+            )
+        return {}
     fixed = next((name for name in scenario.vehicle.parameters if name.partition("[")[0] in _FORMATION), None)
     if fixed is not None:
         raise ScenarioError(
             f"[vehicle.parameters] {fixed} says how {description.file.name} is made and cannot be set; name another one"
         )
-    return in_units("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
+    written = in_units("[vehicle.parameters]", scenario.vehicle.parameters, _units_of(description))
+    if not factors and not scenario.faults:
+        return written
+    base = parameters_of(description) | scenario.adhesion.polach.plant_parameters() | written
+    changed = written | _true_parameters(scenario.name, factors, base)
+    return changed | isolated_units(scenario, formation_of(scenario, description), base)
+
+
+def _true_parameters(
+    origin: str, factors: Mapping[str, Sequence[float]], base: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the parameters of a plant that factors change, one for all elements of an array or one for each.
+
+    Raises:
+        ScenarioError: The plant has no such parameter, or another number of elements.
+    """
+    changed: dict[str, float] = {}
+    for name, each in factors.items():
+        found = [name] if name in base else [f"{name}[{i + 1}]" for i in range(len(_array_of(base, name)))]
+        where = f"{origin}: [truth] {TRUTH_KEYS.get(name, f'creep.{name}')}"
+        if not found:
+            raise ScenarioError(f"{where} changes the parameter {name}, which the plant does not have")
+        if len(each) not in (1, len(found)):
+            raise ScenarioError(f"{where} has {len(each)} factors, the plant has {len(found)} of {name}")
+        changed |= {element: base[element] * each[i % len(each)] for i, element in enumerate(found)}
+    return changed
+
+
+def true_brake(scenario: Scenario, description: Description) -> Brake:
+    """Return the brakes as they are, for the bound: those of a group that is isolated do nothing.
+
+    Raises:
+        ScenarioError: The plant does not show them.
+    """
+    formation = formation_of(scenario, description)
+    brake = brake_of(parameters_of(description) | plant_parameters(scenario, description), formation)
+    units = brake.n_units.copy()
+    units[isolated_groups(scenario, formation)] = 0.0
+    return replace(brake, n_units=units)
+
+
+def force_on(scenario: Scenario, description: Description) -> TrackForce:
+    """Return the force of the track of a scenario and of the gradient that nobody was told.
+
+    Raises:
+        ScenarioError: There is such a gradient, and the plant does not say its mass.
+    """
+    force, slope = track_force_of(scenario.track), scenario.truth.gradient
+    if not slope:
+        return force
+    truth, formation = (
+        parameters_of(description) | plant_parameters(scenario, description),
+        formation_of(scenario, description),
+    )
+    try:
+        mass = float(masses_of(truth, formation).sum())
+    except ScenarioError as problem:
+        raise ScenarioError(
+            f"{scenario.name}: [truth] gradient wants the mass of the plant, which does not say it; write [track] "
+            "gradient with train_mass"
+        ) from problem
+    more = float(force_along(slope, 0.0, mass))
+    return replace(force, forces=tuple(one + more for one in force.forces))
 
 
 def layout_of_plant(scenario: Scenario, description: Description, formation: Formation) -> Layout:
@@ -615,10 +693,19 @@ def layout_of_plant(scenario: Scenario, description: Description, formation: For
     Raises:
         ScenarioError: The sensors are to read what the plant does not show.
     """
-    offered = {name.partition("[")[0] for name in description.variables} | set(scenario.vehicle.map)
-    extra = tuple(s for s in EXTRA if s.name in scenario.vehicle.map or s.name in offered & _outputs(description))
-    shown = (*(s.name for s in (*PLANT, *extra) if s.name in offered), "slip")
+    shown = shown_by(scenario, description)
+    extra = tuple(s for s in EXTRA if s.name in shown)
     return layout_of(formation, (*PLANT, *extra), readings_of(scenario, shown))
+
+
+def shown_by(scenario: Scenario, description: Description) -> frozenset[str]:
+    """Return the names of what a plant shows."""
+    mapped = set(scenario.vehicle.map)
+    offered = {name.partition("[")[0] for name in description.variables} | mapped
+    extra = mapped | (offered & _outputs(description))
+    return frozenset(
+        {"slip"} | {s.name for s in PLANT if s.name in offered} | {s.name for s in EXTRA if s.name in extra}
+    )
 
 
 def _outputs(description: Description) -> set[str]:
@@ -664,7 +751,7 @@ def _track_fits(scenario: Scenario, description: Description, formation: Formati
     mass = 0.0
     with suppress(ScenarioError):
         mass = float(masses_of(truth, formation).sum())
-    most, force = STEEPEST * GRAVITY * mass, max(track_force_of(scenario.track).forces, key=abs)
+    most, force = STEEPEST * GRAVITY * mass, max(force_on(scenario, description).forces, key=abs)
     if mass and abs(force) > most:
         raise ScenarioError(
             f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {STEEPEST:.0%} only "
@@ -710,7 +797,7 @@ def _plant(
     inputs, outputs, start = plant_signals(
         layout,
         pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=bool(np.any(track_force_of(scenario.track).forces))
+        track_force=bool(np.any(force_on(scenario, description).forces))
         or (scenario.demand is not None and scenario.demand.has_traction),
     )
     binding = bind(

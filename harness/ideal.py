@@ -23,10 +23,9 @@ from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.track import track_force_of
 from railgrip.signals import PLANT, SENT
 from railgrip.trace.recorder import Recorder
-from railgrip.train import GRAVITY, brake_of, masses_of
+from railgrip.train import GRAVITY, masses_of
 
 Array = NDArray[np.float64]
 
@@ -71,9 +70,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
 
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
-    profile, force = profile_of(scenario, formation), track_force_of(scenario.track)
+    profile, force = profile_of(scenario, formation), assemble.force_on(scenario, plant)
     load = masses * GRAVITY
-    contact, brake = assemble.contact_of(scenario, plant), brake_of(parameters, formation)
+    contact, brake = assemble.contact_of(scenario, plant), assemble.true_brake(scenario, plant)
     recorder = Recorder((*PLANT, *SENT), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
@@ -130,6 +129,7 @@ def _full_brake(scenario: Scenario) -> Scenario:
         "sensors": {"kind": "ideal"},
         "estimator": {"kind": "none"},
         "controller": {"kind": "full_brake"},
+        "faults": [],
     }
     table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
     return Scenario.model_validate(table)

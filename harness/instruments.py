@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import ScenarioError, SensorsFailed
+from railgrip.faults import missing_teeth
 from railgrip.loop.ports import Sensors
 from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.scenario.custom import Custom
@@ -46,7 +47,7 @@ def readings_of(scenario: Scenario, shown: Collection[str]) -> tuple[Signal, ...
 
 def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Sensors:
     """Return the sensors of a scenario; what is constant over a stop is drawn here."""
-    table = scenario.sensors
+    table, missing = scenario.sensors, missing_teeth(scenario, layout.formation)
     if isinstance(table, IdealTable):
         return IdealSensors(layout)
     if isinstance(table, Custom):
@@ -71,6 +72,7 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
         pressure_offset=table.pressure.error * table.pressure.full_scale * lot.standard_normal(layout.formation.groups),
         pressure_step=table.pressure.full_scale / float(np.exp2(table.pressure.bits)),
         pressure_lag=table.pressure.lag,
+        missing_teeth=missing,
     )
     return ServiceSensors(layout, instruments, period, generator(scenario.seed, "sensors.noise"))
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
+from railgrip.loop.faults import Faults
 from railgrip.loop.library import compiled, kernel
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, Plant, Sensors
@@ -106,7 +107,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
             *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
             *((name, _Formula) for name in ("law", "valves")),
-            *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver")),
+            *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver", "faults")),
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
             ("rows", ctypes.c_void_p),
             *((name, ctypes.c_double * size) for name, size in vectors.items()),
@@ -161,6 +162,7 @@ def run(
     controller: Controller,
     actuation: Actuation,
     driver: Driver,
+    faults: Faults | None = None,
     wheel_radius: tuple[float, ...],
     clock: Clock,
     start_speed: float,
@@ -184,7 +186,9 @@ def run(
     inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0, rail.force
     truth = plant.start(inputs)
     rail.meet(truth)
-    parts = _Parts(layout, plant.edge(), rail, sensors, believer, controller, actuation, driver, wheel_radius, recorder)
+    parts = _Parts(
+        layout, plant.edge(), rail, sensors, believer, controller, actuation, driver, faults, wheel_radius, recorder
+    )
     its = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
     its.period, its.stop_speed, its.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
@@ -233,10 +237,11 @@ class _Parts:
         controller: Controller,
         actuation: Actuation,
         driver: Driver,
+        faults: Faults | None,
         wheel_radius: tuple[float, ...],
         recorder: Recorder,
     ) -> None:
-        self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, driver, recorder]
+        self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, driver, faults, recorder]
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
         read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.shown)
         self.struct: Any = cycle_struct(layout)(
@@ -244,6 +249,7 @@ class _Parts:
             present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
             service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
+            faults=ctypes.addressof(faults.struct) if faults is not None else None,
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,

@@ -20,6 +20,7 @@ from railgrip.loop.ended import (
     without_controller,
     without_reading,
 )
+from railgrip.loop.faults import Faults
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Plant, Rail, Sensors
 from railgrip.loop.watch import Believer, watch_of
@@ -52,6 +53,7 @@ def decisions(
     believer: Believer | DirectEstimator | None,
     actuation: Actuation,
     driver: Driver,
+    faults: Faults | None = None,
     wheel_radius: tuple[float, ...],
     clock: Clock,
     start_speed: float,
@@ -79,6 +81,7 @@ def decisions(
         believer: None if the controller sees readings only.
         actuation: From demanded pressure to the plant's command.
         driver: The most that may be demanded, and traction.
+        faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
         wheel_radius: Nominal radii for a slip from readings [m].
         clock: Periods and horizon.
         start_speed: That the plant was asked to start with [m/s].
@@ -106,7 +109,7 @@ def decisions(
     demand_columns = recorder.columns.get("demand")
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
     traction_columns = recorder.columns.get("traction")
-    demands = driver_demands = (0.0,) * layout.formation.groups
+    demands = driver_demands = command = (0.0,) * layout.formation.groups
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     written, moved = 0, False
@@ -121,6 +124,8 @@ def decisions(
                 reading = sensors.read(k, truth)
             except SensorsFailed as failed:
                 return without_reading(str(failed), k)
+            if faults is not None:
+                reading = faults.shown(k, reading)
             row = rows[k]
             row[true] = truth
             row[sent] = inputs
@@ -157,6 +162,8 @@ def decisions(
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)
                 inputs[sent_command] = command
+            if faults is not None:
+                inputs[sent_command] = faults.passed(k, truth, command)
             moved = moved or speed > stop_speed
             if speed <= stop_speed and (moved or driver.pressure.any()):
                 return stood(distance, time, written)

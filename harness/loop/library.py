@@ -11,12 +11,14 @@ from railgrip.fmus.native.toolchain import shared_library
 from railgrip.signals import Layout
 
 KERNEL: Final = files("railgrip.loop") / "kernel"
-_PARTS: Final = tuple(f"{part}.{kind}" for part in ("sensors", "plausible", "driver", "rail") for kind in "hc")
+_PARTS: Final = tuple(
+    f"{part}.{kind}" for part in ("sensors", "plausible", "driver", "rail", "faults") for kind in "hc"
+)
 
 
 @cache
 def kernel(layout: Layout) -> ctypes.CDLL:
-    """Return the sensors, the checks of a plant, the driver, the rail and the cycle in C, for vectors of this layout.
+    """Return the sensors, checks of a plant, driver, rail, faults and the cycle in C, for vectors of this layout.
 
     Raises:
         railgrip.errors.CompilerMissing: There is no C compiler.
@@ -34,6 +36,9 @@ def kernel(layout: Layout) -> ctypes.CDLL:
     library.drive.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p]
     library.drive.restype = None
     library.roll.argtypes, library.roll.restype = [ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p], None
+    library.show_faults.argtypes = [ctypes.c_void_p, ctypes.c_longlong, ctypes.c_void_p]
+    library.pass_faults.argtypes = [ctypes.c_void_p, ctypes.c_longlong, *[ctypes.c_void_p] * 3]
+    library.show_faults.restype = library.pass_faults.restype = None
     library.cycle.argtypes, library.cycle.restype = [ctypes.c_void_p, ctypes.c_longlong], ctypes.c_int
     return library
 

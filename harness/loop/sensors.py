@@ -63,6 +63,15 @@ class WhiteSensors:
         return truth.take(self.shown) * self.gain + self.bias + self.noise[sample % BLOCK]
 
 
+@dataclass(frozen=True, slots=True)
+class MissingTeeth:
+    """Teeth in a row that a pole wheel has lost, from a sample on until before another."""
+
+    count: int = 0
+    begin: int = 0
+    end: int = 0
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceInstruments:
     """Instruments as a train in service may have them.
@@ -83,6 +92,7 @@ class ServiceInstruments:
         pressure_offset: Of each transducer, constant over a stop, shape (groups,) [Pa].
         pressure_step: Of the converter [Pa].
         pressure_lag: First-order time constant [s].
+        missing_teeth: Of each pole wheel; empty where none are.
     """
 
     pulses: int
@@ -100,13 +110,14 @@ class ServiceInstruments:
     pressure_offset: Vector
     pressure_step: float
     pressure_lag: float
+    missing_teeth: tuple[MissingTeeth, ...] = ()
 
 
 class _Encoder(ctypes.Structure):
     _fields_ = (
         ("teeth", ctypes.c_void_p),
         *((name, ctypes.c_double) for name in ("pitch", "clock", "period", "silence", "angle", "stamp", "speed")),
-        *((name, ctypes.c_longlong) for name in ("pulses", "count")),
+        *((name, ctypes.c_longlong) for name in ("pulses", "count", "missing", "begin", "end")),
     )
 
 
@@ -140,7 +151,8 @@ class ServiceSensors:
         """Read a vehicle of this layout every `period` [s], with noise from `random`."""
         its, groups = instruments, layout.formation.groups
         self._random = random
-        self._encoders = [Encoder(layout, instruments, period, random) for _ in range(groups)]
+        whole = (MissingTeeth(),) * groups
+        self._encoders = [Encoder(layout, its, period, random, of) for of in its.missing_teeth or whole]
         self._deviation = np.array(
             [its.speed_noise, its.acceleration_noise] + [its.deflection_noise] * layout.formation.wheelsets
         )
@@ -178,11 +190,17 @@ class Encoder:
     Each sample the shaft has turned on; every tooth that passed is stamped with its time, on the ticks of the clock.
     The reading is the nominal angle between the last pulse of this sample and the last pulse before it over the time
     between the two. Without a new pulse there is no new reading, until so much time has passed that even one pulse
-    now would mean less than the cut-off: then the reading is zero.
+    now would mean less than the cut-off: then the reading is zero. Where a tooth is missing there is no pulse,
+    which the electronics does not know.
     """
 
     def __init__(
-        self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
+        self,
+        layout: Layout,
+        instruments: ServiceInstruments,
+        period: float,
+        random: np.random.Generator,
+        missing: MissingTeeth = MissingTeeth(),
     ) -> None:
         """Mount a pole wheel at a random angle."""
         its = instruments
@@ -193,6 +211,7 @@ class Encoder:
             teeth=self._teeth.ctypes.data, pulses=its.pulses, pitch=pitch, clock=its.clock, period=period,
             angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
             silence=pitch * its.wheel_radius / max(its.cut_off, 1e-3),
+            missing=missing.count, begin=missing.begin, end=missing.end,
         )  # fmt: skip
         self._address = ctypes.addressof(self.struct)
         self._read = kernel(layout).read_encoder

@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.demand import Demand
+from railgrip.scenario.faults import Fault, Truth
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
 from railgrip.scenario.profile import Adhesion, FromTable
@@ -46,6 +47,8 @@ class Scenario(Table):
     controller: Controller
     periods: Periods
     limits: Limits
+    faults: tuple[Fault, ...] = Field(default=(), max_length=100, exclude_if=lambda faults: not faults)
+    truth: Truth = Field(default=Truth(), exclude_if=lambda truth: truth == Truth())
 
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:

@@ -26,6 +26,7 @@ from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock
+from railgrip.loop.faults import CommandFault, Faults, ReadingFault
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
 from railgrip.loop.rail import Field, TabulatedRail
@@ -206,7 +207,7 @@ SENSORS = {
 
 def brake(
     engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None,
-    field=lambda: None,
+    field=lambda: None, broken=((), ()),
 ):  # fmt: skip
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
@@ -233,6 +234,7 @@ def brake(
             **parties,
             rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps(), field()),
             driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
+            faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
             wheel_radius=RADIUS,
             clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
             start_speed=asked or plant.speed,
@@ -327,6 +329,37 @@ def test_a_rail_that_slip_changes(reach):
     )  # fmt: skip
     assert ended is Outcome.STANDSTILL
     assert rows[0].max() > 0.25
+
+
+span = st.tuples(st.integers(0, BLOCK), st.integers(1, 400)).map(lambda at: {"begin": at[0], "end": sum(at)})
+broken_sensors = st.builds(
+    lambda kind, place, span, value: ReadingFault(
+        kind=kind, place=place, value=value, noise=np.linspace(-1, 1, 77) if kind == "noisy" else None, **span
+    ),
+    st.sampled_from(["dead", "stuck", "scaled", "biased", "noisy"]),
+    st.integers(0, LAYOUT.readings - 1), span, st.sampled_from([0.0, 0.5, 2.0, -1.0]),
+)  # fmt: skip
+broken_brakes = st.builds(
+    lambda kind, group, span, delay, value: CommandFault(
+        kind=kind, group=group, delay=delay, value=value, pressure=1e5, **span
+    ),
+    st.sampled_from(["fixed", "kept", "late", "limited"]),
+    st.integers(0, 3), span, st.integers(0, 50), st.sampled_from([1e-3, 1.0]),
+)  # fmt: skip
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    broken=st.tuples(st.lists(broken_sensors, max_size=5), st.lists(broken_brakes, max_size=4)),
+    sensors=st.sampled_from(["ideal", "white", "service"]),
+    valves=st.booleans(),
+    filter_=st.sampled_from([None, Filter]),
+)
+def test_any_faults_are_the_same_in_both_engines(broken, sensors, valves, filter_):
+    same(
+        lambda: Plant(speed=12.0, slowing=8.0), filter_=filter_, sensors=sensors, valves=valves, every=(2, 5),
+        broken=broken,
+    )  # fmt: skip
 
 
 until = st.one_of(

@@ -7,7 +7,7 @@ from synthetic import LAYOUT
 
 from railgrip.fmu import crossing
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.loop import compiled, compiled_cycle, driver, library, plausible, rail, sensors
+from railgrip.loop import compiled, compiled_cycle, driver, faults, library, plausible, rail, sensors
 
 LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "cycle.c", "run.c")}
 SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.header()}
@@ -23,6 +23,8 @@ SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.
         ("driver.c", "Driver", driver.driver_struct(LAYOUT.formation.groups)),
         ("rail.c", "Rail", rail._structs(LAYOUT.formation.wheelsets)[0]),
         ("rail.c", "Recovery", rail._structs(LAYOUT.formation.wheelsets)[1]),
+        ("faults.c", "Fault", faults._Fault),
+        ("faults.c", "Faults", faults._Faults),
         ("cycle.c", "Formula", compiled_cycle._Formula),
         ("cycle.c", "Cycle", compiled_cycle.cycle_struct(LAYOUT)),
         ("crossing.c", "Channel", crossing._Channel),
@@ -40,7 +42,8 @@ def test_members_stand_where_c_puts_them(source, name, mirror):
         f"EXPORT long long place(int which)\n{{\n    static const size_t at[] = {{{places}, sizeof({name})}};\n"
         "    return (long long)at[which];\n}\n"
     )
-    units = ("probe.c", "sensors.c", "plausible.c", "driver.c", "rail.c") if source == "cycle.c" else ("probe.c",)
+    parts = [part for part in library._PARTS if part.endswith(".c")]
+    units = ("probe.c", *parts) if source == "cycle.c" else ("probe.c",)
     built = ctypes.CDLL(str(shared_library(SOURCES | {"probe.c": probe}, "probe", units=units)))
     built.place.restype = ctypes.c_longlong
     assert [built.place(k) for k in range(len(members))] == [getattr(mirror, member).offset for member in members]

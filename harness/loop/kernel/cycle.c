@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "driver.h"
+#include "faults.h"
 #include "plausible.h"
 #include "rail.h"
 #include "sensors.h"
@@ -47,6 +48,7 @@ typedef struct {
     Plausibility *plausibility;
     Rail *rail;
     Driver *driver;                              /* null: full brake */
+    Faults *faults;                              /* null: there are none */
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
@@ -199,6 +201,8 @@ EXPORT int cycle(Cycle *c, long long until)
             drive(c->driver, k, c->truth);
         }
         read_all(c, row + c->read_at);
+        if (c->faults)
+            show_faults(c->faults, k, row + c->read_at);
         see(c, row + c->read_at);
         if (c->advance) {
             if (k == 0)
@@ -215,6 +219,8 @@ EXPORT int cycle(Cycle *c, long long until)
                 return NO_COMMAND;
             copy(c->inputs, c->command, GROUPS);
         }
+        if (c->faults)
+            pass_faults(c->faults, k, c->truth, c->command, c->inputs);
         c->moved |= c->truth[OUTPUT_SPEED] > c->stop_speed;
         if (c->truth[OUTPUT_SPEED] <= c->stop_speed && (c->moved || brakes_demanded(c->driver)))
             return STANDING;

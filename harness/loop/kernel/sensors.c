@@ -25,13 +25,18 @@ EXPORT double read_encoder(Encoder *its, long long sample, double speed)
     /* The error is a small share of the pitch, so only neighbours can be due. */
     while (last > its->count && tooth(its, last) > its->angle)
         last--;
+    const long long missing = sample >= its->begin && sample < its->end ? its->missing : 0;
+    while (last > its->count && last % its->pulses < missing)
+        last--;
     if (last <= its->count) {
         const int silent = its->stamp >= 0.0 && time - its->stamp > its->silence;
         return silent ? 0.0 : NOTHING_NEW;
     }
     const double moment = time - its->period * (1.0 - (tooth(its, last) - before) / turned);
     const double stamp = rint(moment / its->clock) * its->clock, previous = its->stamp;
-    const long long passed = last - its->count;
+    long long passed = last - its->count;
+    for (long long count = its->count + 1; missing && count < last; count++)
+        passed -= count % its->pulses < missing;
     its->stamp = stamp;
     its->count = last;
     if (previous < 0.0 || stamp <= previous)

@@ -17,6 +17,7 @@ typedef struct {
     double pitch, clock, period, silence;
     double angle, stamp, speed;                  /* stamp: of the last pulse, negative before the first */
     long long pulses, count;                     /* count: of the last tooth seen */
+    long long missing, begin, end;               /* teeth from the first of a revolution on; samples, `end` is not one of them */
 } Encoder;
 
 typedef struct {

@@ -1,0 +1,82 @@
+/* The faults of faults.h; what each means is said in faults.py. */
+
+#include <math.h>
+
+#include "faults.h"
+
+static const double NOTHING_SHOWN = 0.0 / 0.0;
+static const double NEARLY_OPEN = 0.5;           /* command from which a fill valve opens */
+
+/* Change a reading as the faults of its sensors do; one after the other, in their order. */
+EXPORT void show_faults(Faults *its, long long sample, double *reading)
+{
+    for (long long i = 0; i < its->reading_count; i++) {
+        Fault *fault = its->readings + i;
+        double *entry = reading + fault->place;
+        if (isnan(*entry))
+            continue;
+        /* Where nothing was shown before, the first reading is what the sensor showed when it broke. */
+        if (sample < fault->begin || sample >= fault->end || isnan(fault->held)) {
+            fault->held = *entry;
+            if (sample < fault->begin || sample >= fault->end || fault->kind == DEAD)
+                continue;
+        }
+        switch (fault->kind) {
+        case DEAD: *entry = NOTHING_SHOWN; break;
+        case STUCK: *entry = fault->held; break;
+        case SCALED: *entry *= fault->value; break;
+        case BIASED: *entry += fault->value; break;
+        case NOISY: *entry += fault->value * fault->past[(sample - fault->begin) / its->noise_every % fault->count]; break;
+        }
+    }
+}
+
+/* Pressure that a reservoir still has. */
+static double left(const Fault *fault, const double *truth)
+{
+    return fault->pressure - (truth[OUTPUT_AIR_USED] - fault->held) * fault->free / fault->value;
+}
+
+/* Give the commands that arrive at the plant for those that were sent to it. */
+EXPORT void pass_faults(Faults *its, long long sample, const double *truth, const double *sent, double *command)
+{
+    for (int g = 0; g < GROUPS; g++)
+        command[g] = sent[g];
+    for (long long i = 0; i < its->command_count; i++) {
+        Fault *fault = its->commands + i;
+        const int active = sample >= fault->begin && sample < fault->end;
+        double *entry = command + fault->place;
+        const double came = *entry;
+        switch (fault->kind) {
+        case FIXED:
+            if (active)
+                *entry = fault->value;
+            break;
+        case KEPT:
+            if (active && !isnan(fault->held))
+                *entry = fault->held;
+            else
+                fault->held = came;
+            break;
+        case LATE:
+            fault->past[sample % fault->count] = came;
+            if (active)
+                *entry = fault->past[(sample + 1) % fault->count];
+            break;
+        case LIMITED:
+            if (!active) {
+                fault->held = truth[OUTPUT_AIR_USED];
+                break;
+            }
+            if (isnan(fault->held))
+                fault->held = truth[OUTPUT_AIR_USED];
+            /* A check valve keeps what is in the cylinder. */
+            const double inside = truth[OUTPUT_CYLINDER_PRESSURE + fault->place], most = fmax(left(fault, truth), inside);
+            if (!its->valves)
+                *entry = fmin(came, most);
+            else if (came >= NEARLY_OPEN && most <= inside)
+                *entry = 0.0;
+            break;
+        }
+    }
+}

@@ -1,0 +1,117 @@
+"""What a broken sensor shows and what a broken brake does, sample by sample."""
+
+import numpy as np
+import pytest
+from synthetic import LAYOUT
+from test_sensors import PERIOD, encoder_readings, instruments
+
+from railgrip.loop.faults import FREE, CommandFault, Faults, ReadingFault
+from railgrip.loop.sensors import Encoder, MissingTeeth
+
+SPEED = LAYOUT.reading["speed"].start
+
+
+def shown(course, *, valves=True, noise_every=1, **fault):
+    """Readings of the train speed with one fault between samples 3 and 6; -1 for none."""
+    values = {"place": SPEED, "begin": 3, "end": 6} | fault
+    faults = Faults(LAYOUT, [ReadingFault(**values)], [], valves=valves, noise_every=noise_every)
+    readings = []
+    for k, speed in enumerate(course):
+        reading = np.arange(LAYOUT.readings, dtype=float)
+        reading[SPEED] = np.nan if speed == -1 else speed
+        result = faults.shown(k, reading)
+        assert np.delete(result, SPEED).tolist() == np.delete(reading, SPEED).tolist()
+        readings.append(result[SPEED])
+    return [-1 if np.isnan(reading) else reading for reading in readings]
+
+
+UP_AND_DOWN = np.array([1.0, -1.0])
+COURSE = [20, 19, 18, 17, 16, 15, 14, 13]
+
+
+@pytest.mark.parametrize(
+    ("fault", "expected"),
+    [
+        ({"kind": "dead"}, [20, 19, 18, -1, -1, -1, 14, 13]),
+        ({"kind": "stuck"}, [20, 19, 18, 18, 18, 18, 14, 13]),
+        ({"kind": "scaled", "value": 2.0}, [20, 19, 18, 34, 32, 30, 14, 13]),
+        ({"kind": "biased", "value": -0.5}, [20, 19, 18, 16.5, 15.5, 14.5, 14, 13]),
+        ({"kind": "noisy", "value": 2.0, "noise": UP_AND_DOWN}, [20, 19, 18, 19, 14, 17, 14, 13]),
+        ({"kind": "noisy", "value": 2.0, "noise": UP_AND_DOWN, "noise_every": 2}, [20, 19, 18, 19, 18, 13, 14, 13]),
+    ],
+    ids=lambda value: value["kind"] if isinstance(value, dict) else "",
+)  # fmt: skip
+def test_each_fault_does_what_it_says_and_ends(fault, expected):
+    assert shown(COURSE, **fault) == expected
+
+
+@pytest.mark.parametrize("kind", ["dead", "stuck"])
+def test_a_sensor_that_is_broken_from_the_start_shows_its_first_reading_only(kind):
+    """Nothing was read before sample 1: that reading is what it showed when it broke."""
+    after = -1 if kind == "dead" else 19
+    assert shown([-1, 19, 18, -1, 16], kind=kind, begin=0, end=99) == [-1, 19, after, -1, after]
+
+
+def test_faults_of_one_sensor_act_in_their_order():
+    scaled, biased = (ReadingFault(kind=k, place=SPEED, begin=0, end=9, value=2.0) for k in ("scaled", "biased"))
+    reading = np.full(LAYOUT.readings, 10.0)
+    results = [Faults(LAYOUT, order, [], valves=True, noise_every=1).shown(0, reading)[SPEED]
+               for order in ([scaled, biased], [biased, scaled])]  # fmt: skip
+    assert results == [22.0, 24.0]
+
+
+def passed(commands, *, valves, inside=(0.0,) * 20, air=(0.0,) * 20, **fault):
+    """Commands that arrive at group 2 with one fault between samples 2 and 5."""
+    values = {"group": 1, "begin": 2, "end": 5} | fault
+    faults = Faults(LAYOUT, [], [CommandFault(**values)], valves=valves, noise_every=1)
+    arrived = []
+    for k, command in enumerate(commands):
+        truth = np.zeros(LAYOUT.outputs)
+        truth[LAYOUT.output["cylinder_pressure"]] = inside[k]
+        truth[LAYOUT.output["air_used"]] = air[k]
+        result = faults.passed(k, truth, (7.0, command, 8.0, 9.0))
+        assert result[[0, 2, 3]].tolist() == [7.0, 8.0, 9.0]
+        arrived.append(float(result[1]))
+    return arrived
+
+
+def test_a_valve_is_fixed_kept_or_late():
+    course = [1, 2, 3, 4, 5, 6]
+    assert passed(course, valves=False, kind="fixed", value=-1.0) == [1, 2, -1, -1, -1, 6]
+    assert passed(course, valves=False, kind="kept") == [1, 2, 2, 2, 2, 6]
+    assert passed(course, valves=False, kind="late", delay=2) == [1, 2, 1, 2, 3, 6]
+    assert passed(course, valves=False, kind="late", delay=0) == course
+
+
+def test_a_reservoir_empties_with_the_air_it_gives():
+    """p = p0 - p_free ΔV/V: of 10 l at 2 bar, a litre of free air takes 0.101 bar; what was used before is past.
+    A check valve keeps what is in the cylinder, so that a command is never lowered below that."""
+    air = [0.5, 0.5, 0.5, 0.501, 0.510, 0.6]
+    common = dict(kind="limited", value=0.01, pressure=2e5, air=air)
+    limits = [3e5, 3e5, 2e5, 2e5 - 0.1 * FREE, 2e5 - FREE, 3e5]
+    assert passed([3e5] * 6, valves=False, **common) == pytest.approx(limits)
+    assert passed([5e4] * 6, valves=False, **common) == [5e4] * 6
+    inside = [1.5e5] * 6
+    assert passed([3e5] * 6, valves=False, inside=inside, **common)[4] == 1.5e5
+    assert passed([1.0] * 6, valves=True, inside=inside, **common) == [1, 1, 1, 1, 0, 1]
+    assert passed([-1.0] * 6, valves=True, inside=inside, **common) == [-1.0] * 6
+
+
+@pytest.mark.parametrize("missing", [1, 2, 7])
+def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
+    """Over a gap of m teeth one pulse comes in the time of m + 1 pitches: ω/(m + 1), once in a revolution; elsewhere ω.
+    A pitch lasts 1.3 samples, so that each pulse is a reading of its own."""
+    speed = 2 * np.pi / 100 / 1.3e-3
+    encoder = Encoder(LAYOUT, instruments(pitch_error=0.0, clock=1e-9), PERIOD, np.random.default_rng(1),
+                      MissingTeeth(missing, 0, 10**9))  # fmt: skip
+    read = np.array([encoder.read(k, speed) for k in range(2600)])  # twenty revolutions
+    read = read[~np.isnan(read)][5:]
+    slow = np.isclose(read, speed / (missing + 1), rtol=1e-5)
+    assert np.isclose(read[~slow], speed, rtol=1e-5).all()
+    assert slow.sum() in (19, 20)
+
+
+def test_a_pole_wheel_without_gap_reads_as_ever():
+    encoder = Encoder(LAYOUT, instruments(), PERIOD, np.random.default_rng(1), MissingTeeth(3, 10**6, 10**9))
+    _, true, plain = encoder_readings(lambda t: 50 - 2 * t, 2.0)
+    assert np.array_equal([encoder.read(k, w) for k, w in enumerate(true)], plain, equal_nan=True)

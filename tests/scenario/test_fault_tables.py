@@ -1,0 +1,204 @@
+"""The tables [[faults]] and [truth]: what they mean, and what is refused."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from synthetic import LIBRARY
+
+import railgrip as rg
+from railgrip import assemble
+from railgrip.errors import ScenarioError
+from railgrip.faults import faults_of, missing_teeth
+from railgrip.scenario.faults import KINDS, READ_BY, Fault, Truth
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.merge import merged
+
+EDGES = LIBRARY.parent / "edges"
+
+
+def asked(*faults, edge="service", **tables):
+    table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
+    table = merged(table, tomllib.loads((EDGES / f"{edge}.toml").read_text(encoding="utf-8")))
+    return scenario_of(merged(table, {"faults": list(faults), **tables}), directory=LIBRARY, origin="mine.toml")
+
+
+def parts(scenario):
+    """What the faults of a scenario become, all but of the plant."""
+    plant = assemble.plant_description(scenario)
+    formation = assemble.controlled_formation(scenario)
+    layout = assemble.layout_of_plant(scenario, plant, formation)
+    missing_teeth(scenario, formation)
+    shown, valves = assemble.shown_by(scenario, plant), scenario.actuation.kind == "pneumatic"
+    return faults_of(scenario, layout, formation.brakes, shown=shown, valves=valves)
+
+
+def plant_of(scenario):
+    description = assemble.plant_description(scenario)
+    return assemble.plant_parameters(scenario, description), assemble.force_on(scenario, description).at(10.0)
+
+
+@pytest.mark.parametrize(
+    ("fault", "sentence"),
+    [
+        ({"part": "radar", "kind": "held"}, "kind 'held' is nothing that a radar does; it may be dead"),
+        ({"part": "radar", "kind": "dead", "group": 1}, "[faults[1]] has 'group', but radar takes no place"),
+        ({"part": "valve", "kind": "held", "wheelset": 1}, "[faults[1]] has 'wheelset', but valve takes 'group'"),
+        ({"part": "radar", "kind": "dead", "begin": "3 s", "end": "2 s"}, "[faults[1]] end 2 s is not after begin 3 s"),
+        ({"part": "radar", "kind": "scaled"}, "[faults[1]] kind 'scaled' wants a value"),
+        ({"part": "radar", "kind": "dead", "value": 2}, "[faults[1]] kind 'dead' takes no value"),
+        ({"part": "supply", "kind": "sagging", "value": "60 l"}, "[faults[1]] kind 'sagging' wants the pressure"),
+        ({"part": "wheel", "kind": "dead"}, "[faults[1]] part is 'wheel'; there is 'speed_sensor'"),
+        ({"part": "radar", "kind": "biased", "value": "1 bar"}, "plain: [faults[1]] value"),
+        ({"part": "radar", "kind": "noisy", "value": "-1 m/s"}, "[faults[1]] value must be above 0 for kind 'noisy'"),
+        ({"part": "valve", "kind": "held", "group": 5}, "[faults[1]] is at group 5, the vehicle has 4"),
+        ({"part": "valve", "kind": "slow", "value": "1 min"}, "[faults[1]] delays a valve by 60 s; at most 10 s"),
+        ({"part": "speed_sensor", "kind": "missing_teeth", "value": 1.5}, "[faults[1]] value is a number of teeth"),
+        ({"part": "speed_sensor", "kind": "missing_teeth", "value": 100}, "[faults[1]] takes 100 teeth of 100"),
+    ],
+)  # fmt: skip
+def test_wrong_faults_end_in_a_sentence(fault, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        parts(asked(fault))
+    assert sentence in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("edge", "tables", "sentence"),
+    [
+        ("ideal", {"faults": [{"part": "speed_sensor", "kind": "missing_teeth", "value": 1}]}, "needs pole wheels"),
+        ("service", {"faults": [{"part": "brake", "kind": "isolated", "group": 1, "value": 3}]}, "isolates all units"),
+        ("service", {"faults": [{"part": "brake", "kind": "isolated", "value": 1, "end": 2}]}, "leave out begin"),
+        ("service", {"truth": {"load": [1.1, 1.2]}}, "[truth] load has 2 factors, the plant has 6 of m_wheelset"),
+        ("service", {"truth": {"wheel_radius": 0}}, "[truth] wheel_radius must be above 0, got 0"),
+        ("service", {"truth": {"creep": {"k_X": 1.0}}}, "k_X"),
+        ("service", {"truth": {"laod": 1.0}}, "[truth] has no key 'laod'; did you mean 'load'?"),
+    ],
+)  # fmt: skip
+def test_what_the_vehicle_does_not_have_ends_in_a_sentence(edge, tables, sentence):
+    def question():
+        scenario = asked(*tables.get("faults", ()), edge=edge, **{k: v for k, v in tables.items() if k != "faults"})
+        parts(scenario)
+        plant_of(scenario)
+
+    with pytest.raises(ScenarioError) as refusal:
+        question()
+    assert sentence in str(refusal.value)
+
+
+units = st.sampled_from(["", "s", "bar", "m/s", "rad/s", "m", "l", "m/s**2"])
+amounts = st.builds(
+    lambda n, unit: f"{n} {unit}" if unit else n, st.floats(-1e3, 1e3).map(lambda n: round(n, 3)), units
+)
+tables = st.fixed_dictionaries(
+    {"part": st.sampled_from(sorted(KINDS)), "kind": st.sampled_from(sorted({k for ks in KINDS.values() for k in ks}))},
+    optional={
+        "group": st.integers(0, 6), "wheelset": st.integers(0, 8), "begin": st.floats(0, 20), "end": st.floats(0, 80),
+        "value": amounts, "pressure": amounts,
+    },
+)  # fmt: skip
+
+
+@settings(max_examples=300, deadline=None)
+@given(faults=st.lists(tables, min_size=1, max_size=2), edge=st.sampled_from(["ideal", "service"]))
+def test_any_table_of_faults_is_taken_or_refused_in_a_sentence(faults, edge):
+    try:
+        scenario = asked(*faults, edge=edge)
+        parts(scenario)
+        plant_of(scenario)
+    except ScenarioError as error:
+        refusal = str(error)
+    else:
+        assert scenario_of(scenario.resolved(), directory=LIBRARY, origin="again") == scenario
+        return
+    assert "[faults[" in refusal
+    assert len(refusal) < 2000
+
+
+def test_every_kind_can_be_asked_for():
+    """With the value that it wants, in the unit of what is read."""
+    units = {"speed_sensor": "rad/s", "radar": "m/s", "accelerometer": "m/s**2", "transducer": "bar"}
+    for part, kinds in KINDS.items():
+        for kind in kinds:
+            more = {"scaled": {"value": 1.1}, "missing_teeth": {"value": 2}, "slow": {"value": "50 ms"},
+                    "sagging": {"value": "60 l", "pressure": "5 bar"}}.get(kind, {})  # fmt: skip
+            if kind in ("biased", "noisy"):
+                more = {"value": f"0.1 {units.get(part, 'mm')}"}
+            scenario = asked({"part": part, "kind": kind, **more})
+            assert (parts(scenario) is None) == (kind == "missing_teeth")
+
+
+def test_without_place_a_fault_is_everywhere_and_time_is_meant_to_the_nearest_sample():
+    faults = parts(asked({"part": "transducer", "kind": "dead", "begin": 0.57, "end": "0.5701 s"}))
+    assert faults.struct.reading_count == 4
+    assert set(READ_BY) < set(KINDS)
+    reading = np.ones(200)
+    shown = {k: np.isnan(faults.shown(k, reading)).sum() for k in (0, 569, 570, 571)}
+    assert shown == {0: 0, 569: 0, 570: 4, 571: 0}
+
+
+def test_a_scenario_without_faults_says_nothing_of_them():
+    """Its digest is that of results which were written before there were faults."""
+    resolved = load(LIBRARY / "plain.toml").resolved()
+    assert not resolved.keys() & {"faults", "truth"}
+    assert asked(truth={"load": 1}) == asked()
+
+
+def test_truth_is_what_the_vehicle_s_parameters_would_say():
+    """Factors on the data of the two-part train; the gradient acts on the mass that the train has."""
+    truth = asked(truth={"load": 0.85, "wheel_radius": [1.03, 1, 1, 0.97], "gradient": 0.02, "efficiency": 0.9})
+    parameters = {"m_wheelset": [f"{m * 0.85} kg" for m in (13400, 14100, 14500, 14500, 14100, 13400)],
+                  "r_wheel": ["0.3914 m", "0.38 m", "0.38 m", "0.3686 m"], "eta_rigging": 0.95 * 0.9}  # fmt: skip
+    track = {"train_mass": f"{0.85 * 84} t", "gradient": [{"begin": "0 m", "slope": 0.02}]}
+    written = asked(vehicle={"parameters": parameters}, track=track)
+    (one, force), (other, same_force) = plant_of(truth), plant_of(written)
+    assert one == other
+    assert force == pytest.approx(same_force, rel=1e-12)
+
+
+def test_nobody_is_told_the_truth():
+    """Controller, driver and filter keep the nominal data, and so does whatever a formation is shown to."""
+    truth = {
+        "load": 0.7,
+        "wheel_radius": 1.05,
+        "inertia": 1.2,
+        "pad_friction": 0.8,
+        "efficiency": 0.9,
+        "gradient": 0.01,
+    }
+    assert assemble.controlled_formation(asked(truth=truth)) == assemble.controlled_formation(asked())
+    assert plant_of(asked(truth=truth))[0].keys() >= {"J[1]", "mu_b_nominal[4]", "mu_b_start[1]", "m_wheelset[6]"}
+
+
+def test_factors_multiply_what_the_scenario_already_says():
+    scenario = asked(
+        vehicle={"parameters": {"eta_rigging": 0.9}},
+        truth={"efficiency": 0.5, "creep": {"k_A": 0.5}, "pad_friction": 2},
+    )  # fmt: skip
+    parameters, _ = plant_of(scenario)
+    assert parameters["eta_rigging"] == 0.45
+    assert parameters["k_A"] == 0.5 * scenario.adhesion.polach.plant_parameters()["k_A"]
+    assert parameters["mu_b_start[2]"] == 0.7
+
+
+def test_isolated_units_are_parameters_of_the_plant_and_bound_the_ideal():
+    some = asked({"part": "brake", "kind": "isolated", "group": 1, "value": 2})
+    assert plant_of(some)[0] == {"n_units[1]": 1.0}
+    whole = asked({"part": "brake", "kind": "isolated", "group": 2})
+    assert plant_of(whole)[0] == {}
+    brake = assemble.true_brake(whole, assemble.plant_description(whole))
+    assert brake.n_units.tolist() == [3.0, 0.0, 2.0, 3.0]
+
+
+def test_the_page_names_every_kind_and_key():
+    page = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
+    names = {*KINDS, *(kind for kinds in KINDS.values() for kind in kinds), *Truth.model_fields, *Fault.model_fields}
+    assert not [name for name in names if f"`{name}`" not in page]
+
+
+def test_the_api_takes_faults_and_truth():
+    scenario = rg.Scenario.load("plain", {"truth.load": 0.9, "faults": [{"part": "radar", "kind": "zero"}]})
+    assert scenario.faults == (Fault(part="radar", kind="zero"),)

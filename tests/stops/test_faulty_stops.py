@@ -1,0 +1,106 @@
+"""Stops of trains that are broken, or not what was said of them."""
+
+import numpy as np
+import pytest
+from synthetic import LIBRARY
+
+from railgrip.assemble import run_stop
+from railgrip.engine import Engine
+from railgrip.loop.faults import FREE
+from railgrip.record.outcome import Outcome
+from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.merge import merged
+
+HEALTHY = {"faults": [], "truth": {"load": 1, "wheel_radius": 1, "pad_friction": 1, "gradient": 0}}
+SHORT = {"start": {"speed": "25 km/h"}, "limits": {"horizon": "20 s"}}
+
+
+def train(*faults, **changes):
+    """The library's scenario from 25 km/h with other faults, else healthy."""
+    table = merged(load(LIBRARY / "degraded.toml").resolved(), merged(merged(HEALTHY, SHORT), changes))
+    return scenario_of(table | {"faults": list(faults)}, directory=LIBRARY, origin="broken")
+
+
+def same(scenario):
+    """Return the stop that both engines give, to the last bit."""
+    one, other = (run_stop(scenario, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    assert (one.outcome, one.reason) == (other.outcome, other.reason)
+    for name, values in one.trace.data_vars.items():
+        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
+    return one
+
+
+@pytest.fixture(scope="module")
+def healthy():
+    return run_stop(train())
+
+
+def test_the_library_s_broken_train_stops_in_both_engines():
+    stop = same(load(LIBRARY / "degraded.toml"))
+    assert stop.outcome is Outcome.STANDSTILL
+    radar = stop.trace["reading_speed"].values
+    assert np.isnan(radar[3000:5000]).all()
+    assert not np.isnan(radar[5000:6000]).all()
+    assert [fault.kind for fault in stop.scenario.faults] == ["missing_teeth", "dead", "slow", "isolated"]
+
+
+def test_valves_stuck_do_what_they_are_called(healthy):
+    stop = same(train(*({"part": "valve", "kind": kind, "group": g, "begin": "2 s"}
+                        for g, kind in enumerate(("filled", "dumped", "held"), start=1))))  # fmt: skip
+    late = stop.trace.sel(time=slice(4.0, None))
+    command, pressure = late["command"].values, late["cylinder_pressure"].values
+    assert (command[:, :3] == [1, -1, 0]).all()
+    # Of a first-order lag of 0.4 s, e^-5 is left after 2 s; a leak of 1 kPa/s is all that a held cylinder loses.
+    assert pressure[0, 0] == pytest.approx(3.4e5, rel=0.01)
+    assert pressure[:, 1].max() < 1e3
+    lost = pressure[0, 2] - pressure[-1, 2]
+    assert lost == pytest.approx(1e3 * (len(late["time"]) - 1) * 1e-3, rel=0.2)
+    assert stop.trace["demand"].values[-1, 1] > 0.0  # nobody told the controller
+    before = slice(0, 2000)
+    assert np.array_equal(stop.trace["speed"].values[before], healthy.trace["speed"].values[before])
+
+
+def test_a_supply_that_sags_fills_no_cylinder_beyond_it():
+    """Isothermal reservoir of 30 l at 4 bar: no fill valve opens once a cylinder holds what is left in it."""
+    stop = same(train({"part": "supply", "kind": "sagging", "value": "30 l", "pressure": "4 bar"}))
+    trace = stop.trace
+    left = 4e5 - FREE * (trace["air_used"].values - trace["air_used"].values[0]) / 0.03
+    inside, command = trace["cylinder_pressure"].values[:-1], trace["command"].values[1:]
+    assert not (command[inside >= left[:-1, None]] > 0).any()
+    assert (trace["demand"].values[1:][inside >= left[:-1, None]] > 0).any()
+
+
+def test_an_isolated_unit_takes_its_share_of_torque(healthy):
+    """Of three units two are left: 2/3 of the torque at the same pressure and pad friction."""
+    stop = same(train({"part": "brake", "kind": "isolated", "group": 1, "value": 1}))
+
+    def torque_per_force(trace):
+        at = trace.isel(time=1500)
+        force = at["pad_force"].values * at["pad_friction"].values
+        return (at["brake_torque"].values / force)[0]
+
+    assert torque_per_force(stop.trace) == pytest.approx(2 / 3 * torque_per_force(healthy.trace), rel=1e-9)
+    whole = same(train({"part": "brake", "kind": "isolated", "group": 1}))
+    assert np.abs(whole.trace["brake_torque"].values[:, 0]).max() < 50.0
+    assert (whole.trace["brake_limit"].values[:, 0] == 0.0).all()
+
+
+def test_ideal_actuation_has_the_same_faults_of_valves():
+    ideal = {"vehicle": {"plant": "TwoPartTrain"}, "actuation": {"kind": "ideal"}}
+    kinds = [{"part": "valve", "kind": kind, "group": g, "begin": "1 s"}
+             for g, kind in enumerate(("filled", "dumped", "held"), start=1)]  # fmt: skip
+    stop = same(train(*kinds, {"part": "valve", "kind": "slow", "group": 4, "value": "50 ms"}, **ideal))
+    command = stop.trace["command"].values
+    assert (command[1001:, 0] == 3.4e5).all()
+    assert (command[1001:, 1] == 0.0).all()
+    assert (command[1001:, 2] == command[1000, 2]).all()
+    assert np.array_equal(command[51:, 3], stop.trace["demand"].values[1:-50, 3])
+
+
+def test_a_lighter_train_downhill_is_one():
+    """Nothing slides on a dry rail: from the same pressures, a = (F - m g i)/m, to the drift of pads and drag."""
+    grip = {"adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.5}, "controller": {"kind": "full_brake"}}
+    told, lighter = (same(train(truth=truth, **grip)) for truth in ({"load": 1}, {"load": 0.8, "gradient": -0.01}))
+    a, b = (-stop.trace["acceleration"].values[2500] for stop in (told, lighter))
+    mass, rotating = 84e3, (2 * 222 + 2 * 209) / 0.38**2
+    assert b == pytest.approx((a * (mass + rotating) - 0.8 * mass * 9.81 * 0.01) / (0.8 * mass + rotating), rel=0.01)
