@@ -5,8 +5,8 @@ RUN    := $(VENV)/bin/python
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control bench test \
-        test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors clean
+.PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
+        test test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -65,6 +65,9 @@ calibrate: fmus  ## fit the levels of the scenarios to the published distances o
 
 tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
 	$(RUN) -m railgrip tune-control
+
+type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour; QUICK=--quick)
+	$(RUN) -m railgrip type-test $(QUICK)
 
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m railgrip bench

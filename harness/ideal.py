@@ -122,8 +122,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
 
 
 def _full_brake(scenario: Scenario) -> Scenario:
-    """Return the same train on a rail where nothing slides, fully braked."""
+    """Return the same train on a level rail where nothing slides, fully braked."""
     changes = {
+        "track": {},  # its force is no resistance of the train, and comes beside that
         "name": scenario.name,
         "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
         "sensors": {"kind": "ideal"},

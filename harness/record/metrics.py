@@ -51,6 +51,7 @@ class Metrics:
     ]
     time_in_deep_slide: Annotated[Each, Figure("s", "time of each group above 30 % slip")]
     longest_lock: Annotated[Each, Figure("s", "longest uninterrupted lock of each group")]
+    longest_lock_fast: Annotated[Each, Figure("s", "longest uninterrupted lock of each group above 15 km/h")]
     locked_distance: Annotated[Each, Figure("m", "distance each group was dragged without turning")]
     tread_energy: Annotated[Each, Figure("J", "energy each wheelset dissipated in its contacts")]
     tread_power_peak: Annotated[Each, Figure("W", "greatest power of each wheelset in its contacts")]
@@ -163,6 +164,7 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
         slip_histogram=slide.slip_histogram(trace),
         time_in_deep_slide=slide.time_in_deep_slide(trace),
         longest_lock=slide.longest_lock(trace),
+        longest_lock_fast=slide.longest_lock(trace, above=slide.FAST),
         locked_distance=slide.locked_distance(trace),
         tread_energy=slide.tread_energy(trace),
         tread_power_peak=tuple(map(float, slide.tread_power(trace).max(axis=0))),

@@ -13,6 +13,9 @@ SLIP_EDGES = (0.02, 0.05, 0.10, 0.15, 0.20, 0.30, 0.50, 0.90)
 
 DEEP_SLIDE = 0.30
 
+FAST = 15 / 3.6
+"""Speed of the train [m/s] below which a lock makes no flat that counts."""
+
 
 def _sample_times(trace: xarray.Dataset) -> Array:
     """Return for how long each sample stands: until the next; the last for nothing."""
@@ -33,10 +36,15 @@ def time_in_deep_slide(trace: xarray.Dataset) -> tuple[float, ...]:
     return tuple(map(float, above.T @ _sample_times(trace)))
 
 
-def longest_lock(trace: xarray.Dataset) -> tuple[float, ...]:
-    """Return the longest uninterrupted time that each group stood still on a moving train [s]."""
+def longest_lock(trace: xarray.Dataset, *, above: float = -np.inf) -> tuple[float, ...]:
+    """Return the longest uninterrupted time that each group stood still on a moving train [s].
+
+    Args:
+        trace: Of a stop.
+        above: Speed of the train that it has to be faster than for a lock to count [m/s].
+    """
     times = _sample_times(trace)
-    locked = trace["locked"].values > 0.5
+    locked = (trace["locked"].values > 0.5) & (trace["speed"].values > above)[:, None]
     return tuple(_longest(column, times) for column in locked.T)
 
 

@@ -28,3 +28,14 @@ def test_a_horizon_that_cuts_off_the_best_stop_is_its_outcome():
     stop = bound("plain", "10 ms", "limits.horizon=20 s")
     assert stop.outcome.value == "horizon"
     assert stop.metrics.duration == pytest.approx(20.0, abs=0.011)
+
+
+def test_the_bound_feels_a_gradient_once():
+    """On even friction the mean deceleration falls by g times the slope."""
+    level, falling = (
+        bound("plain", "10 ms", f"track.gradient=[{{begin=0.0, slope={slope}}}]", "track.train_mass=84 t")
+        for slope in (0.0, -0.02)
+    )
+    lost = level.metrics.mean_deceleration - falling.metrics.mean_deceleration
+    # Friction falls with speed, and the slower stop is faster for longer.
+    assert lost == pytest.approx(0.02 * 9.81, rel=0.05)

@@ -1,0 +1,184 @@
+"""The cases: what a wheel-slide protection may meet, spread evenly over all of it.
+
+A case is a point of Sobol's sequence (scrambled; Owen, 1998), each of whose coordinates is replaced by its rank: so
+every value of every axis comes equally often, whatever the number of cases, and pairs of axes are as even as Sobol's
+are. How fast a train is depends on the friction it finds: a stop from 200 km/h at 0.02 would take ten minutes and judge
+nothing that a slower one does not.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from railgrip.errors import ScenarioError
+from railgrip.units import cut
+
+GRAVITY: Final = 9.81  # m/s2
+KMH: Final = 3.6
+
+CASES, QUICK = 240, 24
+"""Numbers of cases of a whole test, and of one that shows where a controller stands."""
+
+SEED, VALIDATION_SEED, TRAINING_SEED = 15595, 54105, 2021
+"""Of the type test; of the set that nobody looks at while a controller is made; of what controllers are tuned on."""
+
+FRICTION: Final = (0.02, 0.15)
+SPEED: Final = (40 / KMH, 200 / KMH)  # m/s
+LONGEST: Final = 150.0
+"""Most seconds that a stop may take at six tenths of the friction; it is what limits the speed on a slippery rail."""
+
+CURVES: Final = ("dry", "wet", "very_low", "low_steep", "poor_wheelset_study", "soap", "leaf")
+RAILS: Final = ("even", "patches", "random")
+LOADS: Final = MappingProxyType({"as believed": 1.0, "tare": 0.8, "laden": 1.05})
+"""Masses over those that the controller knows: the VT 642 weighs 67 t empty, 88 t full, and its model 84 t."""
+RADII: Final = MappingProxyType({"as believed": (0.0,), "worn": (-0.01,), "new": (0.01,), "unequal": (0.005, -0.005)})
+"""Relative errors of the wheel radii, one group after the other."""
+GRADIENTS: Final = MappingProxyType({"level": 0.0, "falling": -0.25, "climbing": 0.25})
+"""Slopes as shares of the friction: what falls by more than the rail holds never stops."""
+STEEPEST: Final = 0.025
+FAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+    {
+        "none": {},
+        "radar 1 % high": {"sensors": {"speed": {"scale_offset": 0.01}}},
+        "radar 1 % low": {"sensors": {"speed": {"scale_offset": -0.01}}},
+    }
+)
+"""Fault → tables of the scenario; `none` comes as often as all the others together."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One stop that every controller has to make.
+
+    Attributes:
+        name: Its number and of how many.
+        curve: Shape of the creep curve.
+        rail: How friction changes: a key of `RAILS`.
+        friction: Mean of the maximum friction [1].
+        speed: At the brake demand [m/s].
+        load, radius, gradient, fault: Keys of the tables above.
+        lot: Seed of sensors and rail.
+    """
+
+    name: str
+    curve: str
+    rail: str
+    friction: float
+    speed: float
+    load: str
+    radius: str
+    gradient: str
+    fault: str
+    lot: int
+
+    @property
+    def horizon(self) -> float:
+        """Time after which the train is said not to stop [s]: thrice that at six tenths of the friction."""
+        return float(round(15.0 + 3.0 * self.speed / (0.6 * self.friction * GRAVITY)))
+
+    @property
+    def slope(self) -> float:
+        """Gradient, climbing positive [1]."""
+        return float(np.clip(GRADIENTS[self.gradient] * self.friction, -STEEPEST, STEEPEST))
+
+    def variants(self) -> dict[str, str]:
+        """Return its values as people read them."""
+        shown = {name: str(value) for name, value in asdict(self).items() if name not in ("name", "lot")}
+        return {
+            "case": self.name,
+            **shown,
+            "friction": f"{self.friction:.3f}",
+            "speed": f"{KMH * self.speed:.0f} km/h",
+            "gradient": f"{1000 * self.slope:+.0f} ‰" if self.slope else "level",
+        }
+
+    def tables(self, parameters: Mapping[str, float]) -> dict[str, Any]:
+        """Return what it lays over the scenario of a train.
+
+        Args:
+            parameters: Of the plant, as it and the controller know them; masses and radii in it are those that change.
+        """
+        own = [name for name in parameters if name.startswith("m_wheelset[")]
+        changed = {name: LOADS[self.load] * parameters[name] for name in own}
+        wheels, errors = [name for name in parameters if name.startswith("r_wheel[")], RADII[self.radius]
+        changed |= {name: (1 + errors[i % len(errors)]) * parameters[name] for i, name in enumerate(wheels)}
+        mass = sum(changed[name] for name in own)
+        track = {"train_mass": mass, "gradient": [{"begin": 0.0, "slope": self.slope}]} if self.slope and mass else {}
+        return {
+            "seed": self.lot,
+            "start": {"speed": self.speed},
+            "vehicle": {"parameters": {name: v for name, v in changed.items() if v != parameters[name]}},
+            "track": track,
+            "adhesion": self._adhesion(),
+            "limits": {"horizon": self.horizon},
+        }
+
+    def _adhesion(self) -> dict[str, Any]:
+        """Return the rail; patches and noise reach all wheelsets at once, which is the harder case."""
+        mean, draw = self.friction, self.lot % 1000 / 1000
+        match self.rail:
+            case "patches":
+                return {
+                    "kind": "trapezoid", "polach": self.curve, "over": "time", "minimum": 0.6 * mean,
+                    "maximum": 1.4 * mean, "first_fall": f"{1 + 3 * draw} s", "period": f"{6 + 6 * draw} s",
+                    "low": f"{2 + 3 * draw} s", "ramp": f"{0.3 + draw} s",
+                }  # fmt: skip
+            case "random":
+                return {
+                    "kind": "random", "polach": self.curve, "over": "time", "mean": mean, "deviation": 0.2 * mean,
+                    "correlation": f"{0.3 + draw} s", "minimum": 0.4 * mean, "maximum": 1.6 * mean,
+                }  # fmt: skip
+            case _:
+                return {"kind": "constant", "polach": self.curve, "mu0": mean}
+
+
+def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
+    """Return so many cases, the same ones for the same seed."""
+    from scipy.stats.qmc import Sobol
+
+    faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
+    axes: tuple[Sequence[str], ...] = (CURVES, RAILS, tuple(LOADS), tuple(RADII), tuple(GRADIENTS), tuple(faults))
+    drawn = Sobol(3 + len(axes), rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())[:count]
+    points = (drawn.argsort(axis=0).argsort(axis=0) + 0.5) / count
+    digits = len(str(count))
+    found: list[Case] = []
+    for number, (slippery, fast, lot, *places) in enumerate(points, start=1):
+        curve, rail, load, radius, gradient, fault = (
+            axis[int(place * len(axis))] for axis, place in zip(axes, places, strict=True)
+        )
+        low, high = FRICTION
+        friction = float(f"{low * (high / low) ** slippery:.3g}")
+        fastest = min(SPEED[1], 0.6 * friction * GRAVITY * LONGEST)
+        found.append(
+            Case(
+                name=f"{number:0{digits}d}of{count}-{seed}",
+                curve=curve,
+                rail=rail,
+                friction=friction,
+                speed=round(SPEED[0] + fast * (fastest - SPEED[0]), 2),
+                load=load,
+                radius=radius,
+                gradient=gradient,
+                fault=fault,
+                lot=int(1e6 * lot),
+            )
+        )
+    return tuple(found)
+
+
+def case_named(name: str) -> Case:
+    """Return the case of a name, which says of how many and of which set it is.
+
+    Raises:
+        ScenarioError: There is no such case.
+    """
+    match = re.fullmatch(r"\d+of(\d{1,5})-(\d{1,9})", name)
+    drawn = cases(int(match[1]), int(match[2])) if match and int(match[1]) else ()
+    found = next((case for case in drawn if case.name == name), None)
+    if found is None:
+        raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {cases(QUICK)[0].name}")
+    return found

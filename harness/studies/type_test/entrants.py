@@ -1,0 +1,135 @@
+"""Who takes part: controllers of this project, or one of a user's own, on a train of ours or theirs."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field, StrictBool
+
+from railgrip.assemble import parameters_of, plant_description
+from railgrip.errors import ScenarioError
+from railgrip.fmus.recipe import read_recipes
+from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.scenario.load import installed, read_toml, scenario_of, validated
+from railgrip.scenario.merge import merged
+from railgrip.scenario.table import Table
+from railgrip.studies.type_test.design import FAULTS, Case
+from railgrip.units import cut
+
+LIBRARY = Path(__file__).parent / "library"
+_SCENARIOS = Path(__file__).parents[2] / "scenario"
+_OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
+
+
+class Entrant(Table):
+    """One that takes part; other keys are tables laid over each case."""
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+    description: str
+    role: Literal["reference", "baseline", "entrant"]
+    tuned: StrictBool = Field(default=False, description="whether its parameters were searched on the training rails")
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """What it lays over a case."""
+        return dict(self.model_extra or {})
+
+
+def entrants() -> dict[str, Entrant]:
+    """Return those of this project, by name."""
+    path = LIBRARY / "entrants.toml"
+    return {
+        name: validated(Entrant, table, directory=LIBRARY, origin=f"{path.name}: {name}")
+        for name, table in read_toml(path).items()
+    }
+
+
+def chosen(written: Sequence[str], known: Mapping[str, Entrant]) -> dict[str, Entrant]:
+    """Return those that a user names: one of ours, a scenario's [controller] and [estimator], an FMU, module:Class.
+
+    An FMU and a class are shown what the filter of the train estimates; a scenario may say otherwise.
+
+    Raises:
+        ScenarioError: There is no such entrant.
+    """
+    found: dict[str, Entrant] = {}
+    for name in written:
+        path = Path(name)
+        if name in known:
+            found[name] = known[name]
+        elif path.suffix == ".toml":
+            table = read_toml(path)
+            if "controller" not in table:
+                raise ScenarioError(f"{cut(path.name)}: has no [controller], which is what takes part in a type test")
+            tables = {key: table[key] for key in ("controller", "estimator") if key in table}
+            for part in tables.values():
+                part |= {key: str((path.parent / part[key]).resolve()) for key in ("file", "library") if key in part}
+            found[path.stem] = _own(f"[controller] of {path.name}", tables)
+        elif path.suffix == ".fmu":
+            found[path.stem] = _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
+        elif ":" in name:
+            found[name.rpartition(":")[2]] = _own(name, {"controller": {"kind": name}})
+        else:
+            raise ScenarioError(
+                f"--controller {cut(name)}: is neither one of {', '.join(known)} nor a scenario (.toml), an .fmu or "
+                "module:Class"
+            )
+    return found
+
+
+def _own(description: str, tables: Mapping[str, Any]) -> Entrant:
+    return Entrant.model_validate({"description": description, "role": "entrant", **tables})
+
+
+def train_of(written: str | None) -> dict[str, Any]:
+    """Return the tables of a train with valves and service sensors: ours, a recipe, an FMU, or those of a scenario.
+
+    Raises:
+        ScenarioError: There is no such train.
+    """
+    table = merged(read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "edges" / "service.toml"))
+    if written is None:
+        return table
+    path = installed(Path(written), "library")
+    if path.suffix == ".toml":
+        own = read_toml(path)
+        vehicle = dict(own.get("vehicle", {}))
+        for key in ("plant", "library"):
+            if str(vehicle.get(key, "")).endswith((".fmu", ".mo")):
+                vehicle[key] = str((path.parent / vehicle[key]).resolve())
+        return table | {key: own[key] for key in _OF_THE_TRAIN if key in own} | {"vehicle": vehicle}
+    if path.suffix == ".fmu":
+        return table | {"vehicle": {"plant": str(path.resolve())}}
+    if written in read_recipes().recipes:
+        return table | {"vehicle": {"plant": written}}
+    raise ScenarioError(f"--train {cut(written)}: is neither a scenario (.toml), an .fmu nor a recipe of this project")
+
+
+def campaign_of(
+    cases: Iterable[Case], taking_part: Mapping[str, Entrant], train: Mapping[str, Any], *, keep_traces: bool = False
+) -> Campaign:
+    """Return the stops of a type test: each case with everyone who takes part.
+
+    Raises:
+        ScenarioError: A combination is no scenario.
+    """
+    plant = plant_description(scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train"))
+    parameters = parameters_of(plant)
+    stops: list[PlannedStop] = []
+    for case in cases:
+        of_case = merged(train, {"name": "type-test"} | case.tables(parameters))
+        of_case = merged(of_case, FAULTS[case.fault])
+        for name, entrant in taking_part.items():
+            scenario = scenario_of(
+                merged(of_case, entrant.tables), directory=LIBRARY, origin=f"type test, case {case.name}, {name}"
+            )
+            stops.append(
+                PlannedStop(
+                    name=f"{case.name}-{name}",
+                    variants={**case.variants(), "controller": name},
+                    scenario=scenario,
+                    keep_trace=keep_traces,
+                )
+            )
+    return Campaign(name="type_test", description="", stops=tuple(stops), references=(), panels="none")

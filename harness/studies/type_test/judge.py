@@ -1,0 +1,329 @@
+"""What the stops of a type test say: of each stop its figures and verdicts, of each controller its place."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from pydantic import Field
+
+from railgrip.record.outcome import Outcome
+from railgrip.report.results import Result
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Table
+from railgrip.studies.type_test.entrants import LIBRARY, Entrant
+
+_AMBIENT: Final = 101325.0  # Pa
+_RESAMPLES: Final = 2000
+_SEED: Final = 8
+
+
+class Clause(Table):
+    """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
+
+    clause: str
+    limit: float | None = Field(default=None, description="in SI units; without one the figure is not judged")
+    friction: tuple[float, float] | None = Field(default=None, description="mean frictions for which it is quoted")
+
+
+class Supply(Table):
+    """Air for the brakes, where the plant has no reservoir of its own."""
+
+    volume: Annotated[float, Unit("m3", above=0, at_most=100)]
+    pressure: Annotated[float, Unit("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
+    delivery: Annotated[float, Unit("m3/s", at_least=0, at_most=1)] = Field(description="free air of the compressor")
+
+    def left(self, used: float, duration: float) -> float:
+        """Return the pressure at the end [Pa], for free air used [m3] in a time [s], at constant temperature."""
+        drained = used - self.delivery * duration
+        return float(np.clip(self.pressure - _AMBIENT * drained / self.volume, 0.0, self.pressure))
+
+
+class BuildUp(Table):
+    """How a deceleration distance is formed."""
+
+    time: Annotated[float, Unit("s", at_least=0, at_most=60)]
+
+
+class Limits(Table):
+    """What stops are judged by; see library/limits.toml."""
+
+    stops: Clause
+    extension: Clause
+    lock: Clause
+    locked_distance: Clause
+    reservoir: Clause
+    utilisation: Clause
+    supply: Supply
+    build_up: BuildUp
+
+
+def limits_of(path: Path | None = None) -> Limits:
+    """Return the limits of a file, or those that come with this package.
+
+    Raises:
+        ScenarioError: Missing, or not limits.
+    """
+    file = path or LIBRARY / "limits.toml"
+    return validated(Limits, read_toml(file), directory=file.parent, origin=file.name)
+
+
+JUDGED: Final = ("stops", "extension", "lock", "locked_distance", "reservoir", "utilisation")
+"""Clauses, in the order in which they are shown."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """One case under one controller.
+
+    Attributes:
+        case: Name of the case.
+        variants: Axis → value of the case, for people.
+        controller: Name of the entrant.
+        tuned: Whether its parameters were searched.
+        outcome: How the stop ended.
+        distance_m: None unless the train came to a stand; so are those below that follow from it.
+        dry_m, bound_m, best_m: Of others in the same case: full brake on a dry rail, the ideal bound, the best tuned
+            baseline; None where that is not there.
+        extension: Over the dry distance [1].
+        over_bound, over_best: Distance over that of the ideal bound, and of the best tuned baseline in the same case.
+        k_wet: Dry over wet deceleration distance, at most 1 [1]; SUBSET-040 §4.4.1.
+        longest_lock_s: Of any group above 15 km/h.
+        locked_distance_m: Longest of any group.
+        air_l: Free air used.
+        reservoir_bar: What is left at the end, gauge.
+        strokes: Of all valves.
+        tread_energy_mj: Largest of any wheelset, in the contacts of its wheels: what flats are made of.
+        utilisation: Of the adhesion that there was [1].
+        verdicts: Clause → whether it is kept; None where it is not judged.
+    """
+
+    case: str
+    variants: Mapping[str, str]
+    controller: str
+    tuned: bool
+    outcome: str
+    distance_m: float | None
+    dry_m: float | None
+    bound_m: float | None
+    best_m: float | None
+    extension: float | None
+    over_bound: float | None
+    over_best: float | None
+    k_wet: float | None
+    longest_lock_s: float | None
+    locked_distance_m: float | None
+    air_l: float | None
+    reservoir_bar: float | None
+    strokes: int | None
+    tread_energy_mj: float | None
+    utilisation: float | None
+    verdicts: Mapping[str, bool | None]
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return it as JSON values."""
+        return asdict(self)
+
+
+def judged(results: Iterable[Result], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
+    """Return what each stop is worth, references left out, case by case."""
+    by_case: dict[str, dict[str, Result]] = {}
+    for result in results:
+        by_case.setdefault(result.variants["case"], {})[result.variants["controller"]] = result
+    found: list[Judged] = []
+    for case, stops in by_case.items():
+        distances = {name: _distance(stop) for name, stop in stops.items()}
+        tuned = [d for n, d in distances.items() if d and taking_part[n].tuned and taking_part[n].role == "baseline"]
+        best = min(tuned, default=None)
+        for name, stop in stops.items():
+            if taking_part[name].role != "reference":
+                found.append(
+                    _judge(
+                        case, stop, name, taking_part[name].tuned, limits,
+                        distance=distances[name], dry=distances.get("dry"), bound=distances.get("ideal_bound"),
+                        best=best,
+                    )
+                )  # fmt: skip
+    return found
+
+
+def _judge(
+    case: str,
+    stop: Result,
+    name: str,
+    tuned: bool,
+    limits: Limits,
+    *,
+    distance: float | None,
+    dry: float | None,
+    bound: float | None,
+    best: float | None,
+) -> Judged:
+    metrics = stop.record.metrics
+    speed = float(stop.record.scenario["start"]["speed"])
+    extension = None if distance is None or dry is None else distance / dry - 1.0
+    lock, dragged = _number(max(metrics.longest_lock_fast)), _number(max(metrics.locked_distance))
+    air, used = _number(metrics.air_used), _number(metrics.utilisation)
+    left = None if air is None else limits.supply.left(air, metrics.duration)
+    friction = float(stop.variants["friction"])
+
+    def keeps(clause: Clause, value: float | None, *, at_least: bool = False) -> bool | None:
+        quoted = clause.friction is None or clause.friction[0] <= friction <= clause.friction[1]
+        if clause.limit is None or value is None or not quoted:
+            return None
+        return value >= clause.limit if at_least else value <= clause.limit
+
+    stands = distance is not None
+    quoted = limits.extension
+    verdicts = {
+        "stops": stands,
+        # A train that does not stop has no extension, and keeps none.
+        "extension": keeps(quoted, math.inf if dry is not None and not stands else extension),
+        "lock": keeps(limits.lock, lock),
+        "locked_distance": keeps(limits.locked_distance, dragged),
+        "reservoir": keeps(limits.reservoir, left, at_least=True),
+        "utilisation": keeps(limits.utilisation, used, at_least=True),
+    }
+    build_up = speed * limits.build_up.time
+    return Judged(
+        case=case,
+        variants={k: v for k, v in stop.variants.items() if k not in ("case", "controller")},
+        controller=name,
+        tuned=tuned,
+        outcome=stop.record.outcome.value,
+        distance_m=distance,
+        dry_m=dry,
+        bound_m=bound,
+        best_m=best,
+        extension=extension,
+        over_bound=_ratio(distance, bound),
+        over_best=_ratio(distance, best),
+        k_wet=None if dry is None else 0.0 if distance is None else min(1.0, (dry - build_up) / (distance - build_up)),
+        longest_lock_s=lock,
+        locked_distance_m=dragged,
+        air_l=None if air is None else 1e3 * air,
+        reservoir_bar=None if left is None else 1e-5 * left,
+        strokes=round(sum(metrics.actuations)),
+        tread_energy_mj=_number(1e-6 * max(metrics.tread_energy)),
+        utilisation=used,
+        verdicts=verdicts,
+    )
+
+
+def _distance(stop: Result) -> float | None:
+    return stop.record.metrics.distance if stop.record.outcome is Outcome.STANDSTILL else None
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _ratio(distance: float | None, other: float | None) -> float | None:
+    return None if distance is None or other is None else distance / other
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summary:
+    """A controller over all its cases; a stop that did not end in a standstill is endlessly long, and None below.
+
+    Attributes:
+        cases: How many it has run.
+        stops: Share that came to a stand.
+        median, p95, worst: Of distance over that of the best tuned baseline in the same case.
+        over_bound: Median of distance over that of the ideal bound.
+        k_wet, k_wet_low, k_wet_high: Smallest tenth (10 % quantile) of K_wet where the extension is judged, and the
+            interval that holds 95 % of it in repeated draws of the cases; None without such a case.
+        longest_lock_s: Of any case.
+        air, strokes: Medians over those of three-state slip control with the published levels in the same case.
+        utilisation: Median.
+        kept: Clause → share of the cases it is judged in that keep it.
+    """
+
+    controller: str
+    description: str
+    role: Literal["reference", "baseline", "entrant"]
+    tuned: bool
+    cases: int
+    stops: float
+    median: float | None
+    p95: float | None
+    worst: float | None
+    over_bound: float | None
+    k_wet: float | None
+    k_wet_low: float | None
+    k_wet_high: float | None
+    longest_lock_s: float | None
+    air: float | None
+    strokes: float | None
+    utilisation: float | None
+    kept: Mapping[str, float | None]
+
+
+_THREE_STATE: Final = "slip_three_state"
+
+
+def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> list[Summary]:
+    """Return the leaderboard: shortest median first, those without a baseline to compare with in the end."""
+    frugal = {stop.case: stop for stop in stops if stop.controller == _THREE_STATE}
+    found: list[Summary] = []
+    for name, entrant in taking_part.items():
+        own = [stop for stop in stops if stop.controller == name]
+        if not own:
+            continue
+        over_best = [math.inf if stop.over_best is None else stop.over_best for stop in own if stop.best_m]
+        wet = [stop.k_wet for stop in own if stop.k_wet is not None and stop.verdicts["extension"] is not None]
+        low, high = _interval(wet)
+        found.append(
+            Summary(
+                controller=name,
+                description=entrant.description,
+                role=entrant.role,
+                tuned=entrant.tuned,
+                cases=len(own),
+                stops=float(np.mean([stop.distance_m is not None for stop in own])),
+                median=_quantile(over_best, 0.5),
+                p95=_quantile(over_best, 0.95),
+                worst=_quantile(over_best, 1.0),
+                over_bound=_quantile(
+                    [math.inf if stop.over_bound is None else stop.over_bound for stop in own if stop.bound_m], 0.5
+                ),
+                k_wet=_quantile(wet, 0.1),
+                k_wet_low=low,
+                k_wet_high=high,
+                longest_lock_s=max(
+                    (stop.longest_lock_s for stop in own if stop.longest_lock_s is not None), default=None
+                ),
+                air=_relative(own, frugal, "air_l"),
+                strokes=_relative(own, frugal, "strokes"),
+                utilisation=_quantile([stop.utilisation for stop in own if stop.utilisation is not None], 0.5),
+                kept={clause: _kept(own, clause) for clause in JUDGED},
+            )
+        )
+    return sorted(found, key=lambda one: math.inf if one.median is None else one.median)
+
+
+def _kept(stops: Sequence[Judged], clause: str) -> float | None:
+    verdicts = [verdict for stop in stops if (verdict := stop.verdicts[clause]) is not None]
+    return float(np.mean(verdicts)) if verdicts else None
+
+
+def _quantile(values: Sequence[float], share: float) -> float | None:
+    """Return the least value that so large a share of all does not pass; None where it is infinite or there is none."""
+    return _number(float(np.quantile(values, share, method="inverted_cdf"))) if values else None
+
+
+def _interval(values: Sequence[float]) -> tuple[float | None, float | None]:
+    """Return the percentile bootstrap interval of the 10 % quantile; Efron and Tibshirani (1993), ch. 13."""
+    if len(values) < 2:
+        return None, None
+    draws = np.random.default_rng(_SEED).choice(values, (_RESAMPLES, len(values)))
+    low, high = np.quantile(np.quantile(draws, 0.1, axis=1, method="inverted_cdf"), (0.025, 0.975))
+    return float(low), float(high)
+
+
+def _relative(stops: Sequence[Judged], others: Mapping[str, Judged], figure: str) -> float | None:
+    pairs = [(getattr(stop, figure), getattr(others.get(stop.case), figure, None)) for stop in stops]
+    return _quantile([own / other for own, other in pairs if own is not None and other], 0.5)

@@ -1,0 +1,117 @@
+"""`railgrip type-test` runs what is missing, judges it, and writes what others read."""
+
+import csv
+import json
+
+import pytest
+
+from railgrip.cli.main import main
+from railgrip.errors import ScenarioError
+from railgrip.studies.type_test.entrants import chosen, entrants, train_of
+
+OWN = """
+name = "own"
+[vehicle]
+plant = "TwoPartTrainPneumatic"
+[controller]
+kind = "slip_three_state"
+parameters = { low = "5 %", high = "8 %" }
+[estimator]
+kind = "none"
+"""
+
+
+def run(*arguments):
+    with pytest.raises(SystemExit) as ended:
+        main(["type-test", *arguments])
+    return ended.value.code
+
+
+@pytest.fixture(scope="module")
+def tested(tmp_path_factory):
+    """A folder with one case, stopped by one of ours and by one of a scenario."""
+    folder = tmp_path_factory.mktemp("type_test")
+    (folder / "own.toml").write_text(OWN, encoding="utf-8")
+    code = run(
+        "--cases", "1", "--controller", "slip_three_state_searched", "--controller", str(folder / "own.toml"),
+        "--out", str(folder / "out"),
+    )  # fmt: skip
+    assert code == 0
+    return folder / "out"
+
+
+def content_of(folder):
+    return json.loads((folder / "type_test.json").read_text(encoding="utf-8"))
+
+
+def test_the_result_has_cases_and_a_summary_of_each_controller(tested):
+    content = content_of(tested)
+    first = content["cases"][0]
+    assert list(first)[:9] == [
+        "case", "controller", "tuned", "outcome", "distance_m", "bound_m", "longest_lock_s", "air_l", "strokes",
+    ]  # fmt: skip
+    assert {case["controller"] for case in content["cases"]} == {"slip_three_state_searched", "own"}
+    assert first["outcome"] == "standstill"
+    assert first["distance_m"] > first["bound_m"] > first["dry_m"]
+    own = content["summary"]["own"]
+    assert content["summary"]["slip_three_state_searched"]["median"] == 1.0
+    assert (
+        own["median"]
+        == own["worst"]
+        == pytest.approx(next(case["over_best"] for case in content["cases"] if case["controller"] == "own"))
+    )
+
+
+def test_the_table_of_cases_has_a_row_for_each_stop(tested):
+    with (tested / "cases.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2
+    assert rows[0]["curve"]
+    assert rows[0]["keeps_stops"] == "True"
+
+
+def test_the_page_can_be_sent_alone(tested):
+    page = (tested / "index.html").read_text(encoding="utf-8")
+    assert "verify in the" in page
+    assert "railgrip type-test --controller own --case 1of1-15595" in page
+    assert page.count("data:image/png;base64,") == 3
+    assert "http" not in page
+    assert page.count("<details>") == page.count("</details>")
+
+
+def test_only_what_is_missing_is_run(tested):
+    before = {path: path.stat().st_mtime_ns for path in tested.glob("*/stop.json")}
+    assert len(before) == 4  # with both references
+    assert run("--cases", "1", "--controller", "slip_two_state_searched", "--out", str(tested)) == 0
+    after = {path: path.stat().st_mtime_ns for path in tested.glob("*/stop.json")}
+    assert before.items() < after.items()
+    assert len(after) == 5
+    # Who ran before is still on the leaderboard, but for what is no entrant of ours.
+    assert set(content_of(tested)["summary"]) == {"slip_two_state_searched", "slip_three_state_searched"}
+
+
+def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):
+    assert run("--controller", "nobody", "--out", str(tmp_path)) == 2
+    assert "--controller nobody: is neither one of dry, ideal_bound" in capsys.readouterr().err
+    assert run("--train", "nothing", "--controller", "full_brake", "--cases", "1", "--out", str(tmp_path)) == 2
+    assert "--train nothing: is neither a scenario" in capsys.readouterr().err
+    assert run("--case", "9", "--out", str(tmp_path)) == 2
+    assert "there is no such case" in capsys.readouterr().err
+
+
+def test_an_entrant_is_one_of_ours_a_scenario_an_fmu_or_a_class(tmp_path):
+    ours = entrants()
+    (tmp_path / "own.toml").write_text(OWN.replace("[controller]", "[controlled]"), encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"own.toml: has no \[controller\]"):
+        chosen([str(tmp_path / "own.toml")], ours)
+    found = chosen(["adhesion_based", str(tmp_path / "law.fmu"), "mine:Law"], ours)
+    assert list(found) == ["adhesion_based", "law", "Law"]
+    assert found["law"].tables == {"controller": {"kind": "fmu", "file": str(tmp_path / "law.fmu")}}
+    assert found["Law"].tables == {"controller": {"kind": "mine:Law"}}
+
+
+def test_a_train_is_ours_a_recipe_or_that_of_a_scenario(tmp_path):
+    (tmp_path / "own.toml").write_text(OWN.replace("TwoPartTrainPneumatic", "x.fmu"), encoding="utf-8")
+    assert train_of(None)["vehicle"]["plant"] == "TwoPartTrainPneumatic"
+    assert train_of("TwoPartTrain")["vehicle"] == {"plant": "TwoPartTrain"}
+    assert train_of(str(tmp_path / "own.toml"))["vehicle"] == {"plant": str(tmp_path / "x.fmu")}

@@ -1,0 +1,84 @@
+"""The cases of a type test are even over every axis, the same for everyone, and can be stopped in."""
+
+from collections import Counter
+
+import pytest
+
+from railgrip.errors import ScenarioError
+from railgrip.studies.type_test.design import (
+    CASES,
+    FRICTION,
+    GRAVITY,
+    LONGEST,
+    QUICK,
+    SEED,
+    SPEED,
+    TRAINING_SEED,
+    VALIDATION_SEED,
+    case_named,
+    cases,
+)
+
+
+@pytest.mark.parametrize("count", [QUICK, CASES, 12])
+@pytest.mark.parametrize("axis", ["curve", "rail", "load", "radius", "gradient"])
+def test_every_value_of_an_axis_comes_equally_often(count, axis):
+    counts = Counter(getattr(case, axis) for case in cases(count)).values()
+    assert max(counts) - min(counts) <= 1
+
+
+def test_half_of_the_cases_have_no_fault_and_the_faults_come_equally_often():
+    counts = Counter(case.fault for case in cases(CASES))
+    assert counts.pop("none") == CASES / 2
+    assert max(counts.values()) - min(counts.values()) <= 1
+
+
+def test_friction_is_even_on_a_logarithmic_scale_and_speed_reaches_its_ends():
+    found = cases(CASES)
+    below = sum(case.friction < (FRICTION[0] * FRICTION[1]) ** 0.5 for case in found)
+    assert abs(below - CASES / 2) <= 1
+    assert min(case.speed for case in found) == pytest.approx(SPEED[0], rel=0.02)
+    assert max(case.speed for case in found) == pytest.approx(SPEED[1], rel=0.02)
+
+
+def test_no_case_is_so_fast_that_it_cannot_stop():
+    for case in cases(CASES):
+        assert FRICTION[0] <= case.friction <= FRICTION[1]
+        assert case.speed <= 0.6 * case.friction * GRAVITY * LONGEST + 0.01
+        assert case.slope > -0.3 * case.friction
+
+
+def test_a_seed_gives_the_same_cases_and_sets_have_none_in_common():
+    assert cases(CASES) == cases(CASES)
+    points = [
+        {(case.friction, case.speed, case.lot) for case in cases(CASES, seed)}
+        for seed in (SEED, VALIDATION_SEED, TRAINING_SEED)
+    ]
+    assert not points[0] & points[1]
+    assert not points[0] & points[2]
+    assert not points[1] & points[2]
+
+
+def test_the_cases_stay_the_same_from_version_to_version():
+    """A leaderboard can only be compared with an older one while the cases are the same."""
+    first = cases(QUICK)[0]
+    assert (first.curve, first.rail, first.friction, first.lot) == ("soap", "even", 0.0317, 354166)
+
+
+def test_a_case_is_found_by_its_name():
+    for case in cases(QUICK)[::7]:
+        assert case_named(case.name) == case
+    for wrong in ("1", "25of24-15595", "0of0-1", "x"):
+        with pytest.raises(ScenarioError, match="there is no such case; it is named like 01of24-15595"):
+            case_named(wrong)
+
+
+def test_only_what_a_train_has_is_changed_and_what_is_as_believed_stays():
+    case = next(case for case in cases(CASES) if case.load == "tare" and case.radius == "unequal" and case.slope)
+    known = {"m_wheelset[1]": 1000.0, "m_wheelset[2]": 2000.0, "r_wheel[1]": 0.4, "r_wheel[2]": 0.4, "J[1]": 3.0}
+    tables = case.tables(known)
+    assert tables["vehicle"]["parameters"] == pytest.approx(
+        {"m_wheelset[1]": 800.0, "m_wheelset[2]": 1600.0, "r_wheel[1]": 0.402, "r_wheel[2]": 0.398}
+    )
+    assert tables["track"]["train_mass"] == pytest.approx(2400.0)
+    assert case.tables({})["track"] == {}

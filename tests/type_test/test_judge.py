@@ -1,0 +1,152 @@
+"""What a stop is worth follows from its figures by the definitions, and a leaderboard from the stops."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip.errors import ScenarioError
+from railgrip.record.metrics import Metrics, meanings
+from railgrip.record.outcome import Outcome
+from railgrip.record.stop import StopRecord
+from railgrip.report.results import Result
+from railgrip.studies.type_test.entrants import Entrant
+from railgrip.studies.type_test.judge import judged, limits_of, summaries
+
+EACH = {"longest_lock_fast", "locked_distance", "tread_energy", "actuations"}
+LIMITS = limits_of()
+TAKING_PART = {
+    name: Entrant.model_validate({"description": name, "role": role, "tuned": tuned})
+    for name, role, tuned in (
+        ("dry", "reference", False), ("ideal_bound", "reference", False), ("slip_three_state", "baseline", False),
+        ("tuned", "baseline", True), ("second", "baseline", True), ("mine", "entrant", False),
+    )
+}  # fmt: skip
+
+
+def result(case, controller, distance, *, stands=True, speed=20.0, friction=0.06, **figures):
+    """A stop that stood after `distance`, its other figures 0 unless given."""
+    plain = {name: (0.0, 0.0) if name in EACH else 0.0 for name in meanings()}
+    metrics = Metrics(**(plain | {"distance": distance} | figures))
+    record = StopRecord(
+        directory=Path(), outcome=Outcome.STANDSTILL if stands else Outcome.HORIZON, reason="",
+        scenario={"start": {"speed": speed}}, digest="", metrics=metrics, versions={}, fmus={},
+    )  # fmt: skip
+    variants = {"case": case, "controller": controller, "friction": str(friction), "curve": "dry"}
+    return Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None)
+
+
+def case(name, *, mine, tuned=300.0, second=330.0, **figures):
+    distances = {"dry": 250.0, "ideal_bound": 270.0, "tuned": tuned, "second": second}
+    return [
+        *(result(name, who, far or 1.0, stands=far is not None) for who, far in distances.items()),
+        result(name, "slip_three_state", 400.0, air_used=2.0, actuations=(100, 100)),
+        result(name, "mine", mine or 1.0, stands=mine is not None, air_used=1.0, actuations=(200, 100), **figures),
+    ]
+
+
+def mine(stops):
+    return next(stop for stop in judged(stops, TAKING_PART, LIMITS) if stop.controller == "mine")
+
+
+def test_a_distance_is_compared_with_dry_rail_bound_and_best_tuned_baseline():
+    stop = mine(case("a", mine=315.0))
+    assert stop.extension == pytest.approx(315 / 250 - 1)
+    assert stop.over_bound == pytest.approx(315 / 270)
+    assert stop.over_best == pytest.approx(315 / 300)
+    build_up = 20.0 * LIMITS.build_up.time
+    assert stop.k_wet == pytest.approx((250 - build_up) / (315 - build_up))
+
+
+def test_each_clause_is_kept_up_to_its_limit():
+    kept = {"locked_distance": None}  # no limit is known
+    good = mine(case("a", mine=1.25 * 250, longest_lock_fast=(0.0, 0.4), utilisation=0.85, duration=30.0))
+    assert (
+        good.verdicts == {"stops": True, "extension": True, "lock": True, "reservoir": True, "utilisation": True} | kept
+    )
+    bad = mine(
+        case("a", mine=1.26 * 250, longest_lock_fast=(0.41, 0.0), utilisation=0.84, duration=0.0, energy_residual=1)
+    )
+    assert {name for name, verdict in bad.verdicts.items() if verdict is False} == {"extension", "lock", "utilisation"}
+
+
+def test_the_extension_is_judged_only_at_the_friction_it_is_quoted_for():
+    for friction, verdict in ((0.049, None), (0.05, False), (0.08, False), (0.081, None)):
+        stops = [result("a", "dry", 250.0), result("a", "mine", 500.0, friction=friction)]
+        assert mine(stops).verdicts["extension"] is verdict
+
+
+def test_a_train_that_does_not_stop_fails_and_has_no_distance():
+    stop = mine(case("a", mine=None))
+    assert stop.distance_m is None
+    assert stop.over_best is None
+    assert stop.k_wet == 0.0
+    assert stop.verdicts["stops"] is False
+    assert stop.verdicts["extension"] is False
+
+
+def test_a_reservoir_loses_what_the_compressor_does_not_bring():
+    """p V is kept: 450 l at 8 bar that give 0.9 m3 of free air lose two atmospheres."""
+    supply = LIMITS.supply.model_copy(update={"delivery": 0.0})
+    assert supply.left(0.9, 10.0) == pytest.approx(8e5 - 2 * 101325)
+    assert supply.left(100.0, 10.0) == 0.0
+    assert LIMITS.supply.left(0.1, 60.0) == 8e5  # it is not filled beyond what it had
+
+
+def test_the_leaderboard_has_the_quantiles_of_the_ratios():
+    stops = [stop for n, far in enumerate((270.0, 285.0, 300.0, 345.0)) for stop in case(str(n), mine=far)]
+    board = {one.controller: one for one in summaries(judged(stops, TAKING_PART, LIMITS), TAKING_PART)}
+    own = board["mine"]
+    assert (own.median, own.p95, own.worst) == pytest.approx((0.95, 1.15, 1.15))
+    assert (own.stops, own.cases) == (1.0, 4)
+    assert own.over_bound == pytest.approx(285 / 270)
+    assert (own.air, own.strokes) == pytest.approx((0.5, 1.5))
+    assert board["tuned"].worst == 1.0
+    assert list(board) == ["mine", "tuned", "second", "slip_three_state"]
+    assert own.k_wet_low <= own.k_wet <= own.k_wet_high
+
+
+def test_one_stop_that_never_ends_leaves_no_worst_ratio():
+    stops = [stop for n, far in enumerate((270.0, 285.0, None)) for stop in case(str(n), mine=far)]
+    own = next(one for one in summaries(judged(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine")
+    assert own.median == pytest.approx(0.95)
+    assert own.worst is None
+    assert own.stops == pytest.approx(2 / 3)
+    assert own.kept["stops"] == pytest.approx(2 / 3)
+
+
+def test_where_no_tuned_baseline_stops_nobody_is_compared():
+    stop = mine(case("a", mine=300.0, tuned=None, second=None))
+    assert stop.best_m is None
+    assert stop.over_best is None
+
+
+def test_a_limit_that_is_none_is_refused(tmp_path):
+    text = (Path(limits_of.__code__.co_filename).parent / "library" / "limits.toml").read_text(encoding="utf-8")
+    path = tmp_path / "own.toml"
+    path.write_text(text.replace("limit = 0.4", "limit = 0.1"), encoding="utf-8")
+    assert limits_of(path).lock.limit == 0.1
+    path.write_text(text.replace("limit = 0.4", "limt = 0.4"), encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"own.toml: \[lock\] has no key 'limt'; did you mean 'limit'"):
+        limits_of(path)
+    path.write_text(text.replace("volume = 0.45", "volume = -1"), encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"\[supply\] volume"):
+        limits_of(path)
+
+
+def test_the_interval_of_k_wet_holds_the_quantile_of_equal_cases():
+    stops = [stop for n in range(30) for stop in case(str(n), mine=300.0 + n)]
+    own = next(one for one in summaries(judged(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine")
+    values = sorted((250 - 10) / (300 + n - 10) for n in range(30))
+    assert own.k_wet == pytest.approx(values[2])
+    assert own.k_wet_low == pytest.approx(values[0], abs=0.01)
+    assert own.k_wet_low < own.k_wet < own.k_wet_high
+    assert not math.isnan(np.mean(values))
+
+
+def test_json_has_no_nan():
+    stop = replace(mine(case("a", mine=300.0, utilisation=math.nan)), outcome="standstill")
+    assert stop.utilisation is None
+    assert stop.to_plain()["verdicts"]["utilisation"] is None
