@@ -65,7 +65,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
             )
         step = scenario.periods.communication
         axis = step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)
-        places = np.repeat(axis[:, None], wheelsets, axis=1)
+        places = axis[:, None]  # one column for all: each wheelset meets the same
     else:
         step = _PLACE_STEP
         position = position_of(scenario, formation)
@@ -79,7 +79,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     match adhesion:
         case Constant(mu0=mu0):
             _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
-            found = np.broadcast_to(mu0, places.shape)
+            found = np.broadcast_to(mu0, (axis.size, wheelsets))
         case Points():
             found = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
             if adhesion.correlation is not None:
@@ -95,7 +95,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
             found = _random(adhesion, places, scenario.seed)
         case FromTable(curve=curve):
             _check_count(scenario, f"[adhesion] file {adhesion.file.written}", curve.mu0.shape[1], wheelsets)
-            found = _from_curve(curve, places)
+            found = _from_curve(curve, np.broadcast_to(places, (axis.size, max(places.shape[1], curve.mu0.shape[1]))))
         case _:
             assert_never(adhesion)
     for patch in adhesion.patch:
@@ -252,7 +252,7 @@ def _conditioned(mu0: Array, conditioning: Conditioning | None, formation: Forma
     rise from front to rear and friction at or above `recovered` stays.
     """
     if conditioning is None:
-        return np.array(mu0)
+        return np.array(np.broadcast_to(mu0, (len(mu0), formation.wheelsets)))
     ahead = formation.group_of_wheelset if conditioning.by == "group" else np.arange(formation.wheelsets)
     closed = 1 - (1 - conditioning.fraction) ** ahead
     return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * closed
