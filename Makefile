@@ -115,9 +115,9 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	$(RUN) -m railgrip estimate $(ESTIMATIONS)/field.toml
 	$(RUN) -m railgrip field
 
-tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field/library
-	$(RUN) -m railgrip tune paper --out harness/studies/field/library/paper.toml
-	$(RUN) -m railgrip tune consistent --out harness/studies/field/library/consistent.toml
+tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
+	$(RUN) -m railgrip tune paper --out harness/studies/field_test/library/paper.toml
+	$(RUN) -m railgrip tune consistent --out harness/studies/field_test/library/consistent.toml
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
 	$(RUN) -m railgrip lateral

@@ -7,13 +7,12 @@ from time import perf_counter
 
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.spec import estimate_of
-from railgrip.estimation.track.braking import braking_of
-from railgrip.studies.field.filtering import filter_of, follow, prediction, specification, task_of
-from railgrip.studies.field.noise import PHYSICAL
-from railgrip.studies.field.objective import evaluate
-from railgrip.studies.field.runs import TEST
-from railgrip.twins.field_scenario import FieldScenario, field_scenario
-from railgrip.twins.field_train import run_case
+from railgrip.studies.field_test.filtering import filter_of, follow, prediction, specification, task_of
+from railgrip.studies.field_test.noise import PHYSICAL
+from railgrip.studies.field_test.objective import evaluate
+from railgrip.studies.field_test.runs import TEST
+from railgrip.studies.field_test.runs import cases as field_test
+from railgrip.studies.field_test.runs import run as run_case
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,28 +40,26 @@ def _seconds(call: Callable[[], object]) -> float:
     return perf_counter() - begun
 
 
-def estimation_cost(scenario: FieldScenario | None = None, cases: int = 5, rounds: int = 9) -> EstimationCost:
+def estimation_cost(cases: int = 5, rounds: int = 9) -> EstimationCost:
     """Run each over the test case of the field test, again and again.
 
     Args:
-        scenario: The field test; the library's when None.
         cases: Brakings of an evaluation; copies of the one, which is of their mean length.
         rounds: Whose median counts.
     """
-    chosen = scenario or field_scenario()
-    run = run_case(chosen, TEST)
+    run = run_case(field_test()[TEST], TEST)
     spec, model = specification(), prediction()
     course = spec.course
     assert course is not None
-    task = task_of(braking_of(run, course.mass), model)
+    task = task_of(run.braking, model)
     filter_ = filter_of(model, task.period)
-    recording = with_track_force(run, course)
+    recording = with_track_force(run.recording, course)
     took: dict[str, list[float]] = {"step": [], "estimate": [], "course": [], "evaluation": []}
     for round_ in range(rounds):
         took["step"].append(_seconds(lambda: follow(task, filter_, PHYSICAL)) / len(task.seen) * 1e6)
         took["estimate"].append(_seconds(lambda: estimate_of(spec, recording)))
         if round_ < 2:
-            took["course"].append(_seconds(lambda: with_track_force(run, course)))
+            took["course"].append(_seconds(lambda: with_track_force(run.recording, course)))
         took["evaluation"].append(_seconds(lambda: evaluate("consistent", [task] * cases, filter_, PHYSICAL)))
     return EstimationCost(
         samples=len(task.seen),

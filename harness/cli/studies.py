@@ -9,7 +9,7 @@ import typer
 from railgrip.cli.app import Overrides, Workers, app
 from railgrip.console import progress, say, show_table
 from railgrip.errors import ScenarioError
-from railgrip.studies.monitor.transducers import PRESSURE_OFFSET
+from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 
 if TYPE_CHECKING:
     from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
@@ -17,14 +17,16 @@ if TYPE_CHECKING:
 OUT: Final = Path("build/learn")
 
 FieldTest = Annotated[
-    Path | None, typer.Option("--scenario", metavar="FILE.toml", help="Field test; the library's unless given.")
+    Path | None,
+    typer.Option("--campaign", metavar="FILE.toml", help="Cases of a field test; field_test unless given."),
 ]
 
 
 @app.command()
 def learn(
     file: Annotated[
-        Path | None, typer.Argument(metavar="[FILE.toml]", help="Your own runs, see harness/studies/learn/own_file.py.")
+        Path | None,
+        typer.Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own_file.py."),
     ] = None,
     inputs: Annotated[
         str | None,
@@ -51,7 +53,7 @@ def learn(
 
 @app.command()
 def ride(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A ride, see harness/studies/learn/ride.py.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="A ride, see harness/studies/axle_box/ride.py.")],
     out: Annotated[
         Path | None, typer.Option(help="Folder for trace and figure; build/rides/NAME unless given.")
     ] = None,
@@ -59,7 +61,7 @@ def ride(
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
     from railgrip.atomic import write_bytes
     from railgrip.report.style import save
-    from railgrip.studies.learn.ride import read_ride, ride_beside, ride_figure
+    from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 
     asked = read_ride(file)
     folder = out or Path("build/rides") / asked.name
@@ -81,14 +83,14 @@ def ride(
 @app.command()
 def field(
     out: Annotated[Path, typer.Option(help="Folder for figures and page.")] = Path("build/estimate/field"),
-    scenario: FieldTest = None,
+    campaign: FieldTest = None,
 ) -> None:
     """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
-    from railgrip.studies.field.report import write_report
-    from railgrip.twins.field_scenario import field_scenario
+    from railgrip.studies.field_test.report import write_report
+    from railgrip.studies.field_test.runs import cases
 
     with progress("field test") as shown:
-        page = write_report(field_scenario(scenario), out, tell=lambda what: shown.update(doing=what))
+        page = write_report(cases(campaign), out, tell=lambda what: shown.update(doing=what))
     say(page.read_text(encoding="utf-8"))
     say(str(page))
 
@@ -97,7 +99,7 @@ def field(
 def tune(
     kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
     out: Annotated[Path, typer.Option(help="File for the noises.")],
-    scenario: FieldTest = None,
+    campaign: FieldTest = None,
     population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
     generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
     stage: Annotated[int, typer.Option(min=1, help="Generations between two checkpoints.")] = 10,
@@ -106,23 +108,21 @@ def tune(
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
     from railgrip.errors import EstimationError
-    from railgrip.studies.field.filtering import filter_of, follow, lost, prediction, task_of
-    from railgrip.studies.field.noise import save_noise
-    from railgrip.studies.field.objective import DIVERGED
-    from railgrip.studies.field.runs import TUNING, brakings
-    from railgrip.studies.field.tune import Search
-    from railgrip.studies.field.tune import tune as search_for
-    from railgrip.twins.field_scenario import field_scenario
+    from railgrip.studies.field_test.filtering import filter_of, follow, lost, prediction, task_of
+    from railgrip.studies.field_test.noise import save_noise
+    from railgrip.studies.field_test.objective import DIVERGED
+    from railgrip.studies.field_test.runs import TUNING, cases, runs
+    from railgrip.studies.field_test.tune import Search
+    from railgrip.studies.field_test.tune import tune as search_for
 
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
-    chosen = field_scenario(scenario)
-    model = prediction()
-    with progress("twin") as shown:
-        made = brakings(chosen, TUNING, lambda case: shown.update(doing=case))
-    tasks = [task_of(braking, model) for _, braking in made.values()]
+    model, name = prediction(), "field_test" if campaign is None else campaign.stem
+    with progress("field test") as shown:
+        driven = runs(cases(campaign), TUNING, lambda case: shown.update(doing=case))
+    tasks = [task_of(run.braking, model) for run in driven.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
-    checkpoint = Path("build/tune") / f"{chosen.name}-{kind}.npz"
+    checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
     with progress("generations", generations, counted=True) as shown:
         found = search_for(
             kind,
@@ -144,8 +144,8 @@ def tune(
         results={"objective": found.value, "generations": float(len(found.history))},
     )
     say(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations")
-    filter_ = filter_of(model, chosen.period)
-    for case, task in zip(made, tasks, strict=True) if found.value < DIVERGED else ():
+    filter_ = filter_of(model, tasks[0].period)
+    for case, task in zip(driven, tasks, strict=True) if found.value < DIVERGED else ():
         instant = lost(task, follow(task, filter_, found.noise))
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
@@ -181,9 +181,9 @@ def monitor(
 ) -> None:
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
     from railgrip.estimation.spec import load_specification
-    from railgrip.studies.monitor.folder import stops_in
-    from railgrip.studies.monitor.page import draw, health_table, verdict_on
-    from railgrip.studies.monitor.watch import Design, watch
+    from railgrip.studies.pad_monitor.folder import stops_in
+    from railgrip.studies.pad_monitor.page import draw, health_table, verdict_on
+    from railgrip.studies.pad_monitor.watch import Design, watch
 
     with progress("reading") as shown:
         found = stops_in(
@@ -215,9 +215,9 @@ def monitor_study(
     ] = PRESSURE_OFFSET,
 ) -> None:
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
-    from railgrip.studies.monitor.page import draw
-    from railgrip.studies.monitor.study import evidence_of_life, lives, study
-    from railgrip.studies.monitor.watch import Design, watch
+    from railgrip.studies.pad_monitor.page import draw
+    from railgrip.studies.pad_monitor.study import evidence_of_life, lives, study
+    from railgrip.studies.pad_monitor.watch import Design, watch
 
     design, asked = Design(), lives(seeds, stops, pressure_offset)
     with progress("lives", seeds, counted=True) as shown:
@@ -258,9 +258,9 @@ def k_factors(
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     """Run the study of the paper and write its report, figures, estimators and their FMUs."""
     from railgrip.atomic import write_text
-    from railgrip.studies.learn.figures import draw
-    from railgrip.studies.learn.study import FULL, QUICK, estimators_of, pieces, study
-    from railgrip.studies.learn.tables import report
+    from railgrip.studies.axle_box.figures import draw
+    from railgrip.studies.axle_box.study import FULL, QUICK, estimators_of, pieces, study
+    from railgrip.studies.axle_box.tables import report
 
     size = QUICK if quick else FULL
     with progress("learn", pieces(size), counted=True) as shown:
@@ -276,9 +276,9 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
 def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
     """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
     from railgrip.atomic import write_text
-    from railgrip.studies.learn.own import judge_own, own_pieces
-    from railgrip.studies.learn.own_file import read_own
-    from railgrip.studies.learn.users import read_folder, read_labels
+    from railgrip.studies.axle_box.own import judge_own, own_pieces
+    from railgrip.studies.axle_box.own_file import read_own
+    from railgrip.studies.axle_box.users import read_folder, read_labels
 
     asked = read_own(file)
     network = asked.network if inputs is None else asked.network.model_copy(update={"inputs": inputs})
@@ -302,7 +302,7 @@ def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Pat
     from railgrip.atomic import replacing
     from railgrip.estimators.learned.trained import save
     from railgrip.fmus.native.package import pack
-    from railgrip.studies.learn.export import as_fmu
+    from railgrip.studies.axle_box.export import as_fmu
 
     for name, one in trained.items():
         with replacing(out / f"{name}.json") as partial:

@@ -1,8 +1,8 @@
-"""Estimating from recordings: adhesion and pad friction from what was measured, on a twin or by a user.
+"""Estimating from recordings: adhesion and pad friction from what was measured, on a simulated train or a real one.
 
-A *recording* is an xarray data set on one even time grid (`recording`). It comes from a twin (`railgrip.twins`)
-or from a file, and carries what a prediction asks for under the prediction's own names: its inputs and its
-outputs, arrays as scalars `cylinder_pressure[1]`. What the twin knows and no filter may see stands beside them as
+A *recording* is an xarray data set on one even time grid (`recording`). It comes from a stop of the loop or
+from a file, and carries what a prediction asks for under the prediction's own names: its inputs and its
+outputs, arrays as scalars `cylinder_pressure[1]`. What the plant knows and no filter may see stands beside them as
 `true_<state>`, for `judge` alone.
 
     from railgrip.trace.samples import recording_of

@@ -3,8 +3,8 @@
 A run brings `speed` (optical or radar), `acceleration_along[1]` … (as many as there are, feeling g sin β too),
 `latitude`, `longitude`, `height` (NaN between the samples of the receiver), wheelset speeds, cylinder pressures,
 `driving` (0 or 1: the filter knows no traction and begins when there is none) and, if somebody recorded it, `braking`;
-else braking begins where a cylinder fills. What comes back begins with the coasting before the brake and has
-`track_force` beside the readings.
+else braking begins where a cylinder fills. The trace of a stop has `traction` and `driver_demand` in their place. What
+comes back begins with the coasting before the brake and has `track_force` beside the readings.
 """
 
 import xarray

@@ -104,7 +104,7 @@ def _states(recording: xarray.Dataset, prediction: CasadiPrediction) -> Matrix:
     if unknown:
         raise EstimationError(
             f"observability: the recording does not tell {', '.join(unknown)}; a trajectory of all states is wanted, "
-            "from a twin or as true_<state> from an estimate."
+            "from a stop or as true_<state> from an estimate."
         )
     return np.stack([truth_of(recording, state) for state in prediction.states], axis=1)
 

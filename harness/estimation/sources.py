@@ -1,9 +1,5 @@
-"""Where recordings come from: a twin, one function for each kind of `[source]`, or a user's file.
+"""Where recordings come from: a stop of a scenario, or a user's file."""
 
-A new twin is one line in `_maker`; what that returns is called with the scenario's name and the seed.
-"""
-
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +7,11 @@ import xarray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import model_of, units_of
-from railgrip.estimation.spec import SourceTable, Specification, check_mass
+from railgrip.estimation.spec import Specification, check_mass
 from railgrip.scenario.quantity import in_units
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.read import Taken, recorded
 from railgrip.trace.samples import evenly, with_signals
-
-Maker = Callable[[str, int | None], xarray.Dataset]
-"""Scenario and seed, None for the scenario's own, to a recording."""
-
-KINDS = ("stop", "field")
 
 
 def recording_of_estimation(
@@ -30,19 +21,23 @@ def recording_of_estimation(
 
     Args:
         specification: The estimation.
-        data: A trace, or a file read by [data]; the twin of [source] when None.
-        scenario: Another one of the twin than [source] says.
+        data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
+        scenario: Another one than [source] says.
         seed: Likewise.
 
     Raises:
-        EstimationError: There is no such twin, scenario or file, or no estimate can be made of it; in a sentence.
+        EstimationError: There is no scenario or file, or no estimate can be made of it; in a sentence.
+        ScenarioError: There is no such scenario, or it fails.
     """
     check_mass(specification)
     if data is not None:
         recording = taken_for(specification, data).recording
     else:
-        changed = {name: value for name, value in (("scenario", scenario), ("seed", seed)) if value is not None}
-        recording = recording_for(specification.twin().model_copy(update=changed))
+        # Imported when needed: a stop brings the FMU compiler, and reading a file needs none of it.
+        from railgrip.estimation.stop import recording_of_stop
+
+        source = specification.simulated()
+        recording = recording_of_stop(scenario or source.scenario, source.seed if seed is None else seed, source.noise)
     recording = completed(specification, recording)
     if specification.course is None:
         return recording
@@ -93,27 +88,3 @@ def taken_for(specification: Specification, path: Path) -> Taken:
         inputs = [name for name in inputs if name != MADE] + [name for name in of_run if name in ALWAYS]
         outputs += [name for name in of_run if name not in ALWAYS]
     return recorded(path, specification.data, units, inputs, outputs)
-
-
-def recording_for(source: SourceTable) -> xarray.Dataset:
-    """Return the recording that a `[source]` asks for.
-
-    Raises:
-        EstimationError: There is no such kind or no such scenario.
-    """
-    return _maker(source)(source.scenario, source.seed)
-
-
-def _maker(source: SourceTable) -> Maker:
-    kind = source.kind
-    # Imported when asked for: twins bring the FMU compiler, and reading a file needs none of it.
-    if kind == "stop":
-        from railgrip.estimation.stop import recording_of_stop
-
-        return lambda scenario, seed: recording_of_stop(scenario, seed, source.noise)
-    if kind == "field":
-        from railgrip.twins.field_scenario import field_case
-        from railgrip.twins.field_train import run_case
-
-        return lambda scenario, seed: run_case(*field_case(scenario), seed)
-    raise EstimationError(f"[source] kind is '{kind}'; there is {', '.join(KINDS)}.")

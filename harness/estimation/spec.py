@@ -28,8 +28,7 @@ curve_law = "bogie"
 [inputs]                                    # optional: inputs that nobody records, constant
 track_force = "0 N"
 
-[source]
-kind = "stop"                               # a scenario of the loop; or a twin, see railgrip.estimation.sources
+[source]                                    # optional: a scenario whose stop is the recording
 scenario = "rig_slide"
 """
 
@@ -127,16 +126,12 @@ class CourseTable(Table):
 
 
 class SourceTable(Table):
-    """[source]: a twin and the scenario that it runs; without a seed the scenario's own draws.
+    """[source]: a scenario whose stop is the recording; without a seed it is the scenario's own."""
 
-    A source of the kind `stop` is a scenario of the loop.
-    """
-
-    kind: str
     scenario: str
     seed: Seed | None = None
     noise: dict[str, Magnitude] = Field(
-        default={}, description="kind stop: what is read of the plant's signals, with the standard deviation of each"
+        default={}, description="what is read of the plant's signals, with the standard deviation of each"
     )
 
 
@@ -163,11 +158,11 @@ class Specification(Table):
             raise broken("has track_force in [data.columns] and [course], which makes it; take one of them out")
         return self
 
-    def twin(self) -> SourceTable:
-        """Return the twin of the estimation.
+    def simulated(self) -> SourceTable:
+        """Return what the recording is simulated from.
 
         Raises:
-            EstimationError: It has none; its recording comes from a trace or a file.
+            EstimationError: Nothing; it comes from a trace or a file.
         """
         if self.source is None:
             raise EstimationError(f"{self.name}: has no [source]; name the trace or file to read, --data FILE.")

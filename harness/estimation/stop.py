@@ -10,10 +10,21 @@ from numpy.typing import NDArray
 from railgrip.assemble import trace_of
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
+from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.trace.recorder import thinned
 from railgrip.trace.samples import evenly, recording_of
 
 Vector = NDArray[np.float64]
+
+
+def stop_read(scenario: Scenario, name: str = "") -> xarray.Dataset:
+    """Return the trace of a stop on the grid of [periods] trace, as a recording named after the scenario or otherwise.
+
+    Raises:
+        ScenarioError: It fails.
+    """
+    return evenly(thinned(trace_of(scenario), scenario.periods.every("trace")), name or scenario.name)
 
 
 def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magnitude]) -> xarray.Dataset:
@@ -33,9 +44,9 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
         ScenarioError: There is no such scenario, it fails, or its plant does not show what is to be read.
     """
     question = load(Path(scenario), [] if seed is None else [f"seed={seed}"])
-    trace = trace_of(question)
+    trace = stop_read(question)
     if not noise:
-        return evenly(trace, question.name)
+        return trace
     shown = {str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()}
     deviations = in_units(f"{question.name}: [source.noise]", noise, shown)
     read: dict[str, tuple[Vector, str]] = {}
@@ -52,7 +63,7 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
     truth = {"alpha": (forces.sum(axis=1) / loads.sum(axis=1), "1")}
     for name, state in (("speed", "v"), ("wheelset_speed", "w"), ("pad_friction", "mu_b")):
         truth |= _elements(trace, name, state)
-    return recording_of(read, period=question.periods.communication, truth=truth, name=question.name)
+    return recording_of(read, period=question.periods.trace, truth=truth, name=question.name)
 
 
 def _elements(trace: xarray.Dataset, name: str, other: str) -> dict[str, tuple[Vector, str]]:

@@ -63,15 +63,14 @@ def rig(tell: Tell) -> list[Finding]:
 
 def field(tell: Tell) -> list[Finding]:
     """Return what was recovered of the track in case 6, and the errors of both tuned filters in it."""
-    from railgrip.studies.field.filtering import filter_of, follow, prediction, task_of
-    from railgrip.studies.field.noise import LIBRARY, PHYSICAL, load_noise
-    from railgrip.studies.field.runs import TEST, brakings
-    from railgrip.studies.field.score import score, track_score
-    from railgrip.twins.field_scenario import field_scenario
+    from railgrip.studies.field_test.filtering import filter_of, follow, prediction, task_of
+    from railgrip.studies.field_test.noise import LIBRARY, PHYSICAL, load_noise
+    from railgrip.studies.field_test.runs import TEST, cases, run
+    from railgrip.studies.field_test.score import score, track_score
 
     tell(f"field test, case {TEST}")
-    run, braking = brakings(field_scenario(), (TEST,))[TEST]
-    track = track_score(run, braking)
+    driven = run(cases()[TEST], TEST)
+    track = track_score(driven)
     found = [
         # Of the smoothed motion; 1e-5 are 1 cm over the run.
         Finding(name=f"field {TEST}: distance, relative error", value=track.distance, unit="1", tolerance=1e-5),
@@ -80,7 +79,7 @@ def field(tell: Tell) -> list[Finding]:
         _mean(f"field {TEST}: track force RMSE", track.force, "N"),
     ]
     model = prediction()
-    task = task_of(braking, model)
+    task = task_of(driven.braking, model)
     filter_ = filter_of(model, task.period)
     noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in ("paper", "consistent")} | {"physical": PHYSICAL}
     scores = {name: score(task, follow(task, filter_, noise)) for name, noise in noises.items()}
@@ -103,10 +102,10 @@ def field(tell: Tell) -> list[Finding]:
 
 def monitor(tell: Tell) -> list[Finding]:
     """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
-    from railgrip.studies.monitor.evidence import evidence_of
-    from railgrip.studies.monitor.life import Life, live
-    from railgrip.studies.monitor.study import judged
-    from railgrip.studies.monitor.watch import Design
+    from railgrip.studies.pad_monitor.evidence import evidence_of
+    from railgrip.studies.pad_monitor.life import Life, live
+    from railgrip.studies.pad_monitor.study import judged
+    from railgrip.studies.pad_monitor.watch import Design
 
     # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
     life = Life(stops=52, seed=1, worn=28, worn_group=1, stuck=40, stuck_group=2)
@@ -133,7 +132,7 @@ def lateral(tell: Tell) -> list[Finding]:
 
 def learn(tell: Tell) -> list[Finding]:
     """Return errors of the networks on axle-box accelerations at one speed, and levels of what they see."""
-    from railgrip.studies.learn.headline import headlines as of_learn
+    from railgrip.studies.axle_box.headline import headlines as of_learn
 
     return of_learn(tell)
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from railgrip.studies.monitor import study as monitor_study
-from railgrip.studies.monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
-from railgrip.studies.monitor.folder import stops_in, write_recording
-from railgrip.studies.monitor.life import Life, live
-from railgrip.studies.monitor.study import Verdict, judged
-from railgrip.studies.monitor.watch import Design, threshold_for, watch
+from railgrip.studies.pad_monitor import study as monitor_study
+from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
+from railgrip.studies.pad_monitor.folder import stops_in, write_recording
+from railgrip.studies.pad_monitor.life import Life, live
+from railgrip.studies.pad_monitor.study import Verdict, judged
+from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
 from railgrip.trace.samples import reading_of, truth_of
 
 DESIGN = Design()

@@ -7,16 +7,18 @@ import railgrip as rg
 from railgrip.errors import ScenarioError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import estimate, prediction_of, units_of
-from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import LIBRARY, load_specification, settings_for
+from railgrip.estimation.stop import recording_of_stop
 from railgrip.trace.samples import reading_of, truth_of
 
 PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
 
 
-def run(name="wagon_stop", seed=None, **changes):
-    source = load_specification(LIBRARY / "wagon.toml").twin()
-    return recording_for(source.model_copy(update={"scenario": name, "seed": seed, **changes}))
+NOISE = load_specification(LIBRARY / "wagon.toml").simulated().noise
+
+
+def run(name="wagon_stop", seed=None, noise=NOISE):
+    return recording_of_stop(name, seed, noise)
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +85,8 @@ def test_bearings_and_rolling_hold_every_wheelset_back(stop):
 
 
 def test_what_the_plant_does_not_show_cannot_be_read():
-    noise = load_specification(LIBRARY / "wagon.toml").twin().noise
     with pytest.raises(ScenarioError, match=r"wagon_stop: \[source.noise\] has no parameter 'yaw_rate'"):
-        run(noise=noise | {"yaw_rate": noise["speed"]})
+        run(noise=NOISE | {"yaw_rate": NOISE["speed"]})
 
 
 def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_much(stop):

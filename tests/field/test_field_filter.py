@@ -1,4 +1,4 @@
-"""The filter of the field test on a case of the twin, and what tuning sees of it. Case 1 is the shortest."""
+"""The filter of the field test on one of its cases, and what tuning sees of it. Case 1 is the shortest."""
 
 from pathlib import Path
 
@@ -12,32 +12,33 @@ from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.selection import prediction_seeing
 from railgrip.estimation.sources import taken_for
 from railgrip.estimation.spec import estimate_of, settings_for
-from railgrip.estimation.track.braking import Braking, braking_of
+from railgrip.estimation.track.braking import Braking, braked, braking_of
+from railgrip.estimation.track.braking import driven as driven_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.studies.field.degeneracy import common_factor
-from railgrip.studies.field.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
-from railgrip.studies.field.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
-from railgrip.studies.field.objective import terms_of, value
-from railgrip.studies.field.score import score, track_score
-from railgrip.studies.field.tune import Search, tune
-from railgrip.trace.samples import reading_of, truth_of
-from railgrip.twins.field_scenario import field_scenario
-from railgrip.twins.field_train import driven, measured
+from railgrip.studies.field_test.degeneracy import common_factor
+from railgrip.studies.field_test.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
+from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
+from railgrip.studies.field_test.objective import terms_of, value
+from railgrip.studies.field_test.runs import Run, cases
+from railgrip.studies.field_test.runs import run as run_case
+from railgrip.studies.field_test.score import score, track_score
+from railgrip.studies.field_test.tune import Search, tune
+from railgrip.trace.samples import reading_of, truth_of, with_signals
 
 
 @pytest.fixture(scope="module")
-def train():
-    return driven(field_scenario(), "c1")
+def driven() -> Run:
+    return run_case(cases()["c1"], "c1")
 
 
 @pytest.fixture(scope="module")
-def run(train):
-    return measured(field_scenario(), train)
+def run(driven):
+    return driven.recording
 
 
 @pytest.fixture(scope="module")
-def braking(run) -> Braking:
-    return braking_of(run, 84e3)
+def braking(driven) -> Braking:
+    return driven.braking
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +52,7 @@ def task(braking, model) -> Task:
 
 
 def test_the_case_is_driven_as_table_4_says(run):
-    brakes = int(np.argmax(reading_of(run, "braking")))
+    brakes = int(np.argmax(braked(run)))
     # The driver looks at his speed every 5 ms: 65 km/h to 1 mm/s.
     assert truth_of(run, "v")[brakes] * 3.6 == pytest.approx(65.0, abs=0.01)
     pressures = [reading_of(run, f"cylinder_pressure[{i}]")[-1] / 1e5 for i in (1, 2)]
@@ -59,16 +60,16 @@ def test_the_case_is_driven_as_table_4_says(run):
     assert pressures == pytest.approx([3.4, 2.0], abs=0.05)
 
 
-def test_other_sensors_read_the_same_run_otherwise(train, run):
-    other = measured(field_scenario(), train, 1)
+def test_other_sensors_read_the_same_run_otherwise(run):
+    other = run_case(cases()["c1"].model_copy(update={"seed": 1}), "c1").recording
     np.testing.assert_array_equal(truth_of(other, "v"), truth_of(run, "v"))
     apart = reading_of(other, "speed") - reading_of(run, "speed")
     # Two of 0.02 m/s white, and two scales of 0.1 %, which of 18 m/s are as much again.
     assert 0.02 < apart.std() < 0.06
 
 
-def test_the_track_is_recovered_well_enough(run, braking):
-    found = track_score(run, braking)
+def test_the_track_is_recovered_well_enough(driven):
+    found = track_score(driven)
     assert abs(found.distance) < 5e-3
     # Half of a curve of 1000 m and a third of the smallest change of gradient, 3 ‰; measured 1.7e-4 and 0.9 ‰.
     assert found.curvature < 5e-4
@@ -137,8 +138,9 @@ def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path:
     data = specification().data
     columns = {"time": run["time"].values}
     factors = {"km/h": 3.6, "rev/min": 30.0 / np.pi, "bar": 1e-5}
+    train = with_signals(run, {"driving": (driven_of(run), "1"), "braking": (braked(run), "1")})
     for name, column in data.columns.items():
-        columns[column.column] = reading_of(run, name) * factors.get(column.unit, 1.0)
+        columns[column.column] = reading_of(train, name) * factors.get(column.unit, 1.0)
     mapped = {name: column for name, column in data.columns.items() if name != "braking"}
     spec = specification().model_copy(update={"data": data.model_copy(update={"columns": mapped})})
     pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)

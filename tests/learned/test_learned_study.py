@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from railgrip.estimators.learned.channels import COMBINATIONS
-from railgrip.studies.learn import gather as gathering
-from railgrip.studies.learn.evaluate import Recipe
-from railgrip.studies.learn.figures import draw
-from railgrip.studies.learn.reduction import Run
-from railgrip.studies.learn.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
-from railgrip.studies.learn.tables import report
+from railgrip.studies.axle_box import gather as gathering
+from railgrip.studies.axle_box.evaluate import Recipe
+from railgrip.studies.axle_box.figures import draw
+from railgrip.studies.axle_box.reduction import Run
+from railgrip.studies.axle_box.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
+from railgrip.studies.axle_box.tables import report
 
 SIZE = replace(QUICK, starts=2, members=6)
 

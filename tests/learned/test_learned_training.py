@@ -10,8 +10,8 @@ from railgrip.estimators.learned.channels import COMBINATIONS, motions
 from railgrip.estimators.learned.ensemble import fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.studies.learn.evaluate import Recipe, exchanged, within_exchanged, within_runs, without_each
-from railgrip.studies.learn.reduction import CHANNELS, Run
+from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_exchanged, within_runs, without_each
+from railgrip.studies.axle_box.reduction import CHANNELS, Run
 
 
 def test_the_high_pass_keeps_what_came_first():

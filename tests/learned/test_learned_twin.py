@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railgrip.studies.learn.runs import LABELS, campaign
+from railgrip.studies.axle_box.runs import LABELS, campaign
 from railgrip.twins.accelerometer import AXLE_BOX, RATE, measure
 from railgrip.twins.instrumented_car import MPH, Pass, ride
 from railgrip.twins.irregularity import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum

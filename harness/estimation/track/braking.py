@@ -60,8 +60,7 @@ def braking_of(
 
     Args:
         run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
-            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, `driving` and `braking`; where there is no
-            `braking`, it begins when a cylinder holds more than `FILLED`.
+            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and what `driven` and `braked` want.
         mass: Of the train [kg].
         origin: Of the local frame, the middle of the track when None.
         curve_law: Of the curve resistance.
@@ -94,17 +93,16 @@ def braking_of(
     )
     slope, curvature = motion.course.slope_at(motion.distance), motion.course.curvature_at(motion.distance)
     force = force_along(slope, curvature, mass, curve_law)
-    driving = samples(run, ("driving",), ("1",))[:, 0]
-    brakes = samples(run, ("braking",), ("1",))[:, 0] if has_reading(run, "braking") else _filled(run)
+    brakes = braked(run)
     if not brakes.any():
         raise EstimationError(f"recording '{run.attrs.get('name')}': nobody braked.")
-    begins = int(np.argmax(brakes > 0.5))
-    driven = np.flatnonzero(driving[:begins] > 0.5)
+    begins = int(np.argmax(brakes))
+    last = int(np.flatnonzero(np.append(True, driven(run)[:begins]))[-1])  # how many samples until driving ended
     # The drive's force dies away within two seconds of the driver's letting go.
-    first = int(driven[-1] + 1 + round(2.0 / period)) if driven.size else 0
+    first = last + round(2.0 / period) if last else 0
     if first >= begins:
         raise EstimationError(
-            f"recording '{run.attrs.get('name')}': braking began {(begins - driven[-1]) * period:.2f} s after driving; "
+            f"recording '{run.attrs.get('name')}': braking began {(begins - last) * period:.2f} s after driving; "
             "the filter knows no traction and wants 2 s of coasting before."
         )
     with_force = with_signals(run, {"track_force": (force, "N")})
@@ -117,8 +115,25 @@ def braking_of(
     )
 
 
-def _filled(run: xarray.Dataset) -> Array:
-    """Return 1 where a cylinder holds pressure, 0 elsewhere, shape (k,)."""
+def driven(run: xarray.Dataset) -> NDArray[np.bool_]:
+    """Return where the train is driven, shape (k,): `driving` of a train's own file, traction of a stop.
+
+    Raises:
+        EstimationError: Nobody says.
+    """
+    if "driver_demand" in run and not has_reading(run, "driving"):
+        return run["traction"].values > 0.0 if "traction" in run else np.zeros(run.sizes["time"], dtype=bool)
+    return samples(run, ("driving",), ("1",))[:, 0] > 0.5
+
+
+def braked(run: xarray.Dataset) -> NDArray[np.bool_]:
+    """Return where the train is braked, shape (k,): `braking` of a train's own file, the driver's demand of a stop.
+
+    Where there is neither, a cylinder holds more than `FILLED`.
+    """
+    if has_reading(run, "braking"):
+        return samples(run, ("braking",), ("1",))[:, 0] > 0.5
+    if "driver_demand" in run:
+        return np.any(run["driver_demand"].values > 0.0, axis=1)
     cylinders = readings_in(run, "cylinder_pressure")
-    pressures = samples(run, cylinders, ["Pa"] * len(cylinders))
-    return np.asarray(np.any(pressures > FILLED, axis=1), dtype=np.float64)
+    return np.any(samples(run, cylinders, ["Pa"] * len(cylinders)) > FILLED, axis=1)

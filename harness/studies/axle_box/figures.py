@@ -1,0 +1,118 @@
+"""Figures of a study."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from railgrip.estimators.learned.preprocessing import BLOCKS
+from railgrip.report.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
+from railgrip.studies.axle_box.evaluate import exchanged, parts_of
+from railgrip.studies.axle_box.gather import spectral_features
+from railgrip.studies.axle_box.reduction import CHANNELS
+from railgrip.studies.axle_box.study import PUBLISHED, Study, over_speeds
+from railgrip.twins.accelerometer import RATE
+
+
+def draw(made: Study, folder: Path) -> list[Path]:
+    """Draw every figure of a study into a folder."""
+    return [
+        save(errors(made), folder / "errors.png"),
+        save(processed(made), folder / "processed.png"),
+        save(campaign(made), folder / "campaign.png"),
+        save(over_time(made), folder / "within_runs.png"),
+    ]
+
+
+def errors(made: Study) -> Figure:
+    """Mean absolute error of each way of judging, beside always saying the mean."""
+    published = float(np.mean([PUBLISHED[s][1] for s in made.runs]))
+    rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, GREY)]
+    for name, row, colour in (
+        *((f"4-6-1: {k}", v, BLUE) for k, v in made.split.items()),
+        *((f"4-6-1: {k}", v, VERMILION) for k, v in made.honest.items()),
+        *((f"all speeds: {k}", v, GREEN) for k, v in made.general.items()),
+    ):
+        mean = over_speeds(row)
+        rows.append((name, mean.mae, mean.mae_of_mean, colour))
+    sheet = figure(8.0, 0.33 * len(rows) + 1.0)
+    axes = sheet.subplots()
+    for k, (_, mae, of_mean, colour) in enumerate(rows):
+        axes.barh(-k, mae, color=colour, height=0.65)
+        if of_mean is not None:
+            axes.plot([of_mean, of_mean], [-k - 0.42, -k + 0.42], color="black", linewidth=1.6)
+    axes.set_yticks([-k for k in range(len(rows))], [row[0] for row in rows], fontsize=8)
+    dress(axes, x="mean absolute error of friction, mean over speeds; black: always the mean label")
+    axes.grid(visible=False, axis="y")
+    return sheet
+
+
+def campaign(made: Study) -> Figure:
+    """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
+    sheet = figure(8.0, 3.2)
+    for axes, (speed, runs) in zip(
+        np.atleast_1d(sheet.subplots(1, len(made.runs), sharey=True)), made.runs.items(), strict=True
+    ):
+        for k, run in enumerate(sorted(runs, key=lambda r: r.friction)):
+            said = made.ensemble(spectral_features(run))
+            place = k + np.linspace(-0.3, 0.3, len(said.friction))
+            axes.vlines(place, said.lower, said.upper, color=GREEN, alpha=0.3, linewidth=1, label="90 % interval")
+            axes.plot(place, said.friction, ".", color=GREEN, markersize=3, label="estimate")
+            axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
+        if speed == next(iter(made.runs)):
+            axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
+        axes.set_xticks([])
+        axes.set_ylim(0, 0.55)
+        dress(axes, x="runs by friction", y="friction" if speed == next(iter(made.runs)) else "", title=f"{speed} mph")
+    return sheet
+
+
+def processed(made: Study) -> Figure:
+    """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
+    sheet = figure(8.0, 1.7 * len(made.runs))
+    rows = np.atleast_1d(sheet.subplots(len(made.runs), 1))
+    colours = lead_to_trail(4)
+    for axes, (speed, runs) in zip(rows, made.runs.items(), strict=True):
+        ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
+        seen = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
+        seconds = np.arange(len(seen)) * (BLOCKS[speed] / RATE)
+        for wheelset, colour in enumerate(colours):
+            axes.plot(seconds, seen[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
+        for begin, end, run in zip([0.0, *ends[:-1]], ends, runs, strict=True):
+            axes.axvline(end, color=GREY, linewidth=0.8, linestyle=":")
+            axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
+                      ha="center", va="top", color=GREY)  # fmt: skip
+        axes.set_xlim(0, ends[-1])
+        axes.set_ylim(0, 1.25 * float(seen.max()))
+        last = speed == list(made.runs)[-1]
+        dress(
+            axes,
+            x="time of the linked runs [s]" if last else "",
+            y="|acc.| [m/s²]",
+            title=f"{speed} mph; grey: friction",
+        )
+    sheet.legend(*rows[0].get_legend_handles_labels(), fontsize=8, ncols=4, loc="outside upper right")
+    return sheet
+
+
+def over_time(made: Study) -> Figure:
+    """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
+    sheet = figure(8.0, 1.9 * len(made.runs))
+    grid = np.atleast_2d(sheet.subplots(len(made.runs), 2, sharex="row", sharey=True))
+    for pair, (speed, runs) in zip(grid, made.runs.items(), strict=True):
+        for axes, fitted, labels, title in (
+            (pair[0], made.networks[speed], None, "labels of the runs"),
+            (pair[1], made.exchanged[speed], exchanged(runs), "labels of other runs"),
+        ):
+            _, late = parts_of(runs, made.recipe, labels)
+            seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
+            axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
+            axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=0.9, label="estimate")
+            last = speed == list(made.runs)[-1]
+            dress(
+                axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",
+                title=f"{speed} mph, {title}",
+            )  # fmt: skip
+    grid[0, 0].legend(fontsize=8, ncols=2, loc="upper right")
+    grid[0, 0].set_ylim(0, 0.45)
+    return sheet

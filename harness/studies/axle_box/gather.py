@@ -1,0 +1,110 @@
+"""From a pass of the twin to what estimators are trained on, cached by content."""
+
+import ast
+import hashlib
+import json
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor, as_completed
+from dataclasses import asdict
+from io import BytesIO
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+import railgrip.estimators.learned.antialias
+import railgrip.estimators.learned.channels
+import railgrip.estimators.learned.preprocessing
+import railgrip.studies.axle_box.measured
+import railgrip.studies.axle_box.reduction
+import railgrip.twins.accelerometer
+import railgrip.twins.instrumented_car
+import railgrip.twins.irregularity
+from railgrip import cache
+from railgrip.estimators.learned.spectral import Spectral
+from railgrip.fmus.build import fmu
+from railgrip.studies.axle_box.measured import VEHICLE, readings
+from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, reduce
+from railgrip.twins.accelerometer import AXLE_BOX
+from railgrip.twins.instrumented_car import FMU, Pass, slope
+
+Array = NDArray[np.float64]
+
+RUN: Final = "run.npz"
+KIND: Final = "runs"
+"""Their shelf in the user's cache."""
+EVERY: Final = 20.0
+"""m between the spectral features that are kept."""
+SETTLED: Final = 60.0
+"""m before the first of them."""
+_CODE: Final = (
+    railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,
+    railgrip.estimators.learned.antialias,
+    railgrip.studies.axle_box.measured, railgrip.studies.axle_box.reduction,
+    railgrip.twins.accelerometer, railgrip.twins.instrumented_car, railgrip.twins.irregularity,
+)  # fmt: skip
+
+
+def spectral_features(run: Run, spectral: Spectral = SPECTRAL) -> Array:
+    """Return features every `EVERY` metres once `SETTLED` metres are travelled, shape (m, features)."""
+    speed = run.slow[:, 8]
+    every = spectral.features(run.slow[:, :4], run.slow[:, 4:8], speed)
+    metres = np.cumsum(np.abs(speed)) / spectral.rate
+    first, last = max(SETTLED, 2 * spectral.settling * run.speed), metres[-1]
+    return every[np.searchsorted(metres, np.arange(min(first, last), last, EVERY))]
+
+
+def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None] = lambda _: None) -> list[Run]:
+    """Return the reduced runs of passes, simulating those that are not in the user's cache.
+
+    Args:
+        pool: Simulates, see `workers`.
+        tell: Told the name of every run as it is there.
+    """
+    wanted = list(passes)
+    common = _common()
+    keys = {p.name + str(p.seed): _key(p, common) for p in wanted}
+    files = {name: cache.find(KIND, key, RUN) for name, key in keys.items()}
+    missing = [p for p in wanted if files[p.name + str(p.seed)] is None]
+    for p in wanted:
+        if p not in missing:
+            tell(p.name)
+    # Longest first, so that no worker is left with a long one at the end.
+    missing.sort(key=lambda p: p.speed / p.length)
+    running = {pool.submit(_make, p, keys[p.name + str(p.seed)]): p for p in missing}
+    for done in as_completed(running):
+        files[running[done].name + str(running[done].seed)] = done.result()
+        tell(running[done].name)
+    return [_read(files[p.name + str(p.seed)], slope(p)) for p in wanted]
+
+
+def _make(run: Pass, key: str) -> Path:
+    reduced = reduce(run.name, run.friction, readings(run))
+    content = BytesIO()
+    np.savez_compressed(content, **{k: v for k, v in asdict(reduced).items() if v is not None})
+    return cache.keep(KIND, key, RUN, content.getvalue())
+
+
+def _read(file: Path | None, known_slope: float) -> Run:
+    assert file is not None
+    with np.load(file) as held:
+        return Run(
+            name=str(held["name"]), group=int(held["group"]), speed=float(held["speed"]),
+            friction=float(held["friction"]),
+            blocks=held["blocks"], settled=held["settled"], slow=held["slow"].astype(np.float64), slope=known_slope,
+        )  # fmt: skip
+
+
+def _common() -> str:
+    """Return a digest of what every run depends on: the FMU, sensors, filters and the code around them."""
+    digest = hashlib.sha256(fmu(FMU).read_bytes())
+    for module in _CODE:
+        # What the code does, not how it is laid out or commented.
+        digest.update(ast.dump(ast.parse(Path(module.__file__ or "").read_text())).encode())
+    digest.update(json.dumps([asdict(AXLE_BOX), asdict(SLOW), VEHICLE]).encode())
+    return digest.hexdigest()
+
+
+def _key(run: Pass, common: str) -> str:
+    return hashlib.sha256((common + json.dumps(asdict(run), sort_keys=True)).encode()).hexdigest()[:24]

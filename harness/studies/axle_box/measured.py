@@ -1,0 +1,38 @@
+"""A pass of the twin, measured as the loggers of its car do."""
+
+from typing import Final
+
+import numpy as np
+
+from railgrip.scenario.seed import generator
+from railgrip.studies.axle_box.reduction import Readings
+from railgrip.twins.accelerometer import AXLE_BOX, RATE, Disturbance, disturbance, measure
+from railgrip.twins.instrumented_car import RATE as TWIN_RATE
+from railgrip.twins.instrumented_car import Pass, ride
+
+VEHICLE: Final = 7
+"""Seed of the sensors' own properties: one car carries the same accelerometers on every run."""
+
+
+def readings(run: Pass) -> Readings:
+    """Simulate a run and measure it."""
+    made = ride(run)
+    true = np.hstack([made.longitudinal[:, :, 0], made.longitudinal[:, :, 1], made.lateral])
+    vehicle, own = draws(run)
+    written = measure(true, TWIN_RATE, float(made.speed.mean()), AXLE_BOX, vehicle=vehicle, run=own)
+    fine = np.arange(len(written)) * (TWIN_RATE / RATE)
+    return Readings(
+        left=written[:, :4], right=written[:, 4:8], lateral=written[:, 8:],
+        speed=np.interp(fine, np.arange(len(made.speed)), made.speed), backwards=run.backwards, rate=RATE,
+    )  # fmt: skip
+
+
+def disturbance_of(run: Pass, count: int, speed: float) -> Disturbance:
+    """Return what the sensors of the car add to `count` samples of a run at a speed, m/s."""
+    vehicle, own = draws(run)
+    return disturbance(count, 12, speed, AXLE_BOX, vehicle=vehicle, run=own)
+
+
+def draws(run: Pass) -> tuple[np.random.Generator, np.random.Generator]:
+    """Return the random streams of a run's sensors: of what belongs to the car, and of the run itself."""
+    return generator(VEHICLE, "sensors"), generator(run.seed, f"{run.name}.sensors")

@@ -1,0 +1,83 @@
+"""A user's runs judged as the paper's: its split and, beside it, each run left out."""
+
+from collections.abc import Callable, Sequence
+
+from railgrip.campaign.workers import workers as processes
+from railgrip.errors import EstimationError
+from railgrip.estimators.learned.ensemble import Ensemble
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.studies.axle_box.evaluate import Recipe, Score, best_of, judge, within_runs, without_each
+from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
+from railgrip.studies.axle_box.study import general, over_speeds, paper_estimator
+from railgrip.studies.axle_box.tables import own_report
+
+MEMBERS = 20
+FEWEST = 4
+"""Runs without which no interval can be found: some must be outside of every draw."""
+
+
+def judge_own(
+    runs: Sequence[Run],
+    recipe: Recipe,
+    *,
+    workers: int = 2,
+    members: int = MEMBERS,
+    remarks: Sequence[str] = (),
+    tell: Callable[[str], None] = lambda piece: None,
+) -> tuple[str, dict[str, PaperEstimator | GeneralEstimator]]:
+    """Return the report on a user's runs and the estimators trained on them, by the name of their files.
+
+    Args:
+        runs: Of all speeds.
+        recipe: Of the networks of the paper's kind, one for each speed class.
+        workers: Processes.
+        members: Networks of the estimator for all speeds.
+        remarks: What was mended in the recordings.
+        tell: Told each piece that is done; `own_pieces` says how often.
+
+    Raises:
+        EstimationError: There are too few runs.
+    """
+    if len(runs) < FEWEST:
+        raise EstimationError(f"there are {len(runs)} labelled runs; training and judging need {FEWEST} or more.")
+    several = _classes(runs)
+    with processes(workers) as pool:
+        whole = pool.submit(general, runs, members)
+        split = {g: pool.submit(within_runs, own, recipe) for g, own in several.items()}
+        left_out = {g: pool.submit(without_each, own, recipe) for g, own in several.items()}
+        networks = {g: pool.submit(best_of, own, recipe) for g, own in several.items()}
+        each = [pool.submit(_without, runs, k, members) for k in range(len(runs))]
+        for done in (whole, *split.values(), *left_out.values(), *networks.values(), *each):
+            done.result()
+            tell("training and judging")
+    ensemble: Ensemble = whole.result()[0]
+    text = own_report(
+        len(runs),
+        recipe,
+        {g: one.result() for g, one in split.items()},
+        {g: one.result() for g, one in left_out.items()},
+        over_speeds(dict(enumerate(one.result() for one in each))),
+        remarks,
+    )
+    trained: dict[str, PaperEstimator | GeneralEstimator] = {
+        "friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble)
+    }
+    trained |= {f"friction_{g}mph": paper_estimator(one.result(), g, recipe) for g, one in networks.items()}
+    return text, trained
+
+
+def own_pieces(runs: Sequence[Run]) -> int:
+    """Return how many pieces `judge_own` tells of."""
+    return 1 + len(runs) + 3 * len(_classes(runs))
+
+
+def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
+    """Return the runs of each speed class that has several."""
+    groups = {g: [run for run in runs if run.group == g] for g in sorted({run.group for run in runs})}
+    return {g: own for g, own in groups.items() if len(own) > 1}
+
+
+def _without(runs: Sequence[Run], left: int, members: int) -> Score:
+    """Judge the estimator for all speeds on one run that it has not seen."""
+    made, mean = general([run for k, run in enumerate(runs) if k != left], members)
+    return judge(made, mean, [runs[left]])

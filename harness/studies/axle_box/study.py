@@ -1,0 +1,271 @@
+"""The whole study: gather runs, train, judge; a value that tables and figures are made from."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, as_completed
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from railgrip.campaign.workers import workers as processes
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.ensemble import Ensemble, fit
+from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.scenario.seed import generator
+from railgrip.studies.axle_box.evaluate import (
+    Fitted,
+    Recipe,
+    Score,
+    average,
+    best_of,
+    best_of_exchanged,
+    elsewhere,
+    judge,
+    tried_within,
+    within_exchanged,
+    within_runs,
+    without_each,
+)
+from railgrip.studies.axle_box.gather import gather, spectral_features
+from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
+from railgrip.studies.axle_box.runs import SPEEDS, abroad, campaign, design
+from railgrip.twins.instrumented_car import Pass
+
+PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
+    16: (0.0053, 0.0041),
+    26: (0.0038, 0.0028),
+    40: (0.0141, 0.0083),
+    60: (0.0080, 0.0063),
+}
+"""Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
+
+DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
+"""Weights of the squared weights that are tried inside of the training part."""
+
+Rows = Mapping[str, Mapping[int, Score]]
+"""What was judged → speed [mph] → score."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Size:
+    """How much is simulated and trained.
+
+    Attributes:
+        speeds: mph.
+        starts: Random starts of the paper's networks; honest_starts: where every run is left out once.
+        design: Runs for the estimator for all speeds; members: its networks.
+        length: m of the campaign's runs; away: of all others.
+    """
+
+    speeds: tuple[int, ...]
+    starts: int
+    honest_starts: int
+    design: int
+    members: int
+    length: float
+    away: float
+
+
+FULL: Final = Size(speeds=SPEEDS, starts=15, honest_starts=3, design=80, members=20, length=400.0, away=200.0)
+QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3, length=200.0, away=200.0)
+"""Shows that everything works; its figures mean nothing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Study:
+    """What came out.
+
+    Attributes:
+        recipe: Of the paper's networks, all rows but those that say otherwise.
+        split: Rows of the paper's split, among them what takes the paper's networks apart.
+        decays: Trained on the first 64 % of each run, judged on the following 16 %: where `evaluate.DECAY` is from.
+        inputs: The paper's split with the other combinations of motions.
+        honest: Rows of the paper's networks on runs they have not seen.
+        general: Rows of the estimator for all speeds on the same runs.
+        ensemble: That estimator.
+        networks: By speed, the network that fits the training part best; exchanged: the same under other labels.
+        runs: The campaign, by speed.
+    """
+
+    recipe: Recipe
+    split: Rows
+    decays: Rows
+    inputs: Rows
+    honest: Rows
+    general: Rows
+    ensemble: Ensemble
+    networks: Mapping[int, Fitted]
+    exchanged: Mapping[int, Fitted]
+    runs: Mapping[int, Sequence[Run]]
+
+
+def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
+    """Return every run of the study by set; `campaign` and `design` are what estimators are trained on."""
+    home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
+    return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
+
+
+def study(
+    size: Size, *, inputs: str = "longitudinal", workers: int = 2, tell: Callable[[str], None] = lambda _: None
+) -> Study:
+    """Simulate what is not in the cache, train and judge.
+
+    Args:
+        inputs: Of the paper's networks, key of `channels.COMBINATIONS`.
+        workers: Processes.
+        tell: Told each run that is there and each piece that is judged; `pieces` says how often.
+    """
+    wanted = passes(size)
+    with processes(workers) as pool:
+        everything = iter(gather([p for part in wanted.values() for p in part], pool, tell=tell))
+        named = {name: [next(everything) for _ in part] for name, part in wanted.items()}
+        return concluded(size, named, Recipe(inputs=inputs, starts=size.starts), pool, tell)
+
+
+def concluded(
+    size: Size, named: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
+) -> Study:
+    """Train and judge.
+
+    Args:
+        named: Runs by set, see `passes`.
+        recipe: Of the paper's networks.
+        pool: Where that is done.
+        tell: Told each piece that is judged.
+    """
+    few = replace(recipe, starts=size.honest_starts)
+    by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
+    away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
+    # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
+    all_speeds = pool.submit(general, named["design"], size.members)
+    submitted = {
+        (table, name, s): pool.submit(one, by_speed[s])
+        for table, rows in _pieces(recipe, few).items()
+        for name, one in rows.items()
+        for s in size.speeds
+    }
+    abroad_of = {
+        s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, recipe) for s in size.speeds
+    }
+    networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
+    others = {s: pool.submit(best_of_exchanged, by_speed[s], few) for s in size.speeds}
+    pending = [all_speeds, *submitted.values(), *abroad_of.values(), *networks.values(), *others.values()]
+    for done in as_completed(pending):
+        done.result()
+        tell("training and judging")
+    tables: dict[str, dict[str, dict[int, Score]]] = {}
+    for (table, name, s), found in submitted.items():
+        tables.setdefault(table, {}).setdefault(name, {})[s] = found.result()
+    for s, found in abroad_of.items():
+        for name, score in found.result().items():
+            tables["honest"].setdefault(name, {})[s] = score
+    ensemble, mean = all_speeds.result()
+    sets = {"campaign": named["campaign"], **away}
+    rule = dry_or_not(passes(size))
+    return Study(
+        recipe=recipe,
+        split=tables["split"],
+        decays=tables["decays"],
+        inputs=tables["inputs"],
+        honest=tables["honest"],
+        general={
+            name: {
+                s: judge(ensemble, mean, _at(runs, s), [rule[name][run.name] for run in _at(runs, s)])
+                for s in size.speeds
+            }
+            for name, runs in sets.items()
+        },
+        ensemble=ensemble,
+        networks={s: one.result() for s, one in networks.items()},
+        exchanged={s: one.result() for s, one in others.items()},
+        runs=by_speed,
+    )
+
+
+def pieces(size: Size) -> int:
+    """Return how many runs and pieces `study` tells of."""
+    runs = sum(len(part) for part in passes(size).values())
+    judged = sum(len(rows) for rows in _pieces(Recipe(), Recipe()).values())
+    return runs + 1 + len(size.speeds) * (3 + judged)
+
+
+def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
+    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed.
+
+    Args:
+        recipe: With all random starts.
+        few: With those that suffice where a mean over speeds or runs counts.
+    """
+    free = replace(recipe, decay=0.0)
+    return {
+        "split": {
+            "bias inside": partial(within_runs, recipe=free),
+            "bias outside": partial(within_runs, recipe=replace(free, bias="outside")),
+            "bias inside, weights kept small": partial(within_runs, recipe=recipe),
+            "bias outside, weights kept small": partial(within_runs, recipe=replace(recipe, bias="outside")),
+            "labels exchanged": partial(within_exchanged, recipe=recipe),
+            "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
+        },
+        "decays": {f"{decay:g}": partial(tried_within, recipe=replace(few, decay=decay)) for decay in DECAYS},
+        "inputs": {name: partial(within_runs, recipe=replace(few, inputs=name)) for name in COMBINATIONS},
+        "honest": {"a run left out": partial(without_each, recipe=few)},
+    }
+
+
+def estimators_of(made: Study) -> dict[str, PaperEstimator | GeneralEstimator]:
+    """Return what a study trained, by the name of the file it goes into."""
+    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=made.ensemble)
+    papers = {f"friction_{s}mph": paper_estimator(one, s, made.recipe) for s, one in made.networks.items()}
+    return {"friction": general, **papers}
+
+
+def paper_estimator(fitted: Fitted, speed: int, recipe: Recipe) -> PaperEstimator:
+    """Return a network with all that stands in front of it, for a speed class, mph."""
+    return PaperEstimator(
+        chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
+        scale=fitted.scale,
+        networks=(fitted.network,),
+        inputs=recipe.inputs,
+    )
+
+
+def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
+    """Train the estimator for all speeds; return it and the mean label of its training.
+
+    It has two stages where every run comes from a twin, which knows the slope of its creep curve.
+    """
+    features = [spectral_features(run) for run in runs]
+    labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
+    number = np.concatenate([np.full(len(f), k, dtype=np.int64) for k, f in enumerate(features)])
+    known = [run.slope for run in runs if run.slope is not None]
+    slopes = np.array(known)[number] if len(known) == len(runs) else None
+    made = fit(
+        np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), slope=slopes, members=members
+    )
+    return made, float(labels.mean())
+
+
+def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]]:
+    """Return for each pass of each set the mean label of the design's passes on rails as dry, or not dry, as its own.
+
+    It takes no estimator to tell a dry rail from a covered one: what an estimator is good for begins beyond this.
+    """
+    labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
+    mean = {dry: float(np.mean(found)) for dry, found in labels.items()}
+    return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
+
+
+def over_speeds(row: Mapping[int, Score]) -> Score:
+    """Return the mean over speeds; coverage, width and the rule's error too where every speed has them."""
+    scores = list(row.values())
+    mean = average(scores)
+    further = {name: [getattr(s, name) for s in scores] for name in ("coverage", "width", "mae_of_rule")}
+    return replace(
+        mean, **{name: float(np.mean(values)) for name, values in further.items() if all(v is not None for v in values)}
+    )
+
+
+def _at(runs: Sequence[Run], speed: int) -> list[Run]:
+    return [run for run in runs if run.group == speed]

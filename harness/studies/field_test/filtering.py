@@ -1,0 +1,104 @@
+"""The filter of the field test over one braking: 13 states, pressures and track force in, speeds seen."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.estimation.run import by_name
+from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
+from railgrip.estimation.track.braking import Braking
+from railgrip.estimators.belief import Estimate
+from railgrip.estimators.compiled import CompiledFilter, Followed
+from railgrip.estimators.consistency import lost_at
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.studies.field_test.noise import GROUPS, PHYSICAL, Noise
+from railgrip.trace.samples import knows, period_of, samples, truth_of
+
+Array = NDArray[np.float64]
+
+
+@cache
+def specification() -> Specification:
+    """Return the estimation of the field test, whose model, start and gate stand in its file."""
+    return load_specification(LIBRARY / "field.toml")
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A braking as arrays, once for many runs of the filter.
+
+    Attributes:
+        braking: What it is made of.
+        held: Pressures and track force, the mean over each period, shape (k − 1, 5).
+        seen: Speed and wheelset speeds at the end of each period, shape (k − 1, 5).
+        start: Belief at the first sample.
+        truth: Of all 13 states at the end of each period, shape (k − 1, 13), or None.
+        period: [s].
+    """
+
+    braking: Braking
+    held: Array
+    seen: Array
+    start: Estimate
+    truth: Array | None
+    period: float
+
+
+def prediction() -> CasadiPrediction:
+    """Return the prediction of the field test; equations (1) to (5), (10) to (12) of the paper."""
+    return prediction_for(specification())
+
+
+def task_of(braking: Braking, model: CasadiPrediction) -> Task:
+    """Return a braking as arrays, from its first sample of coasting.
+
+    Raises:
+        EstimationError: A reading is missing.
+    """
+    recording = braking.recording
+    held = samples(recording, model.inputs, [*["Pa"] * GROUPS, "N"])
+    seen = samples(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
+    known = all(knows(recording, state) for state in model.states)
+    truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if known else None
+    start = specification().start
+    frictions = by_name("start", start.mean, model.states[1 + GROUPS :])
+    deviation = by_name("start deviation", start.deviation, model.states)
+    return Task(
+        braking=braking,
+        held=0.5 * (held[1:] + held[:-1]),
+        seen=seen[1:],
+        start=Estimate(mean=np.concatenate([seen[0], frictions]), covariance=np.diag(deviation**2)),
+        truth=truth,
+        period=period_of(recording),
+    )
+
+
+def filter_of(model: CasadiPrediction, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
+    """Return a compiled filter for brakings of one period."""
+    gate = settings_for(specification(), period).gate
+    return CompiledFilter(model, noise.process, noise.readings, period, gate)
+
+
+def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> Followed:
+    """Return the beliefs over a braking with given noises.
+
+    Args:
+        task: The braking.
+        filter_: Of `filter_of`; used by this call alone.
+        noise: For this run.
+        start_scale: Factor on the covariance at the start.
+
+    Raises:
+        FilterDiverged: The filter did.
+    """
+    filter_.retune(noise.process, noise.readings)
+    start = Estimate(mean=task.start.mean, covariance=start_scale * task.start.covariance)
+    return filter_.follow(start, task.held, task.seen)
+
+
+def lost(task: Task, followed: Followed) -> float | None:
+    """Return when innovations said that the beliefs mean nothing [s] from the first sample, None where they do not."""
+    step = lost_at(followed.squared, followed.used)
+    return None if step is None else (step + 1) * task.period

@@ -1,0 +1,94 @@
+"""The six runs of the field test: stops of the scenarios of a campaign."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from railgrip.errors import EstimationError
+from railgrip.estimation.stop import stop_read
+from railgrip.estimation.track.braking import Braking, braking_of
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.track import Plan
+
+Array = NDArray[np.float64]
+
+TUNING = ("c1", "c2", "c3", "c4", "c5")
+TEST = "c6"
+"""Not looked at while tuning."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """A run from rest to the stop.
+
+    Attributes:
+        recording: All of it.
+        braking: The part that is estimated.
+        plan: Of the track, and where on it the run begins.
+    """
+
+    recording: xarray.Dataset
+    braking: Braking
+    plan: Plan
+
+    def laid(self, distance: Array) -> tuple[Array, Array]:
+        """Return slope and curvature [1/m] in the direction of travel, where the train has come so far [m]."""
+        track, place = self.plan.laid(), self.plan.place(distance)
+        return self.plan.way * track.slope(place), self.plan.way * track.curvature(place)
+
+
+def cases(file: Path | None = None) -> dict[str, Scenario]:
+    """Return the scenarios of a campaign by their variant of its axis `case`, those of field_test.toml when None.
+
+    Raises:
+        ScenarioError: The file is missing or not a campaign.
+        EstimationError: It has no such axis, or a scenario has no [track.plan].
+    """
+    campaign = load_campaign(file or Path("field_test"))
+    unlaid = next((stop.name for stop in campaign.stops if stop.scenario.track.plan is None), None)
+    if unlaid is not None:
+        raise EstimationError(f"{campaign.name}: the field test wants a [track.plan]; {unlaid} has none.")
+    if any("case" not in stop.variants for stop in campaign.stops):
+        raise EstimationError(f"{campaign.name}: the field test wants its cases as [axes.case.NAME].")
+    return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
+
+
+def run(scenario: Scenario, name: str) -> Run:
+    """Return the run of a case.
+
+    Raises:
+        EstimationError: See `braking_of`.
+        ScenarioError: The stop fails.
+    """
+    track = scenario.track
+    assert track.plan is not None  # of every scenario of `cases`
+    assert track.train_mass is not None
+    recording = stop_read(scenario, f"{scenario.name} {name}")
+    return Run(
+        recording=recording,
+        braking=braking_of(recording, track.train_mass, curve_law=track.curve_law),
+        plan=track.plan,
+    )
+
+
+def runs(
+    scenarios: Mapping[str, Scenario], names: Sequence[str], tell: Callable[[str], None] = lambda case: None
+) -> dict[str, Run]:
+    """Return the run of each case.
+
+    Raises:
+        EstimationError: There is no such case; see `run`, too.
+    """
+    missing = [name for name in names if name not in scenarios]
+    if missing:
+        raise EstimationError(f"the field test wants the cases {', '.join(names)}; there is no {', '.join(missing)}.")
+    found: dict[str, Run] = {}
+    for name in names:
+        tell(f"case {name}")
+        found[name] = run(scenarios[name], name)
+    return found

@@ -1,0 +1,130 @@
+"""How near the truth the filter came, and how near its sensors the track."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.errors import EstimationError
+from railgrip.estimators.compiled import Followed
+from railgrip.studies.field_test.filtering import Task
+from railgrip.studies.field_test.noise import GROUPS
+from railgrip.studies.field_test.objective import terms_of
+from railgrip.studies.field_test.runs import Run
+from railgrip.trace.samples import reading_of, truth_of
+
+Array = NDArray[np.float64]
+
+SETTLED = 1.0
+"""After the brake is applied, what the filter needs to settle [s]; the paper shows the same oscillation."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Score:
+    """Errors over one braking, from a second after the brake is applied; estimate minus truth.
+
+    Attributes:
+        deviation: O_c of equation (14) [m/s].
+        nis: Over its degrees, 1 wanted.
+        nees: Of μ_B and α, 1 wanted.
+        speed: RMSE of v [m/s].
+        distance: Error of the braking distance, from the estimated speed, relative.
+        adhesion: RMSE of α over all groups.
+        adhesion_of: Of each group, shape (4,).
+        pad_friction: RMSE of μ_B over all groups.
+        pad_friction_of: Of each group, shape (4,).
+        mean_pad_friction: Error of μ_B weighted by what each group brakes with, which is what the train feels; its
+            RMSE.
+        adhesion_constant: RMSE of the best constant for the adhesion of all groups, known only afterwards: what a
+            filter must be better than.
+        pad_friction_constant: The same of μ_B.
+        mean_pad_friction_constant: The same of the train's mean μ_B.
+    """
+
+    deviation: float
+    nis: float
+    nees: float
+    speed: float
+    distance: float
+    adhesion: float
+    adhesion_of: Array
+    pad_friction: float
+    pad_friction_of: Array
+    mean_pad_friction: float
+    adhesion_constant: float
+    pad_friction_constant: float
+    mean_pad_friction_constant: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackScore:
+    """Errors of what was recovered of the track over one run.
+
+    Attributes:
+        distance: At the end of the run, relative.
+        curvature: RMSE [1/m].
+        slope: RMSE.
+        force: RMSE over the braking [N].
+    """
+
+    distance: float
+    curvature: float
+    slope: float
+    force: float
+
+
+def score(task: Task, followed: Followed) -> Score:
+    """Return the errors of a filter over a braking.
+
+    Raises:
+        EstimationError: The truth is not known.
+    """
+    if task.truth is None:
+        raise EstimationError(f"{task.braking.name}: its truth is not known; only simulated trains tell.")
+    terms = terms_of(task, followed)
+    after = slice(task.braking.brake + round(SETTLED / task.period), None)
+    of_pads, of_adhesions = slice(1 + GROUPS, 1 + 2 * GROUPS), slice(1 + 2 * GROUPS, None)
+    error, truth = (followed.mean - task.truth)[after], task.truth[after]
+    pads, adhesions = error[:, of_pads], error[:, of_adhesions]
+    # Torque at the same μ_B: units times radius times pressure.
+    share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.held[after, :GROUPS]
+    share /= share.sum(axis=1, keepdims=True)
+    braked = slice(task.braking.brake, None)
+    true_way = float(task.truth[braked, 0].sum())
+    return Score(
+        deviation=terms.deviation,
+        nis=terms.nis,
+        nees=terms.nees,
+        speed=_rms(error[:, 0]),
+        distance=float(followed.mean[braked, 0].sum()) / true_way - 1.0,
+        adhesion=_rms(adhesions),
+        adhesion_of=np.sqrt((adhesions**2).mean(axis=0)),
+        pad_friction=_rms(pads),
+        pad_friction_of=np.sqrt((pads**2).mean(axis=0)),
+        mean_pad_friction=_rms((pads * share).sum(axis=1)),
+        adhesion_constant=float(np.std(truth[:, of_adhesions])),
+        pad_friction_constant=float(np.std(truth[:, of_pads])),
+        mean_pad_friction_constant=float(np.std((truth[:, of_pads] * share).sum(axis=1))),
+    )
+
+
+def track_score(run: Run) -> TrackScore:
+    """Return the errors of the track recovered from a run.
+
+    Raises:
+        EstimationError: The truth is not known.
+    """
+    motion, recording = run.braking.motion, run.braking.recording
+    course = motion.course
+    slope, curvature = run.laid(course.distance)
+    force = reading_of(recording, "track_force") - truth_of(recording, "track_force")
+    return TrackScore(
+        distance=float(motion.distance[-1] / truth_of(run.recording, "distance")[-1]) - 1.0,
+        curvature=_rms(course.curvature - curvature),
+        slope=_rms(course.slope - slope),
+        force=_rms(force),
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,250 @@
+"""What one stop tells about the friction of each brake group."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from railgrip.errors import EstimationError, FilterDiverged
+from railgrip.estimation.run import model_of, prediction_of, units_of
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import pressure_spread
+from railgrip.studies.pad_monitor.nominal import NOMINAL, nominal_friction
+from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
+from railgrip.trace.samples import period_of, samples
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+MODEL = "TrainPredictionReduced"
+GROUPS = 4
+
+PRIOR = 0.10
+"""Standard deviation of friction before a stop, 1: wide, and taken out of the evidence again."""
+
+_PROCESS = {"v": 3e-3, "w": 1e-2, "mu_b": 5e-4, "alpha": 0.3}
+"""Deviations in unit/√s. The nominal law carries how friction moves within a stop, so what is left of it rests;
+adhesion must follow a group that is released within 0.2 s."""
+_READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
+"""As `railgrip.estimators.tuning.READINGS_SERVICE`, but for the accelerometer, whose bias is taken out before."""
+_START = {"v": 0.1, "w": 0.3, "alpha": 0.02}
+
+_LOCKED = 0.8
+"""Slip above which a wheelset counts as locked: its pads no longer slide on the disc at full friction then, or soon."""
+_AROUND = 0.3  # s before and after, in which encoders and pressures lag
+_FREE = 1e4  # (rad/s)²/s: process noise of a locked wheelset, whose equation says nothing
+
+_SLOWEST = 3.0  # m/s; below, encoders lose pulses
+_COASTING = 2.0  # s without brake before the stop, that drag can be told from
+_RELEASED = 2e4  # Pa; below, a cylinder counts as empty
+_PRESSED = 1500.0  # N on both pads of a unit; below, their torque is within the errors of the other torques
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """Friction of each group in one stop, over that of healthy pads in the same conditions.
+
+    Attributes:
+        health: Shape (4,); 1 is nominal.
+        covariance: Of `health` without any prior, shape (4, 4); large where the stop does not tell groups apart. Noise
+            of the readings only, new in every stop.
+        offset: 1σ that the transducers' `PRESSURE_OFFSET` puts on `health`, shape (4,). Readings tell torque; pressure
+            that reads too high makes the pads look worse. Stops do not average it out, and it is no reason to chart a
+            stop less: charts hold a group against its own reference, which was read by the same transducer.
+        drag: Deceleration with released brakes that resistance does not explain [m/s²]; NaN without coasting.
+    """
+
+    health: Vector
+    covariance: Matrix
+    offset: Vector
+    drag: float
+
+    @property
+    def deviation(self) -> Vector:
+        """Standard deviations of `health`, shape (4,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+def evidence_of(
+    recording: xarray.Dataset, temperature: Vector, parameters: Mapping[str, float] = MappingProxyType({})
+) -> Evidence:
+    """Return what a stop tells.
+
+    Args:
+        recording: With the inputs and outputs of `MODEL`.
+        temperature: Of the discs of each group at its first sample [K], shape (4,).
+        parameters: Of `MODEL`, where the train is another than the nominal one, SI.
+
+    Raises:
+        EstimationError: A signal is missing, nothing was braked, or the filter diverged.
+    """
+    period = period_of(recording)
+    prediction, filter_ = _filter(period, tuple(sorted(parameters.items())))
+    names = [f"cylinder_pressure[{g + 1}]" for g in range(GROUPS)]
+    pressure = samples(recording, names, ["Pa"] * GROUPS)
+    seen = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
+    at = prediction.outputs.index
+    speed = _filled(seen[:, at("speed")], "speed")
+    wheels = np.stack([_filled(seen[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1)
+    moving = np.flatnonzero(speed < _SLOWEST)
+    count = int(moving[0]) if moving.size else speed.size
+    acceleration = seen[:, at("acceleration")]
+    acceleration -= _bias(acceleration[:count], seen[:count, at("speed")], period)
+    values = {v.name: float(p) for v, p in zip(model_of(MODEL).parameters, prediction.parameters, strict=True)}
+    lever = values["i_rigging"] * values["eta_rigging"]
+    force = np.maximum(lever * (pressure * values["A_piston"] - values["F_spring"]), 0.0)
+    braked = np.flatnonzero(pressure.max(axis=1) > _RELEASED)
+    if not braked.size or count - braked[0] < 5.0 / period:
+        raise EstimationError(f"recording '{recording.attrs.get('name', '')}': has no five seconds of braking.")
+    onset = int(braked[0])
+    drag = _drag(acceleration[:onset], speed[:onset], values) if onset * period >= _COASTING else float("nan")
+    # Pressures that with constant nominal friction would brake as healthy pads do: what is left to estimate is health.
+    reduced = pressure.copy()
+    for g in range(GROUPS):
+        mu = nominal_friction(
+            force[:, g], wheels[:, g], speed, period, values[f"r_friction[{g + 1}]"], float(temperature[g])
+        )
+        equivalent = (values["F_spring"] + mu / NOMINAL * force[:, g] / lever) / values["A_piston"]
+        reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
+    mass = sum(values[f"m_wheelset[{i + 1}]"] for i in range(6))
+    held = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
+    radius = values["r_wheel"]
+    locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
+    for g in range(GROUPS):
+        seen[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
+    mean, covariance = _filtered(filter_, prediction.states, held, seen, locked, wheels[0], float(speed[0]), count)
+    # The prior is taken out, so that stops can be put together without counting it once each.
+    gained = np.linalg.inv(covariance) - np.eye(GROUPS) / PRIOR**2
+    # What a stop does not tell at all has an information of zero, here with rounding: at most 100 priors wide.
+    gained += np.eye(GROUPS) / (100.0 * PRIOR) ** 2
+    spread = np.linalg.inv(0.5 * (gained + gained.T))
+    health = spread @ (np.linalg.solve(covariance, mean) - np.full(GROUPS, NOMINAL) / PRIOR**2
+                       + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
+    offset = pressure_spread(
+        pad_friction=health / NOMINAL,
+        pressure=np.array([_applied(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
+        offset=PRESSURE_OFFSET,
+        A_piston=values["A_piston"],
+        F_spring=values["F_spring"],
+    )
+    return Evidence(
+        health=health / NOMINAL,
+        covariance=np.asarray(spread / NOMINAL**2, dtype=np.float64),
+        offset=offset,
+        drag=drag,
+    )
+
+
+def _applied(pressure: Vector, force: Vector) -> float:
+    """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
+    pressed = pressure[force > _PRESSED]
+    return float(np.median(pressed)) if pressed.size else float("inf")
+
+
+def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
+    """Return where wheelsets are locked or nearly so, and `around` samples to both sides, shape (k, 4).
+
+    A locked wheelset tells nothing of its pads: they hold it with less than they could.
+    """
+    slides = 1.0 - radius * wheels / np.maximum(speed, 0.1)[:, None] > _LOCKED
+    return np.asarray(maximum_filter1d(slides, 2 * around + 1, axis=0, mode="nearest"), dtype=np.bool_)
+
+
+@cache
+def model_units() -> dict[str, str]:
+    """Return the units of the model's signals."""
+    return units_of(MODEL)
+
+
+@cache
+def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[CasadiPrediction, CompiledFilter]:
+    prediction = prediction_of(MODEL, dict(parameters))
+
+    def squares(deviations: dict[str, float], names: tuple[str, ...]) -> Vector:
+        return np.array([deviations[name.partition("[")[0]] for name in names]) ** 2
+
+    noises = squares(_PROCESS, prediction.states), squares(_READINGS, prediction.outputs)
+    return prediction, CompiledFilter(prediction, *noises, period)
+
+
+def _filtered(
+    filter_: CompiledFilter,
+    states: tuple[str, ...],
+    held: Matrix,
+    seen: Matrix,
+    locked: NDArray[np.bool_],
+    wheels: Vector,
+    speed: float,
+    count: int,
+) -> tuple[Vector, Matrix]:
+    """Return mean (4,) and covariance (4, 4) of reduced pad friction after `count` samples.
+
+    Args:
+        filter_: To run.
+        states: Of its model.
+        held: Inputs at every sample, shape (k, nu).
+        seen: Readings, shape (k, m); none of a wheelset while it is locked.
+        locked: Which are, shape (k, 4).
+        wheels: Wheelset speeds at the first sample [rad/s], shape (4,).
+        speed: Of the train then [m/s].
+        count: Samples to take.
+    """
+    place = [states.index(f"mu_b[{g + 1}]") for g in range(GROUPS)]
+    mean, deviation = np.zeros(len(states)), np.array([_START.get(n.partition("[")[0], PRIOR) for n in states])
+    mean[place] = NOMINAL
+    mean[states.index("v")] = speed
+    mean[[states.index(f"w[{g + 1}]") for g in range(GROUPS)]] = wheels
+    filter_.start(mean, deviation**2)
+    middle = 0.5 * (held[:-1] + held[1:])  # pressures move within a period
+    usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
+    turning = np.array([states.index(f"w[{g + 1}]") for g in range(GROUPS)])
+    filter_.change_process_noise(usual)
+    try:
+        for k in range(1, count):
+            if (locked[k] != locked[k - 1]).any() or k == 1:
+                noise = usual.copy()
+                noise[turning[locked[k]]] = _FREE
+                filter_.change_process_noise(noise)
+            filter_.held[:] = middle[k - 1]
+            filter_.seen[:] = seen[k]
+            filter_.advance()
+    except FilterDiverged as problem:
+        raise EstimationError(f"monitor: {problem}") from problem
+    return filter_.mean[place].copy(), filter_.covariance[np.ix_(place, place)].copy()
+
+
+def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
+    """Return the bias of an accelerometer [m/s²]: what its integral runs away from the speed that was read.
+
+    It holds the slope of the track, too, which an accelerometer cannot tell from a bias.
+    """
+    known = np.isfinite(acceleration)
+    if known.mean() < 0.5:
+        return 0.0
+    filled = np.where(known, acceleration, np.nanmean(acceleration))
+    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (filled[1:] + filled[:-1]) * period)])
+    read = np.isfinite(speed)
+    time = np.arange(speed.size) * period
+    return -float(np.polyfit(time[read], speed[read] - travelled[read], 1)[0])
+
+
+def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
+    """Return the deceleration before the stop that running resistance does not explain [m/s²]."""
+    mass = sum(values[f"m_wheelset[{i + 1}]"] for i in range(6))
+    air = 0.5 * values["rho_air"] * values["c_drag"] * values["A_drag"] * float(np.mean(speed**2))
+    wheel, bearing = values["r_wheel"], values["mu_bearing"] * values["r_bearing"]
+    rolling = (bearing + values["e_rolling"]) / wheel * mass * 9.81
+    return -float(np.nanmean(acceleration)) - (air + rolling) / mass
+
+
+def _filled(values: Vector, name: str) -> Vector:
+    known = np.flatnonzero(np.isfinite(values))
+    if known.size < 2:
+        raise EstimationError(f"recording: {name} has no samples.")
+    return np.asarray(np.interp(np.arange(values.size), known, values[known]), dtype=np.float64)

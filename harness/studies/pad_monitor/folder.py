@@ -1,0 +1,106 @@
+"""Stops on disk, in the order of their names: results of the harness, or files that a user recorded."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray
+
+from railgrip.errors import EstimationError
+from railgrip.estimation.sources import taken_for
+from railgrip.estimation.spec import Specification, parameters_for
+from railgrip.studies.pad_monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
+from railgrip.trace.files import FORMATS
+from railgrip.trace.netcdf import FILE_NAME, read_trace, write_trace
+from railgrip.trace.samples import evenly, with_signals
+
+TEMPERATURE = "reading_disc_temperature"
+"""Variable (time, group) of a trace that tells the temperature of the discs [K]; its first sample is used."""
+
+UNKNOWN_TEMPERATURE = 313.15
+"""What discs are taken to have at the first sample where nobody tells, as the plant does: 40 °C."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """Stops of a folder.
+
+    Attributes:
+        names: Of those that gave evidence, in order.
+        evidence: One each.
+        sentences: What was left out, mended or assumed.
+    """
+
+    names: tuple[str, ...]
+    evidence: tuple[Evidence, ...]
+    sentences: tuple[str, ...]
+
+
+def stops_in(
+    folder: Path,
+    specification: Specification | None = None,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Found:
+    """Return the evidence of all stops in a folder.
+
+    A stop is a folder with a trace.nc in it, or, with a specification that maps their columns, a recorded file. One
+    that cannot be used is left out and said.
+
+    Raises:
+        EstimationError: There is no stop.
+    """
+    if not folder.is_dir():
+        raise EstimationError(f"{folder}: there is no such folder; name one that holds stops.")
+    if specification is None:
+        places = sorted(path.parent for path in folder.glob(f"*/{FILE_NAME}"))
+    else:
+        if specification.model.class_ != MODEL:
+            raise EstimationError(
+                f"{specification.name}: [model] class is '{specification.model.class_}', the monitor wants '{MODEL}'."
+            )
+        places = sorted(path for path in folder.iterdir() if path.suffix.lower() in FORMATS)
+    parameters = {} if specification is None else parameters_for(specification)
+    if not places:
+        what = f"*/{FILE_NAME}" if specification is None else ", ".join(f"*{suffix}" for suffix in FORMATS)
+        hint = "; for recorded files give their map, --map FILE.toml" if specification is None else ""
+        raise EstimationError(f"{folder}: there are no stops ({what}) in it{hint}.")
+    names: list[str] = []
+    evidence: list[Evidence] = []
+    sentences: list[str] = []
+    assumed = 0
+    for number, place in enumerate(places):
+        progress(number, len(places))
+        try:
+            temperature = np.full(GROUPS, UNKNOWN_TEMPERATURE)
+            if specification is None:
+                trace = read_trace(place / FILE_NAME)
+                recording = evenly(trace, place.name)
+                if TEMPERATURE in trace:
+                    temperature = trace[TEMPERATURE].values[0]
+                else:
+                    assumed += 1
+            else:
+                taken = taken_for(specification, place)
+                recording = taken.recording
+                sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
+                assumed += 1
+            found = evidence_of(recording, temperature, parameters)
+        except EstimationError as problem:
+            sentences.append(f"{place.name}: left out: {problem}")
+            continue
+        names.append(place.name)
+        evidence.append(found)
+    if assumed:
+        sentences.append(
+            f"{assumed} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
+            "assumed at their beginning, 0.7 ‰ of friction a kelvin."
+        )
+    return Found(names=tuple(names), evidence=tuple(evidence), sentences=tuple(sentences))
+
+
+def write_recording(recording: xarray.Dataset, temperature: np.ndarray, folder: Path) -> None:
+    """Write a recording as a stop that `stops_in` finds: trace.nc in a folder of its name."""
+    count = recording.sizes["time"]
+    discs = {f"disc_temperature[{g + 1}]": (np.full(count, temperature[g]), "K") for g in range(GROUPS)}
+    write_trace(with_signals(recording, discs), folder / str(recording.attrs["name"]) / FILE_NAME)

@@ -1,0 +1,182 @@
+"""A simulated life: stops of one train, with what changes from stop to stop and what breaks.
+
+Every stop is a scenario with a [demand] that the loop runs; readings are those of service sensors at 25 Hz.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from railgrip.assemble import trace_of
+from railgrip.scenario.load import scenario_of
+from railgrip.scenario.merge import merged
+from railgrip.scenario.seed import generator
+from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
+from railgrip.trace.samples import recording_of
+from railgrip.twins.plant import defaults
+
+Vector = NDArray[np.float64]
+
+PLANT = "TwoPartTrain"
+PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2
+COASTING = 4.0  # s before the brake
+_SLOT = 2.0  # s that a group is released for the test
+_FIRST_SLOT = 2.5  # s after the brake began
+_LAG = 0.2  # s, time constant of the cylinders
+_DOPPLER = 0.12  # s between readings of the train speed
+_TRAIN = {
+    "seed": 0,  # nothing in the loop is drawn: ideal sensors, a constant rail
+    "vehicle": {"plant": PLANT},
+    "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.4},
+    "sensors": {"kind": "ideal"},
+    "actuation": {"kind": "ideal"},
+    "estimator": {"kind": "none"},
+    "controller": {"kind": "full_brake"},
+    "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), PERIOD),
+    "limits": {"horizon": 90.0, "stop_speed": 2.0, "alpha_max": "tsi"},
+}
+"""What all stops have in common."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Life:
+    """What happens to a train; sizes after domain data: lots 10 %, units 5 %, wet pads −20…−30 % at first.
+
+    Attributes:
+        stops: How many.
+        seed: Of everything that is drawn.
+        worn: Stop from which one group has lost friction; None never.
+        worn_group: Which, 0 to 3.
+        loss: Share of friction that it has lost.
+        stuck: Stop from which one group does not release; None never.
+        stuck_group: Which.
+        residual: Pressure that the stuck group keeps [Pa].
+        testing: Groups are released in turn, so that they can be told apart.
+        pressure_offset: 1σ of what each pressure transducer is off for the whole life [Pa], beside 500 Pa that are new
+            in every stop.
+    """
+
+    stops: int
+    seed: int
+    worn: int | None = None
+    worn_group: int = 0
+    loss: float = 0.20
+    stuck: int | None = None
+    stuck_group: int = 2
+    residual: float = 0.8e5
+    testing: bool = True
+    pressure_offset: float = PRESSURE_OFFSET
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulatedStop:
+    """One stop of a life.
+
+    Attributes:
+        recording: What was read, with the truth of pad friction.
+        temperature: Of the discs at the start as read [K], shape (4,).
+    """
+
+    recording: xarray.Dataset
+    temperature: Vector
+
+
+def live(life: Life, numbers: range | None = None) -> Iterator[SimulatedStop]:
+    """Yield the stops of a life in order; `numbers` takes some of them, each the same as in the whole."""
+    lot = generator(life.seed, "life.lot")
+    base = 1.0 + 0.05 * lot.standard_normal(4)
+    transducers = life.pressure_offset * generator(life.seed, "life.transducers").standard_normal(4)
+    wear = lot.uniform(0.0, 0.04, 4)  # share of friction lost over the life by glazing; still healthy
+    for k in numbers or range(life.stops):
+        random = generator(life.seed, f"life.stop.{k}")
+        factor = base * (1.0 - wear * k / max(life.stops - 1, 1)) * (1.0 + 0.02 * random.standard_normal(4))
+        wet = random.random() < 0.2
+        factor *= 1.0 - (random.uniform(0.0, 0.05) if wet else 0.0)
+        begins = factor * (random.uniform(0.70, 0.80) if wet else 1.0)
+        if life.worn is not None and k >= life.worn:
+            factor[life.worn_group] *= 1.0 - life.loss
+            begins[life.worn_group] *= 1.0 - life.loss
+        stuck = life.stuck_group if life.stuck is not None and k >= life.stuck else None
+        yield _stop(life, k, random, 0.35 * factor, 0.35 * begins, stuck, transducers)
+
+
+def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
+    """Return the table [demand] of a stop: coasting, then braking, and each group released in turn where it is tested.
+
+    Args:
+        full: Pressures that are braked with, shape (4,) [Pa].
+        testing: Whether groups are released in turn.
+        residual: Pressure that stays in the cylinders of each group whatever is demanded, shape (4,) [Pa].
+    """
+    brake, release = full.copy(), np.zeros(4)
+    courses = [(release, COASTING)]
+    if testing:
+        courses.append((brake, COASTING + _FIRST_SLOT))
+        for group in range(4):
+            tested = brake.copy()
+            tested[group] = 0.0
+            courses.append((tested, COASTING + _FIRST_SLOT + (group + 1) * _SLOT))
+    # From the first sample on that is not before.
+    ends = [{"until": {"time": math.ceil(round(end / PERIOD, 6)) * PERIOD}} for _, end in courses]
+    pressures = [np.maximum(pressure, residual).tolist() for pressure in (*(course for course, _ in courses), brake)]
+    return {"phases": [{"pressure": pressure} | end for pressure, end in zip(pressures, [*ends, {}], strict=True)]}
+
+
+def _stop(
+    life: Life,
+    number: int,
+    random: np.random.Generator,
+    friction: Vector,
+    begins: Vector,
+    stuck: int | None,
+    transducers: Vector,
+) -> SimulatedStop:
+    nominal = defaults(PLANT)
+    full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(4)])
+    speed = random.uniform(70.0, 110.0) / 3.6
+    load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor believes in the nominal mass
+    slope = 0.002 * random.standard_normal()
+    discs = random.uniform(293.15, 393.15, 4)
+    loads = {f"m_wheelset[{i + 1}]": load * nominal[f"m_wheelset[{i + 1}]"] for i in range(6)}
+    parameters = {"T_pressure": _LAG} | loads
+    for g in range(4):
+        parameters[f"mu_b_nominal[{g + 1}]"] = float(friction[g])
+        parameters[f"mu_b_start[{g + 1}]"] = float(begins[g])
+        parameters[f"T_disc_start[{g + 1}]"] = float(discs[g])
+    residual = np.zeros(4)
+    if stuck is not None:
+        residual[stuck] = life.residual
+    changes = {
+        "name": f"stop-{number:04d}",
+        "vehicle": {"parameters": parameters},
+        "start": {"speed": speed},
+        "track": {"force": -sum(loads.values()) * 9.81 * slope},
+        "demand": demanded(full, life.testing, residual),
+    }
+    trace = trace_of(scenario_of(merged(_TRAIN, changes), directory=Path(), origin="life"))
+    count = trace.sizes["time"]
+    shown = trace["cylinder_pressure"].values.copy()
+    if stuck is not None:  # what is read is the valve's pressure; the rigging behind it is what sticks
+        asked = trace["driver_demand"].values[1:, stuck]
+        asked = np.where(asked == life.residual, 0.0, asked)
+        shown[:, stuck] = list(accumulate(asked, lambda at, to: to + (at - to) * np.exp(-PERIOD / _LAG), initial=0.0))
+    noise = random.standard_normal
+    velocity = trace["speed"].values * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
+    velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
+    acceleration = trace["acceleration"].values + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
+    wheels = trace["wheelset_speed"].values + 0.2 * noise((count, 4))
+    pressure = shown + transducers + 500.0 * noise(4)
+    signals: dict[str, tuple[Vector, str]] = {"speed": (velocity, "m/s"), "acceleration": (acceleration, "m/s2")}
+    for g in range(4):
+        signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")
+        signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
+    known = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(4)}
+    recording = recording_of(signals, period=PERIOD, truth=known, name=f"stop-{number:04d}")
+    return SimulatedStop(recording=recording, temperature=discs + 10.0 * noise(4))

@@ -1,0 +1,77 @@
+"""What the monitor found, as a figure and as rows of a table."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from railgrip.report.style import BLUE, GREY, VERMILION, dress, figure, save
+from railgrip.report.table import Table
+from railgrip.studies.pad_monitor.evidence import GROUPS
+from railgrip.studies.pad_monitor.watch import Design, History
+
+GROUP_NAMES = ("motor bogie 1", "Jacobs wheelset 3", "Jacobs wheelset 4", "motor bogie 2")
+
+
+def health_table(history: History, names: Sequence[str]) -> Table:
+    """Return one row a group: index, trend, alarm."""
+    alarms = {alarm.group: alarm for alarm in reversed(history.alarms)}
+    rows = [
+        {
+            "group": f"{g + 1} {GROUP_NAMES[g]}",
+            "health": f"{history.index[-1, g]:.3f} ± {history.index_sd[-1, g]:.3f}",
+            "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}"
+            if np.isfinite(history.trend_sd[g])
+            else "too few stops",
+            "alarm": f"{alarm.kind} by {names[alarm.stop]}, {alarm.loss:.0%} below its reference"
+            if (alarm := alarms.get(g))
+            else "none",
+        }
+        for g in range(GROUPS)
+    ]
+    return Table(rows, left=rows[0])
+
+
+def verdict_on(history: History, design: Design) -> str:
+    """Return a sentence on what the stops could tell, and what more is wanted."""
+    count = len(history.index)
+    opening = f"{count} stops, {history.charted} of which told the groups apart"
+    if history.charted == 0:
+        return (
+            f"{opening}: their pressures never moved apart enough, so that only the brakes as a whole are judged; make "
+            "testing stops that release one group after the other for two seconds, or stops with wheel-slide "
+            "protection at work."
+        )
+    if history.charted <= design.reference:
+        return f"{opening}; alarms need more than {design.reference}, the reference."
+    return f"{opening}; the first {design.reference} of those are the reference."
+
+
+def draw(history: History, design: Design, path: Path) -> Path:
+    """Draw health and chart of each group over the stops and return the file."""
+    made = figure(11.0, 8.0)
+    axes = made.subplots(GROUPS, 2, sharex=True, width_ratios=(3, 2))
+    number = np.arange(len(history.index)) + 1
+    for g in range(GROUPS):
+        left, right = axes[g]
+        told = history.deviation[:, g] < design.told_apart
+        left.plot(number[told], history.evidence[told, g], ".", color=GREY, markersize=3, label="one stop")
+        left.plot(number, history.index[:, g], color=BLUE, label="index")
+        band = 2.0 * history.index_sd[:, g]
+        left.fill_between(number, history.index[:, g] - band, history.index[:, g] + band, color=BLUE, alpha=0.2, lw=0)
+        right.plot(number, history.chart[:, g], color=BLUE)
+        right.axhline(history.threshold[g], color=VERMILION, lw=1.0, label="alarm")
+        for alarm in history.alarms:
+            if alarm.group == g:
+                for part in (left, right):
+                    part.axvline(alarm.stop + 1, color=VERMILION, lw=1.0, ls="--")
+                left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=VERMILION, fontsize=8, ha="right")
+        left.set_ylim(0.3, 1.4)
+        # Steps after an alarm go on; what matters is what led to it.
+        right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)
+        dress(left, y="friction / nominal", title=f"{g + 1} {GROUP_NAMES[g]}")
+        dress(right, y="cumulated sum [sd]")
+    axes[0, 0].legend(loc="upper right", fontsize=8, frameon=False, ncols=2)
+    for part in axes[-1]:
+        part.set_xlabel("stop")
+    return save(made, path)

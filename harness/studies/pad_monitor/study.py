@@ -1,0 +1,181 @@
+"""How early and how rarely the monitor alarms: many simulated lives, every stop a real run of plant and filter.
+
+Evidence is kept by content: life, FMU and the source of what made it. A study that was stopped goes on.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from railgrip import cache
+from railgrip.campaign.workers import workers as processes
+from railgrip.fmus.build import fmu
+from railgrip.report.table import Table
+from railgrip.studies.pad_monitor import evidence, life, nominal
+from railgrip.studies.pad_monitor.evidence import Evidence, evidence_of
+from railgrip.studies.pad_monitor.life import PLANT, Life, live
+from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
+from railgrip.studies.pad_monitor.watch import Design, watch
+
+KIND = "lives"
+"""Their shelf in the user's cache."""
+
+SEEDS = 20
+STOPS = 200
+WORN, STUCK = 100, 160
+"""Stops at which groups break: enough of a healthy life before, enough stops after."""
+
+
+def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESSURE_OFFSET) -> list[Life]:
+    """Return lives in which one group loses 20 % and another sticks later; every pair of groups takes its turn."""
+    worn, stuck = round(WORN * stops / STOPS), round(STUCK * stops / STOPS)
+    return [
+        Life(
+            stops=stops,
+            seed=seed,
+            worn=worn,
+            worn_group=seed % 4,
+            stuck=stuck,
+            stuck_group=(seed + 1 + seed // 4 % 3) % 4,
+            pressure_offset=pressure_offset,
+        )
+        for seed in range(1, seeds + 1)
+    ]
+
+
+def evidence_of_life(asked: Life) -> list[Evidence]:
+    """Return the evidence of every stop of a life, from the user's cache or by running it."""
+    key = _digest(asked)
+    path = cache.find(KIND, key, "life.json")
+    if path is None:
+        found = [evidence_of(stop.recording, stop.temperature) for stop in live(asked)]
+        rows = [{name: np.asarray(value).tolist() for name, value in asdict(e).items()} for e in found]
+        path = cache.keep(KIND, key, "life.json", json.dumps(rows).encode())
+    return [
+        Evidence(
+            health=np.array(r["health"]),
+            covariance=np.array(r["covariance"]),
+            offset=np.array(r["offset"]),
+            drag=r["drag"],
+        )
+        for r in json.loads(path.read_text(encoding="utf-8"))
+    ]
+
+
+# Read when this is imported, so that an edit during a study cannot pass for what ran.
+_SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in (evidence, life, nominal))
+
+
+def _digest(asked: Life) -> str:
+    told = hashlib.sha256(json.dumps(asdict(asked), sort_keys=True).encode())
+    told.update(fmu(PLANT).read_bytes())
+    told.update(_SOURCES)
+    return told.hexdigest()[:24]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What a study found.
+
+    Attributes:
+        lives: How many lives.
+        stops: Stops in all of them.
+        worn_delays: Stops from the loss of friction to its alarm, one a life; None where none came.
+        stuck_delays: The same for the brake that sticks.
+        kinds_right: Share of alarms of the right kind.
+        healthy: Pairs of stop and group that were watched while healthy.
+        false_alarms: Alarms among them.
+    """
+
+    lives: int
+    stops: int
+    worn_delays: tuple[int | None, ...]
+    stuck_delays: tuple[int | None, ...]
+    kinds_right: float
+    healthy: int
+    false_alarms: int
+
+    @property
+    def rate(self) -> float:
+        """False alarms a stop and group."""
+        return self.false_alarms / self.healthy
+
+    @property
+    def rate_bound(self) -> float:
+        """95 % upper confidence bound of the rate, exact for a Poisson count: 3/n when none came."""
+        from scipy.stats import chi2
+
+        return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
+
+    def table(self) -> Table:
+        """Return the figures as a table."""
+        figures = {
+            "lives, stops": f"{self.lives}, {self.stops}",
+            "20 % of friction lost: stops until the alarm": _delays(self.worn_delays),
+            "brake that sticks: stops until the alarm": _delays(self.stuck_delays),
+            "alarms of the right kind": f"{self.kinds_right:.1%}",
+            "healthy group-stops": str(self.healthy),
+            "false alarms": str(self.false_alarms),
+            "false alarms a stop and group": f"{self.rate:.1e}, below {self.rate_bound:.1e} at 95 % confidence",
+        }
+        return Table.of(("figure", "value"), list(figures.items()), left=2)
+
+
+def _delays(delays: Sequence[int | None]) -> str:
+    found = [delay for delay in delays if delay is not None]
+    if not found:
+        return f"none of {len(delays)} found"
+    return f"median {np.median(found):.0f}, at most {max(found)}; {len(found)} of {len(delays)} found"
+
+
+def study(
+    asked: Sequence[Life], design: Design, *, workers: int = 2, tell: Callable[[int], None] = lambda done: None
+) -> Verdict:
+    """Return what the monitor made of the lives."""
+    fmu(PLANT)  # built once, before the processes want it
+    if workers == 1:
+        found = [evidence_of_life(one) for one in asked]
+    else:
+        with processes(workers) as pool:
+            found = []
+            for done, evidences in enumerate(pool.map(evidence_of_life, asked), start=1):
+                found.append(evidences)
+                tell(done)
+    return judged(asked, found, design)
+
+
+def judged(asked: Sequence[Life], found: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
+    """Return delays and false alarms of lives whose evidence is known."""
+    worn_delays: list[int | None] = []
+    stuck_delays: list[int | None] = []
+    healthy = false_alarms = right = alarms_due = 0
+    for one, evidences in zip(asked, found, strict=True):
+        alarms = watch(evidences, design).alarms
+        for group, begin, delays, kind in (
+            (one.worn_group, one.worn, worn_delays, "friction lost"),
+            (one.stuck_group, one.stuck, stuck_delays, "does not release"),
+        ):
+            end = one.stops if begin is None else begin
+            healthy += max(end - design.reference, 0)
+            false_alarms += sum(alarm.group == group and alarm.stop < end for alarm in alarms)
+            if begin is not None:
+                first = next((alarm for alarm in alarms if alarm.group == group and alarm.stop >= begin), None)
+                delays.append(None if first is None else first.stop - begin + 1)
+                alarms_due += first is not None
+                right += first is not None and first.kind == kind
+        others = set(range(4)) - {one.worn_group, one.stuck_group}
+        healthy += len(others) * (one.stops - design.reference)
+        false_alarms += sum(alarm.group in others for alarm in alarms)
+    return Verdict(
+        lives=len(asked),
+        stops=sum(one.stops for one in asked),
+        worn_delays=tuple(worn_delays),
+        stuck_delays=tuple(stuck_delays),
+        kinds_right=right / max(alarms_due, 1),
+        healthy=healthy,
+        false_alarms=false_alarms,
+    )

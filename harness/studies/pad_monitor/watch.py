@@ -1,0 +1,265 @@
+"""Health over stops: index with uncertainty, trend, and an alarm of designed false-alarm rate."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import root_scalar
+
+from railgrip.studies.pad_monitor.evidence import GROUPS, Evidence
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+Kind = Literal["friction lost", "does not release"]
+
+_UNKNOWN = 0.2
+"""Deviation of health of which nothing is known: lots and units of pads, and the faults that are looked for."""
+
+_TOGETHER = 0.05
+"""Scatter that all groups share, taken while there are no reference stops: the load of a train."""
+
+
+FEWEST = 5
+"""Stops that a scatter is taken from at least."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Design:
+    """What the monitor takes for healthy and what not.
+
+    Attributes:
+        reference: Stops of a brake known to be healthy, right after commissioning, that later ones are held against.
+        tolerated: Share of friction that a group may lose and still be healthy: glazing and wear.
+        failed: Share at which it must be found.
+        false_alarms: Rate that is designed for, a stop and group, at a loss of `tolerated`.
+        least_scatter: Scatter from stop to stop that is taken at least, share of friction.
+        told_apart: Evidence with a larger standard deviation does not tell groups apart and is not charted.
+        largest_step: Of the chart, in deviations; one odd stop must not alarm alone.
+        drift: Random walk of health that the index follows, share a stop.
+        drag: Rise of the coasting deceleration that says "does not release" [m/s²].
+        trend: Stops that the trend is taken over.
+    """
+
+    reference: int = 20
+    tolerated: float = 0.05
+    failed: float = 0.20
+    false_alarms: float = 1e-4
+    least_scatter: float = 0.025
+    told_apart: float = 0.08
+    largest_step: float = 2.5
+    drift: float = 0.004
+    drag: float = 0.02
+    trend: int = 40
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alarm:
+    """Look after this group.
+
+    Attributes:
+        stop: Number of the stop that raised it, from 0.
+        group: 0 to 3.
+        kind: What it looks like.
+        loss: Friction lost against the reference, mean of the stops since the chart left zero, share.
+    """
+
+    stop: int
+    group: int
+    kind: Kind
+    loss: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class History:
+    """What the monitor made of a row of stops.
+
+    Attributes:
+        evidence: Health of each stop, shape (k, 4).
+        deviation: Of it, shape (k, 4).
+        index: Health followed over stops, 1 nominal, shape (k, 4).
+        index_sd: Its standard deviation, the offsets of the pressure transducers included, shape (k, 4).
+        deficit: Loss against the reference and the other groups, share, shape (k, 4); NaN where a stop does not tell.
+        chart: Cumulated sum of each group, in deviations, shape (k, 4).
+        threshold: At which the chart alarms, shape (4,).
+        trend: Change of the index over the last stops, share a stop, shape (4,).
+        trend_sd: Its standard deviation.
+        alarms: In the order of stops.
+        charted: Stops that told the groups apart.
+    """
+
+    evidence: Matrix
+    deviation: Matrix
+    index: Matrix
+    index_sd: Matrix
+    deficit: Matrix
+    chart: Matrix
+    threshold: Vector
+    trend: Vector
+    trend_sd: Vector
+    alarms: tuple[Alarm, ...]
+    charted: int
+
+
+def watch(stops: Sequence[Evidence], design: Design) -> History:
+    """Return what the monitor makes of stops, oldest first.
+
+    A load that is not the nominal one, wet pads and a wind move all groups together; a fault moves one. So a group is
+    charted by its health over the median of the three others, relative to the same ratio in the reference stops. All
+    four losing friction alike is seen in the index, not in the chart.
+    """
+    count = len(stops)
+    health = np.array([stop.health for stop in stops]).reshape(count, GROUPS)
+    deviation = np.array([stop.deviation for stop in stops]).reshape(count, GROUPS)
+    apart = np.asarray((deviation < design.told_apart).all(axis=1), dtype=np.bool_)
+    reference = np.flatnonzero(apart)[: design.reference]
+    # Load, wet pads and wind: what all groups share from stop to stop, seen in the mean over groups.
+    together = float(np.var(health[reference].mean(axis=1))) if reference.size > 2 else _TOGETHER**2
+    ratio = np.full((count, GROUPS), np.nan)
+    for g in range(GROUPS):
+        others = [o for o in range(GROUPS) if o != g]
+        ratio[apart, g] = health[apart, g] / np.median(health[apart][:, others], axis=1)
+    deficit, chart = np.full((count, GROUPS), np.nan), np.zeros((count, GROUPS))
+    threshold = np.full(GROUPS, np.nan)
+    alarms: list[Alarm] = []
+    if reference.size == design.reference:
+        # Medians: an odd stop among the first must not blunt the monitor for its whole life.
+        normal = np.median(ratio[reference], axis=0)
+        deficit = 1.0 - ratio / normal
+        mad = 1.4826 * np.median(np.abs(ratio[reference] / normal - 1.0), axis=0)
+        scatter = np.maximum(mad, design.least_scatter)
+        threshold = np.array([threshold_for(float(s), design) for s in scatter])
+        alarms = _charted(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
+    index, index_sd = _followed(stops, together, _own_scatter(health[reference], design), alarms, design)
+    trend, trend_sd = _trend(health, apart, design)
+    return History(
+        evidence=health,
+        deviation=deviation,
+        index=index,
+        index_sd=index_sd,
+        deficit=deficit,
+        chart=chart,
+        threshold=threshold,
+        trend=trend,
+        trend_sd=trend_sd,
+        alarms=tuple(alarms),
+        charted=int(apart.sum()),
+    )
+
+
+def threshold_for(scatter: float, design: Design) -> float:
+    """Return the threshold of the chart, in deviations, for the designed rate of false alarms.
+
+    Between alarms of a chart with Gaussian steps of mean −δ lie (exp(2δb) − 2δb − 1)/(2δ²) stops, with b = h + 1.166.
+    δ is the distance of the tolerated loss from the chart's slack, which lies in the middle between tolerated and
+    failed. The threshold is no less than what two of the largest steps leave behind, so that no stop alarms alone.
+
+    Source: Siegmund, Sequential Analysis (1985), for the cumulated sum of a shifted mean.
+    """
+    drift = 0.5 * (design.failed - design.tolerated) / scatter
+
+    def excess(b: float) -> float:
+        between = (math.expm1(2.0 * drift * b) - 2.0 * drift * b) / (2.0 * drift**2)
+        return math.log(between * design.false_alarms)
+
+    b = root_scalar(excess, bracket=(1e-3, 50.0 / drift)).root
+    return max(float(b) - 1.166, 1.6 * design.largest_step)
+
+
+def _charted(
+    stops: Sequence[Evidence],
+    deficit: Matrix,
+    scatter: Vector,
+    threshold: Vector,
+    first: int,
+    design: Design,
+    chart: Matrix,
+) -> list[Alarm]:
+    """Fill `chart` from stop `first` on and return the alarms; after one the chart of its group rests."""
+    slack = 0.5 * (design.tolerated + design.failed)
+    before = [stop.drag for stop in stops[:first] if np.isfinite(stop.drag)]
+    coasting = float(np.median(before)) if before else float("nan")
+    alarms: list[Alarm] = []
+    left_zero = np.full(GROUPS, first)
+    told = np.zeros(GROUPS, dtype=np.bool_)
+    for k in range(first, len(stops)):
+        chart[k] = chart[k - 1]
+        if np.isnan(deficit[k]).any():
+            continue
+        step = np.minimum((deficit[k] - slack) / scatter, design.largest_step)
+        chart[k] = np.maximum(chart[k - 1] + step, 0.0)
+        left_zero = np.where(chart[k] == 0.0, k + 1, left_zero)
+        for g in np.flatnonzero((chart[k] > threshold) & ~told):
+            since = slice(int(left_zero[g]), k + 1)
+            drags = np.array([stop.drag for stop in stops[since]])
+            sticks = bool(np.isfinite(drags).any() and np.nanmean(drags) - coasting > design.drag)
+            kind: Kind = "does not release" if sticks else "friction lost"
+            alarms.append(Alarm(stop=k, group=int(g), kind=kind, loss=float(np.nanmean(deficit[since, g]))))
+            told[g] = True
+    return alarms
+
+
+def _own_scatter(health: Matrix, design: Design) -> Vector:
+    """Return how far a group's evidence strays from that of the others, stop to stop, shape (4,).
+
+    Evidence claims what noise does to it. Latencies and slides do more, and nobody but the stops themselves can tell.
+    """
+    if len(health) < FEWEST:
+        return np.full(GROUPS, design.least_scatter)
+    apart = health - np.median(health, axis=1, keepdims=True)
+    mad = 1.4826 * np.median(np.abs(apart - np.median(apart, axis=0)), axis=0)
+    return np.maximum(mad, design.least_scatter)
+
+
+def _followed(
+    stops: Sequence[Evidence], together: float, own: Vector, alarms: Sequence[Alarm], design: Design
+) -> tuple[Matrix, Matrix]:
+    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
+
+    The offset of a transducer is the same in every stop: it does not weigh stops, and no number of them averages it
+    out. `shifted` is what offsets of one standard deviation, one a column, have moved the index by, through the same
+    gains that made it. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
+
+    An alarm says that health has jumped, so that the index of its group begins anew there.
+
+    Args:
+        stops: Oldest first.
+        together: Variance from stop to stop that all groups share.
+        own: Deviation of each group from stop to stop beside that, shape (4,).
+        alarms: Of these stops.
+        design: For drift and scatter.
+    """
+    mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
+    shifted = np.zeros((GROUPS, GROUPS))
+    scatter = np.diag(own**2) + together
+    index, spread = np.empty((len(stops), GROUPS)), np.empty((len(stops), GROUPS))
+    for k, stop in enumerate(stops):
+        jumped = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(GROUPS)])
+        covariance = covariance + np.diag(np.where(jumped, _UNKNOWN**2, design.drift**2))
+        gain = np.linalg.solve(covariance + stop.covariance + scatter, covariance).T
+        mean = mean + gain @ (stop.health - mean)
+        kept = np.eye(GROUPS) - gain
+        covariance = kept @ covariance @ kept.T + gain @ (stop.covariance + scatter) @ gain.T
+        shifted = kept @ shifted + gain * stop.offset
+        index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shifted**2, axis=1))
+    return index, spread
+
+
+def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Vector, Vector]:
+    """Return the slope of health over the last stops and its deviation, share a stop, each shape (4,).
+
+    A straight line by least squares through the stops that told groups apart; its deviation comes from what they
+    scatter about it.
+    """
+    number = np.flatnonzero(apart)
+    number = number[number >= len(health) - design.trend]
+    if number.size < FEWEST:
+        return np.full(GROUPS, np.nan), np.full(GROUPS, np.nan)
+    time = number - number.mean()
+    chosen = health[number] - health[number].mean(axis=0)
+    slope = time @ chosen / (time @ time)
+    scatter = np.sqrt(np.sum((chosen - np.outer(time, slope)) ** 2, axis=0) / (number.size - 2))
+    return slope, scatter / np.sqrt(time @ time)
