@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources import files
 
 import casadi as ca
@@ -9,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.estimators.design import Design
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.discretisation import Order
+from railgrip.estimators.prediction import CasadiPrediction, Equations
 
 LANES = 4
 """Rows of the covariance are padded to a multiple of this: the doubles of one AVX register."""
@@ -36,16 +38,21 @@ class Code:
 
 def generate(prediction: CasadiPrediction, design: Design) -> Code:
     """Return the C of the filter `design` over `prediction`; numbers are in the block, only shapes in the text."""
-    n, m = len(design.states), len(design.outputs)
+    return _code(prediction.equations, design.gated_states, design.gating_inputs, design.order)
+
+
+@lru_cache(maxsize=16)
+def _code(of: Equations, gated_states: tuple[int, ...], gating_inputs: tuple[int, ...], order: Order) -> Code:
+    n, m = of.derivative.numel(), of.output.numel()
     width = -(-n // LANES) * LANES
     layout: dict[str, slice] = {}
     end = 0
     for part, size in (
         ("MEAN", n),
         ("COVARIANCE", n * width),
-        ("HELD", len(design.inputs)),
+        ("HELD", of.u.numel()),
         ("SEEN", m),
-        ("PARAMETERS", prediction.parameters.size),
+        ("PARAMETERS", of.p.numel()),
         ("SPREAD", n * width),
         ("READING_NOISE", m * m),
         ("PERIOD", 1),
@@ -61,17 +68,18 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
         (file for file in (files("railgrip.estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
         key=lambda file: file.name,
     )
+    sizes = {"N": n, "M": m, "INPUTS": of.u.numel(), "WIDTH": width, "ORDER": order, "GATES": len(gated_states)}
+    sizes |= {part: place.start for part, place in layout.items()}
+    gates = {"GATE_STATE": gated_states, "GATE_INPUT": gating_inputs}
     return Code(
-        sources={file.name: file.read_text(encoding="utf-8") for file in kernel}
-        | _shape(prediction, design, layout, width),
+        sources={file.name: file.read_text(encoding="utf-8") for file in kernel} | _shape(of, sizes, gates, order),
         layout=layout,
         width=width,
     )
 
 
-def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice], width: int) -> dict[str, str]:
+def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...]], order: Order) -> dict[str, str]:
     """Return the texts of sizes.h, with sizes and layout, and of shape.h, which adds sparsity tables and the model."""
-    of = prediction.equations
     given, names = [of.x, of.u, of.p], ["x", "u", "p"]
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
     slopes, sights = of.derivative_jacobian.T, of.output_jacobian.T
@@ -83,14 +91,8 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
-    phi = _transition_pattern(slopes.sparsity(), design.order)
-    numbers = {
-        "N": len(design.states),
-        "M": len(design.outputs),
-        "INPUTS": len(design.inputs),
-        "WIDTH": width,
-        "ORDER": design.order,
-        "GATES": len(design.gated_states),
+    phi = _transition_pattern(slopes.sparsity(), order)
+    numbers = sizes | {
         "ARGUMENTS": max(function.sz_arg() for function in functions),
         "RESULTS": max(function.sz_res() for function in functions),
         # One more than needed, since C knows no empty arrays.
@@ -99,7 +101,7 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
         "A_COUNT": 1 + slopes.nnz(),
         "H_COUNT": 1 + sights.nnz(),
         "PHI_COUNT": int(phi.sum()),
-    } | {part: place.start for part, place in layout.items()}
+    }
     tables = {
         "A_ROW": slopes.sparsity().colind(),
         "A_COLUMN": slopes.sparsity().row(),
@@ -107,9 +109,7 @@ def _shape(prediction: CasadiPrediction, design: Design, layout: dict[str, slice
         "H_COLUMN": sights.sparsity().row(),
         "PHI_ROW": np.concatenate([[0], np.cumsum(phi.sum(axis=1))]).tolist(),
         "PHI_COLUMN": np.nonzero(phi)[1].tolist(),
-        "GATE_STATE": design.gated_states,
-        "GATE_INPUT": design.gating_inputs,
-    }
+    } | gates
     return {
         "sizes.h": "".join(f"#define {name} {number}\n" for name, number in numbers.items()),
         "shape.h": "\n".join(

@@ -1,6 +1,7 @@
 """The model inside a filter: what it must offer, and the one made from CasADi functions."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Protocol, runtime_checkable
 
 import casadi as ca
@@ -135,6 +136,12 @@ class Equations:
         self.output_jacobian = ca.jacobian(self.output, self.x)
 
 
+@lru_cache(maxsize=16)
+def equations_of(model: Model) -> Equations:
+    """Return the equations of a model, differentiated once: a process stops the same train hundreds of times."""
+    return Equations(model)
+
+
 class _Evaluator:
     """An expression as a fast numeric function: arguments in and results out through fixed buffers.
 
@@ -186,7 +193,7 @@ class CasadiPrediction:
                 f"Prediction: the model has no parameters {', '.join(unknown)}; it has {', '.join(names) or 'none'}."
             )
         self.parameters = np.array([parameters[name] for name in names], dtype=np.float64)
-        self.equations = Equations(model)
+        self.equations = equations_of(model)
         of = self.equations
         self._derivative = _Evaluator(of, of.derivative, self.parameters)
         self._output = _Evaluator(of, of.output, self.parameters)
