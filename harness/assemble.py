@@ -23,6 +23,7 @@ from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBa
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased
+from railgrip.controllers.slope_seeking import SlopeSeeking, SlopeTuning
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.engine import Engine
 from railgrip.errors import PlantFailed, ScenarioError
@@ -1081,8 +1082,10 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
         except ValueError as problem:
             raise ScenarioError(f"{where}: {problem}") from problem
     given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max}
-    values = in_units(where, own, SeekerTuning.UNITS)
+    values = in_units(where, own, (SlopeTuning if table.kind == "slope_seeking" else SeekerTuning).UNITS)
     try:
+        if table.kind == "slope_seeking":
+            return SlopeSeeking(groups, replace(tuning.SLOPE, **given, **values))
         seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **values)
     except ValueError as problem:
         raise ScenarioError(f"{where}: {problem}") from problem
@@ -1101,7 +1104,7 @@ def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuatio
             dead_time=0.5 * (nominal["dead_fill"] + nominal["dead_vent"]),
             fill_time=nominal["T_fill"],
             vent_time=nominal["T_vent"],
-            band=tuning.VALVE_BAND,
+            band=tuning.VALVE_BANDS.get(scenario.controller.kind, tuning.VALVE_BAND),
             pulse_min=tuning.VALVE_PULSE_MIN,
         ),
     )

@@ -25,6 +25,7 @@ _CONTROLLER_COLOURS = {
     "slip_three_state_estimated": style.LIGHT_VERMILION,
     "adhesion_based": style.ORANGE,
     "adhesion_literal": style.PURPLE,
+    "slope_seeking": style.LIGHT_ORANGE,
     "ideal_bound": style.BLACK,
 }
 

@@ -21,6 +21,7 @@ CONTROLLERS = {
     "slip_three_state_estimated": "SBC, three-state, searched, estimated slip",
     "adhesion_based": "ABC",
     "adhesion_literal": "ABC, the law as printed",
+    "slope_seeking": "slope-seeking control",
     "ideal_bound": "ideal bound",
     "fmu": "FMU",
 }

@@ -18,7 +18,7 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
 GREY = "#767676"
 DARK = {GREY, BLUE, BLACK}
 """On these writing is white."""
-LIGHT_GREEN, LIGHT_VERMILION = "#80CFB9", "#EAAF80"  # halfway to white
+LIGHT_GREEN, LIGHT_VERMILION, LIGHT_ORANGE = "#80CFB9", "#EAAF80", "#F2CF80"  # halfway to white
 
 _LEAD_TO_TRAIL = LinearSegmentedColormap.from_list("lead_to_trail", [BLUE, "#7B5FC0", PURPLE])
 

@@ -54,7 +54,7 @@ Estimator = Annotated[
 class Law(Table):
     """A control law of this project and what differs from its own parameter set."""
 
-    kind: Literal["full_brake", "adhesion_based", "adhesion_literal", "ideal_bound"]
+    kind: Literal["full_brake", "adhesion_based", "adhesion_literal", "slope_seeking", "ideal_bound"]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
 
     _flat = field_validator("parameters", mode="before")(scalars)
@@ -95,7 +95,16 @@ class ControllerFmu(Table):
 
 
 _LAWS = frozenset(
-    {"full_brake", "adhesion_based", "adhesion_literal", "ideal_bound", "slip_two_state", "slip_three_state", "fmu"}
+    {
+        "full_brake",
+        "adhesion_based",
+        "adhesion_literal",
+        "slope_seeking",
+        "ideal_bound",
+        "slip_two_state",
+        "slip_three_state",
+        "fmu",
+    }
 )
 Controller = Annotated[
     Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],

@@ -7,7 +7,8 @@ import railgrip as rg
 from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased
-from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER
+from railgrip.controllers.slope_seeking import SlopeSeeking
+from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER, SLOPE
 from railgrip.errors import ContractBroken
 from railgrip.testing import check_controller, check_estimator, check_sensors
 
@@ -32,6 +33,7 @@ class Ours:
         lambda brakes: SlipBased(brakes, PAPER_LEVELS),
         lambda brakes: LiteralAdhesionBased(brakes, SEEKER["ideal"]),
         lambda brakes: AdhesionBased(brakes, SEEKER["ideal"]),
+        lambda brakes: SlopeSeeking(brakes, SLOPE),
     ],
 )
 def test_laws_of_ours_keep_the_contract(make):

@@ -10,7 +10,8 @@ from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
-from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER
+from railgrip.controllers.slope_seeking import SlopeSeeking
+from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER, SLOPE
 
 GROUP = BrakeGroup(
     load=14500 * 9.81,
@@ -170,3 +171,78 @@ def test_below_the_lowest_speed_the_brake_is_applied():
     torque = (0.15 - 0.003) * GROUP.load * 0.38
     wanted = (torque / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
     assert seeker().decide(observation)[0] == pytest.approx(wanted, rel=1e-9)
+
+
+def climber(**changes):
+    """With a slip that is known exactly: what counts as rolling is smaller than any peak below."""
+    return SlopeSeeking([GROUP], replace(SLOPE, period=1e-3, slip_small=2e-3, creep_small=0.0, **changes))
+
+
+@pytest.mark.parametrize("peak_slip", [0.005, 0.01, 0.03, 0.1, 0.2, 0.4])
+def test_the_set_point_climbs_to_the_peak_wherever_it_lies(peak_slip):
+    """At least 85 % of α*, over a factor of 80 in slip: this curve, 2x/(1 + x²), leaves that at x = 0.56 and 1.8.
+
+    From nothing the set point climbs at `rise_rate`, e-fold in 0.7 s, and over the top until the window has forgotten
+    the way up. Levels of 10 and 15 % use 8 % of the sharpest of these curves and 58 % of the broadest.
+    """
+    _, adhesion = simulate(climber(), 8.0, peak_slip=peak_slip)
+    assert adhesion[5000:].mean() > 0.85 * 0.06
+
+
+@pytest.mark.parametrize("error", [-0.03, 0.03])
+def test_a_worn_wheel_is_no_slide(error):
+    """A radius wrong by 3 % shows as 3 % of slip at once; the law measures it before the brake is on.
+
+    The same law that takes the wheel for braked from the start takes it for sliding, or for rolling when it slides.
+    """
+
+    class Worn:
+        def __init__(self, law):
+            self.law = law
+
+        def decide(self, observation):
+            slip = 1 - (1 - observation.slip) / (1 + error)
+            return self.law.decide(observation._replace(slip=slip))
+
+    known, unknown = climber(), climber()
+    names = [quantity.name for quantity in unknown.formula.states]
+    unknown.state[names.index("count[1]")] = -1.0
+    used, blind = (simulate(Worn(law), 8.0, peak_slip=0.01)[1][5000:].mean() / 0.06 for law in (known, unknown))
+    assert used > 0.85
+    assert blind < used - 0.1
+
+
+def test_next_to_no_adhesion_is_not_rolling():
+    """On oil a wheel that slides at 40 % draws 0.008; full brake would lock it."""
+    law = climber()
+    for k in range(3):
+        (demand,) = law.decide(shown(k * 1e-3, SPEED, 0, (0.4,), (0.008,), (0.35,), (1e5,)))
+    balance = 0.008 * GROUP.load * 0.38
+    most = ((1 + SLOPE.share_added) * balance / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
+    assert demand <= most
+
+
+def test_where_the_slope_is_unknown_the_usual_slip_is_sought():
+    """Adhesion that does not depend on slip, but is noise: nothing is significant, and the set point stays at home."""
+    law, random = climber(dither=0.0), np.random.default_rng(7)
+    names = [quantity.name for quantity in law.formula.states]
+    usual = SLOPE.slip_usual + SLOPE.creep_usual / SPEED
+    for k in range(4000):
+        slip = 0.1 * np.exp(0.05 * random.standard_normal())
+        adhesion = 0.06 * np.exp(0.2 * random.standard_normal())
+        law.decide(shown(k * 1e-3, SPEED, 0, (slip,), (adhesion,), (0.35,), (1e5,)))
+    # It may climb as far as a bias of 0.08 takes it against the pull of home.
+    assert 0.7 * usual < np.exp(law.state[names.index("set_point[1]")]) < 1.5 * usual
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"window": 0.0}, "window must be finite and positive, got 0.0 s"),
+        ({"gain": -1.0}, "gain must be finite and not negative"),
+        ({"slip_most": 1.5}, "0 < slip_small < slip_most < 1"),
+    ],
+)
+def test_a_slope_that_means_nothing_is_refused(change, match):
+    with pytest.raises(ValueError, match=match):
+        replace(SLOPE, **change)

@@ -45,7 +45,9 @@ def test_laws_with_ideal_parties(controller, others):
     assert_same(*both("trapezoid", f"controller.kind={controller}", *SHORT, *others))
 
 
-@pytest.mark.parametrize("controller", ["slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based"])
+@pytest.mark.parametrize(
+    "controller", ["slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based", "slope_seeking"]
+)
 def test_laws_with_valves_and_service_sensors(controller):
     stops = load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
     (question,) = (stop.scenario for stop in stops if stop.name == f"random-service-{controller}")

@@ -56,6 +56,7 @@ def shown(scenario, trace):
         ("ideal", "adhesion_based"),
         ("service", "adhesion_literal"),
         ("service", "adhesion_based"),
+        ("service", "slope_seeking"),
     ],
 )
 def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp_path):
