@@ -14,6 +14,7 @@ DECELERATION = {
     "slip_two_state": 0.8,
     "slip_three_state": 0.85,
     "adhesion_based": 0.95,
+    "slope_seeking": 0.96,
     "adhesion_literal": 0.9,
     "ideal_bound": 1.0,
 }
