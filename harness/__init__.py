@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from railgrip.custom import Controller, Estimate, Estimator, Plant, Sensors
     from railgrip.errors import RailgripError
     from railgrip.formation import Formation
-    from railgrip.record.outcome import Outcome
-    from railgrip.record.stop import Stop
+    from railgrip.trace.outcome import Outcome
+    from railgrip.trace.stop import Stop
 
 __all__ = [
     "Controller",
@@ -44,8 +44,8 @@ _PLACES = {
     "railgrip.custom": ("Controller", "Estimate", "Estimator", "Plant", "Sensors"),
     "railgrip.errors": ("RailgripError",),
     "railgrip.formation": ("Formation",),
-    "railgrip.record.outcome": ("Outcome",),
-    "railgrip.record.stop": ("Stop",),
+    "railgrip.trace.outcome": ("Outcome",),
+    "railgrip.trace.stop": ("Stop",),
 }
 
 

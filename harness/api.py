@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from railgrip.by_hand import Bench
     from railgrip.campaign.sweep import Sweep
     from railgrip.custom import Controller, Estimator, Plant, Sensors
-    from railgrip.record.stop import Stop
+    from railgrip.trace.stop import Stop
 
 
 class Scenario(schema.Scenario):

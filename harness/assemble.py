@@ -49,14 +49,6 @@ from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Plant
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.watch import Believer
-from railgrip.record.adhesion_use import over_the_rail
-from railgrip.record.bound import Brake, with_bound
-from railgrip.record.contact import Contact
-from railgrip.record.metrics import measure
-from railgrip.record.motion import braking_distance as distance_of
-from railgrip.record.motion import since_brake_demand
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.demand import phases_of
@@ -69,7 +61,15 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST, TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
 from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, TRACTION, Layout, layout_of, sent
+from railgrip.trace.adhesion_use import over_the_rail
+from railgrip.trace.bound import Brake, with_bound
+from railgrip.trace.contact import Contact
+from railgrip.trace.metrics import measure
+from railgrip.trace.motion import braking_distance as distance_of
+from railgrip.trace.motion import since_brake_demand
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
+from railgrip.trace.stop import Stop
 from railgrip.train import GRAVITY, brake_groups_of, brake_of, masses_of, spread, units_of_brakes, units_of_nominal_data
 from railgrip.trial import Finding, findings, tried
 from railgrip.units import Unit

@@ -16,8 +16,8 @@ from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.formation import Formation
 from railgrip.loop import cycle
 from railgrip.loop.ended import Ended
-from railgrip.record.stop import Stop
 from railgrip.scenario.schema import Scenario
+from railgrip.trace.stop import Stop
 
 
 class ByHand:

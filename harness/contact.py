@@ -10,7 +10,7 @@ import numpy as np
 
 from railgrip.fmus.native import Model
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.record.contact import Array, Contact
+from railgrip.trace.contact import Array, Contact
 
 KERNEL = files("railgrip") / "kernel" / "contact.c"
 

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from railgrip import assemble
 from railgrip.errors import ScenarioError
 from railgrip.loop.ended import Ended
-from railgrip.record.bound import with_bound
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.signals import PLANT, SENT
+from railgrip.trace.bound import with_bound
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
+from railgrip.trace.stop import Stop
 from railgrip.train import GRAVITY, masses_of
 
 Array = NDArray[np.float64]

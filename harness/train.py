@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
-from railgrip.record.bound import Brake
+from railgrip.trace.bound import Brake
 
 GRAVITY = 9.81  # m/s2, as in RailBraking.Types
 

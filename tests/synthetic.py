@@ -7,13 +7,13 @@ from scipy.stats import chi2
 
 import railgrip.scenario
 from railgrip.formation import Formation
-from railgrip.record.bound import Brake, with_bound
-from railgrip.record.metrics import measure
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
+from railgrip.trace.bound import Brake, with_bound
+from railgrip.trace.metrics import measure
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import trace_of
+from railgrip.trace.stop import Stop
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 

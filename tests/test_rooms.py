@@ -22,19 +22,16 @@ ALLOWED = {
     "railgrip.limits": (),
     "railgrip.formation": ("railgrip.controllers.brake",),
     "railgrip.signals": ("railgrip.formation",),
-    "railgrip.loop": ("railgrip.loop", "railgrip.record.outcome", "railgrip.trace.recorder", "railgrip.signals",
+    "railgrip.loop": ("railgrip.loop", "railgrip.trace.outcome", "railgrip.trace.recorder", "railgrip.signals",
                       "railgrip.formation", "railgrip.controllers.observation", "railgrip.estimators.belief",
                       "railgrip.fmus.native.toolchain"),
     "railgrip.track": ("railgrip.track",),
     "railgrip.scenario": ("railgrip.scenario", "railgrip.track", "railgrip.formation", "railgrip.units",
                           "railgrip.limits", "railgrip.fmus.native.library"),
-    "railgrip.trace": ("railgrip.trace", "railgrip.formation", "railgrip.signals", "railgrip.units",
-                       "railgrip.scenario"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
-    "railgrip.record": ("railgrip.record", "railgrip.trace", "railgrip.scenario", "railgrip.formation",
-                        "railgrip.signals",
-                        "railgrip.estimators.consistency"),
-    "railgrip.report": ("railgrip.report", "railgrip.record", "railgrip.trace", "railgrip.scenario", "railgrip.units"),
+    "railgrip.trace": ("railgrip.trace", "railgrip.formation", "railgrip.signals", "railgrip.units",
+                       "railgrip.scenario", "railgrip.estimators.consistency"),
+    "railgrip.report": ("railgrip.report", "railgrip.trace", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
                      "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction", "railgrip.loop.compiled.Calls",
@@ -89,7 +86,7 @@ def test_only_assembly_names_concrete_laws_and_filters(name, path):
     concrete = ("railgrip.controllers.full_brake", "railgrip.controllers.slip_based",
                 "railgrip.controllers.adhesion_based", "railgrip.estimators.ekf",
                 "railgrip.estimators.compiled")  # fmt: skip
-    if inside(name, "railgrip.loop") or inside(name, "railgrip.report") or inside(name, "railgrip.record"):
+    if inside(name, "railgrip.loop") or inside(name, "railgrip.report") or inside(name, "railgrip.trace"):
         assert not any(inside(other, part) for other in imported(path) for part in concrete)
 
 

@@ -1,6 +1,6 @@
 """One estimator for all speeds: networks trained on resampled runs, with an interval that was right nine times in ten.
 
-Where a twin knows the slope of the creep curve of every training run, networks estimate that slope, which is what
+Where a simulation knows the slope of the creep curve of every training run, networks estimate that slope, which is what
 motions of wheelsets below saturation show, and a second stage says which friction goes with it. Without slopes, the
 networks estimate friction directly.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from railgrip.studies.lateral.filters import NAMES, Name
 from railgrip.studies.lateral.run import Case, simulate
-from railgrip.twins.lateral import TESTS
+from railgrip.studies.lateral.wheelset import TESTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from railgrip.fmus.build import choose, fmu
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import StopRecord, read_stop
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import Conditioning, Repeated
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.vehicle import Nudge
+from railgrip.trace.outcome import Outcome
+from railgrip.trace.stop import StopRecord, read_stop
 
 _OTHER = "native"
 

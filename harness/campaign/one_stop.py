@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Protocol
 
 from railgrip.errors import RecordError, ScenarioError
-from railgrip.record.stop import FILES, Stop, write_stop
 from railgrip.scenario.schema import Scenario
 from railgrip.sources import sources_digest
+from railgrip.trace.stop import FILES, Stop, write_stop
 
 SOURCES = "sources"
 """Name of the digest of this program's text among the versions of a result."""

@@ -13,14 +13,14 @@ from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.errors import InputError, RailgripError, RecordError
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import read_stop
 from railgrip.report.compilers import OURS, makers
 from railgrip.report.results import CAMPAIGN_FILE
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.custom import Custom
 from railgrip.sources import sources_digest
+from railgrip.trace.outcome import Outcome
+from railgrip.trace.stop import read_stop
 
 State = Literal["found", "done", "ended_badly", "refused", "failed"]
 

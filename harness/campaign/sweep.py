@@ -16,8 +16,8 @@ from railgrip.campaign.workers import answer, ended
 from railgrip.campaign.workers import workers as processes
 from railgrip.console import progress
 from railgrip.errors import InputError, RailgripError, ScenarioError
-from railgrip.record.metrics import Metrics, meanings
 from railgrip.scenario.schema import Scenario
+from railgrip.trace.metrics import Metrics, meanings
 
 if TYPE_CHECKING:
     import pandas

@@ -110,7 +110,7 @@ def estimate(
 @app.command()
 def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = OUT / "rig") -> None:
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
-    from railgrip.estimation.rig import study, table_of
+    from railgrip.studies.roller_rig.study import study, table_of
 
     with progress("roller rig") as shown:
         rows = study(out, lambda what: shown.update(doing=what))

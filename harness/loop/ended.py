@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from railgrip.record.outcome import Outcome
+from railgrip.trace.outcome import Outcome
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.atomic import write_text
-from railgrip.record.outcome import Outcome
 from railgrip.report.compilers import from_elsewhere, makers
 from railgrip.report.conditioning import spread_text
 from railgrip.report.distribution import distribution_table, distributions_of
@@ -21,6 +20,7 @@ from railgrip.report.results import Result, Results
 from railgrip.report.row import Row
 from railgrip.report.table import Form, Table, change, names, share
 from railgrip.scenario.campaign import DRAW
+from railgrip.trace.outcome import Outcome
 
 VALVES = "pneumatic"
 """The actuation that has valves; the ideal one has turns of the pressure command."""

@@ -8,9 +8,6 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from railgrip.errors import RecordError
-from railgrip.record.metrics import meanings
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import STOP_FILE, read_stop
 from railgrip.report import style
 from railgrip.report.compilers import from_elsewhere
 from railgrip.report.distances import rows_of, tables_of, write_table
@@ -23,6 +20,9 @@ from railgrip.report.reference import is_published
 from railgrip.report.results import CAMPAIGN_FILE, Result, Results, read_results
 from railgrip.report.table import names
 from railgrip.scenario.campaign import DRAW
+from railgrip.trace.metrics import meanings
+from railgrip.trace.outcome import Outcome
+from railgrip.trace.stop import STOP_FILE, read_stop
 
 _REFERENCES = (
     "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "

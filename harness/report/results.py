@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.errors import RecordError
-from railgrip.record.stop import STOP_FILE, StopRecord, read_stop
 from railgrip.scenario.conditioning import Repeated
+from railgrip.trace.stop import STOP_FILE, StopRecord, read_stop
 
 CAMPAIGN_FILE = "campaign.json"
 

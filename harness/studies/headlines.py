@@ -34,9 +34,9 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
 
 def rig(tell: Tell) -> list[Finding]:
     """Return errors of adhesion and pad friction in both tests of the roller rig, with both filters."""
-    from railgrip.estimation.rig import FILTERS, SCENARIOS, recording_of_rig, row_of
     from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
     from railgrip.scenario.load import load
+    from railgrip.studies.roller_rig.study import FILTERS, SCENARIOS, recording_of_rig, row_of
 
     found: list[Finding] = []
     for name in SCENARIOS:

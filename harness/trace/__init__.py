@@ -18,4 +18,6 @@ both counted from 1, lead to trail. Every variable has its unit. The prefix says
 
 `table` is the map of columns, `files` reads formats, `cleaning` finds what is wrong with a signal, `grid` puts it on an
 even grid: what can be mended is mended and said, never silently; the rest is refused in a sentence.
+
+Of a stop, `recorder` collects rows in the loop, `metrics` measures the trace, and `stop` holds and stores both.
 """

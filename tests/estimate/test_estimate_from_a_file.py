@@ -61,7 +61,7 @@ def test_a_file_gives_the_estimates_of_the_run_itself(written):
     np.testing.assert_allclose(through.values, direct.values, rtol=1e-6, atol=1e-9)
 
 
-def test_the_command_line_says_what_was_mended_and_reports_as_for_a_twin(written, tmp_path):
+def test_the_command_line_says_what_was_mended_and_reports_as_for_a_simulated_one(written, tmp_path):
     toml, file, _ = written
     result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output

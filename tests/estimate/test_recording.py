@@ -52,7 +52,7 @@ def test_signals_of_different_lengths_are_refused():
         recording_of({"a": (np.zeros(3), "1"), "b": (np.zeros(4), "1")}, period=0.1)
 
 
-def test_only_what_a_twin_tells_is_known():
+def test_only_what_a_simulation_tells_is_known():
     assert truth_of(recorded(), "v")[0] == 20.0
     with pytest.raises(EstimationError, match="does not know the true mu_b"):
         truth_of(recorded(), "mu_b")

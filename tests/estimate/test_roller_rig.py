@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from railgrip.estimation.judge import judge
-from railgrip.estimation.protection import excursions
-from railgrip.estimation.rig import recording_of_rig
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 from railgrip.scenario.load import load
+from railgrip.studies.roller_rig.protection import excursions
+from railgrip.studies.roller_rig.study import recording_of_rig
 from railgrip.trace.samples import reading_of, truth_of
 
 

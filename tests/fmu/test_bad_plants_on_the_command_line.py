@@ -17,7 +17,7 @@ from mule_fmu import mule, quick_stop
 from railgrip import assemble
 from railgrip.cli.main import main
 from railgrip.fmu import IsolatedCoSimulation, open_plant
-from railgrip.record.stop import read_stop
+from railgrip.trace.stop import read_stop
 
 SCENARIO = """
 name = "town"

@@ -15,9 +15,9 @@ from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, descr
 from railgrip.fmus.native import package
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.load import load
 from railgrip.signals import PLANT
+from railgrip.trace.outcome import Outcome
 
 ROOT = Path(__file__).parents[2]
 SCENARIO = ROOT / "harness" / "scenario" / "library" / "foreign_train.toml"

@@ -6,7 +6,7 @@ import pytest
 from railgrip.errors import LoopError
 from railgrip.loop.compiled import Observer, Source, run
 from railgrip.studies.lateral.filters import FURTHER, party
-from railgrip.twins.lateral import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
+from railgrip.studies.lateral.wheelset import DRY, PERIOD, READINGS, TESTS, Irregularity, course, wheelset
 
 STEPS = 300
 SPEED = 25.0

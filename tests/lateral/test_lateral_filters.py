@@ -12,7 +12,7 @@ from railgrip.fmus.native import lower
 from railgrip.studies.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, party, prediction
 from railgrip.studies.lateral.judge import beliefs_about, measure
 from railgrip.studies.lateral.run import Case, simulate
-from railgrip.twins.lateral import DRY, PERIOD, WORST, Irregularity, Trial
+from railgrip.studies.lateral.wheelset import DRY, PERIOD, WORST, Irregularity, Trial
 
 
 def test_the_literal_filter_is_equations_25_to_36():

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from railgrip.fmus.native import lower
-from railgrip.twins.lateral import DRY, INPUTS, WORST, output_columns, wheelset
+from railgrip.studies.lateral.wheelset import DRY, INPUTS, WORST, output_columns, wheelset
 
 
 @pytest.mark.parametrize("rolling", [0.0, 1.0])

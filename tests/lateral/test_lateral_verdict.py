@@ -12,7 +12,7 @@ from railgrip.studies.lateral.report import write_report
 from railgrip.studies.lateral.run import Case
 from railgrip.studies.lateral.study import Plan, Result, conduct
 from railgrip.studies.lateral.tables import levels, spread
-from railgrip.twins.lateral import DRY, PLANTS, WET, WORST, Trial
+from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
 

@@ -18,11 +18,11 @@ from railgrip.fmu import describe
 from railgrip.fmus.native.package import pack
 from railgrip.loop import ports
 from railgrip.loop.beside import watch
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, Sampled, disturbance, measure
 from railgrip.studies.axle_box.export import as_fmu
+from railgrip.studies.axle_box.instrumented_car import Pass, car_of
 from railgrip.studies.axle_box.parties import READINGS, AxleBoxes, in_casadi, in_fmu
 from railgrip.studies.axle_box.ride import LIBRARY, difference, read_ride, ride_beside, said_of
-from railgrip.twins.accelerometer import AXLE_BOX, RATE, Sampled, disturbance, measure
-from railgrip.twins.instrumented_car import Pass, car_of
 
 ROUNDING = 1e-11
 """Friction, absolute. Offsets of 270 m/s² in doubles are rounded at 6e-14; some ten thousand recursive steps and a

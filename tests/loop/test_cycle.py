@@ -10,7 +10,7 @@ from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock
 from railgrip.loop.sensors import IdealSensors
 from railgrip.loop.watch import Believer
-from railgrip.record.outcome import Outcome
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 
 PERIOD = 0.01

@@ -32,11 +32,11 @@ from railgrip.loop.ports import Edge
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import Believer
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 
 RADIUS = (0.38,) * 4

@@ -18,10 +18,10 @@ from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.loop.compiled_cycle import run
 from railgrip.loop.rail import Field, TabulatedRail
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.adhesion import Profile, position_of
 from railgrip.scenario.load import load
 from railgrip.scenario.profile import Recovery
+from railgrip.trace.outcome import Outcome
 
 Falling = namedtuple("Falling", "A B")
 Sections = namedtuple("Sections", "begins forces rates")

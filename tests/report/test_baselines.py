@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from railgrip.errors import ScenarioError
-from railgrip.record.outcome import Outcome
 from railgrip.report.baseline import (
     Accepted,
     AcceptedFigure,
@@ -22,6 +21,7 @@ from railgrip.report.baseline import (
     write_findings,
 )
 from railgrip.report.results import read_results
+from railgrip.trace.outcome import Outcome
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
 SBC, FULL = "trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"

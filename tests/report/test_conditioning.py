@@ -8,7 +8,6 @@ import railgrip.scenario
 from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
 from railgrip.campaign.run import write_description
 from railgrip.errors import ScenarioError
-from railgrip.record.stop import write_stop
 from railgrip.report.baseline import (
     Accepted,
     Baseline,
@@ -24,6 +23,7 @@ from railgrip.report.distances import rows_of
 from railgrip.report.results import read_results
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
+from railgrip.trace.stop import write_stop
 
 CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
 CHAOTIC = Repeated(digest="d", distances=(280.0, 300.0, 324.0, None))

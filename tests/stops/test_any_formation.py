@@ -15,10 +15,10 @@ from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
-from railgrip.record.metrics import Metrics
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import read_stop, write_stop
 from railgrip.scenario.load import load
+from railgrip.trace.metrics import Metrics
+from railgrip.trace.outcome import Outcome
+from railgrip.trace.stop import read_stop, write_stop
 
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"

@@ -12,9 +12,9 @@ from railgrip import assemble
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import is_there
 from railgrip.fmus.build import fmu
-from railgrip.record.stop import read_stop
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
+from railgrip.trace.stop import read_stop
 
 TRAPEZOID = Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml"
 THEIRS = "OpenModelica Compiler OpenModelica v1.27.0"

@@ -7,8 +7,8 @@ from synthetic import LIBRARY
 import railgrip as rg
 from railgrip.assemble import run_stop
 from railgrip.engine import Engine
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.load import load
+from railgrip.trace.outcome import Outcome
 
 GRIPPY = {
     "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.3},

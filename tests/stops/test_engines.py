@@ -7,9 +7,9 @@ import pytest
 from railgrip.assemble import run_stop
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
+from railgrip.trace.outcome import Outcome
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 WITHOUT = ("estimator.kind=none",)

@@ -7,9 +7,9 @@ from synthetic import LIBRARY
 from railgrip.assemble import run_stop
 from railgrip.engine import Engine
 from railgrip.loop.faults import FREE
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.trace.outcome import Outcome
 
 HEALTHY = {"faults": [], "truth": {"load": 1, "wheel_radius": 1, "pad_friction": 1, "gradient": 0}}
 SHORT = {"start": {"speed": "25 km/h"}, "limits": {"horizon": "20 s"}}

@@ -13,9 +13,9 @@ from railgrip.fmus.build import fmu
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import pack
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
+from railgrip.trace.outcome import Outcome
 
 SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
 SHORT = ("limits.horizon=3 s",)

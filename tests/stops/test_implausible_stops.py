@@ -6,8 +6,8 @@ import pytest
 
 from railgrip.assemble import run_stop
 from railgrip.errors import ScenarioError
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.load import load
+from railgrip.trace.outcome import Outcome
 
 PLAIN = Path("harness/scenario/library/plain.toml")
 FULL = ("controller.kind=full_brake", "estimator={kind='none'}", "start.speed=20 km/h")

@@ -11,8 +11,8 @@ import railgrip
 from railgrip.assemble import is_trusted, plant_description, run_stop
 from railgrip.errors import InputError, ScenarioError
 from railgrip.fmus.build import build_class
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.load import load, scenario_of
+from railgrip.trace.outcome import Outcome
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"

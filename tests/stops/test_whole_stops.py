@@ -9,10 +9,10 @@ from skill import error_95_of_constant
 
 from railgrip.assemble import run_stop
 from railgrip.estimators.tuning import pressure_spread
-from railgrip.record.estimation import SLOWEST
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
+from railgrip.trace.estimation import SLOWEST
+from railgrip.trace.outcome import Outcome
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 SCENARIOS = ("trapezoid", "sine_sweep", "random")

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from railgrip.errors import ScenarioError
-from railgrip.record.metrics import Metrics, meanings
-from railgrip.record.outcome import Outcome
-from railgrip.record.stop import StopRecord
 from railgrip.report.results import Result
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.judge import judged, limits_of, summaries
+from railgrip.trace.metrics import Metrics, meanings
+from railgrip.trace.outcome import Outcome
+from railgrip.trace.stop import StopRecord
 
 EACH = {"longest_lock_fast", "locked_distance", "tread_energy", "actuations"}
 LIMITS = limits_of()

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 
 from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
+from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.evaluate import exchanged, parts_of
 from railgrip.studies.axle_box.gather import spectral_features
 from railgrip.studies.axle_box.reduction import CHANNELS
 from railgrip.studies.axle_box.study import PUBLISHED, Study, over_speeds
-from railgrip.twins.accelerometer import RATE
 
 
 def draw(made: Study, folder: Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""From a pass of the twin to what estimators are trained on, cached by content."""
+"""From a pass of the car to what estimators are trained on, cached by content."""
 
 import ast
 import hashlib
@@ -16,18 +16,18 @@ from numpy.typing import NDArray
 import railgrip.estimators.learned.antialias
 import railgrip.estimators.learned.channels
 import railgrip.estimators.learned.preprocessing
+import railgrip.studies.axle_box.accelerometer
+import railgrip.studies.axle_box.instrumented_car
+import railgrip.studies.axle_box.irregularity
 import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
-import railgrip.twins.accelerometer
-import railgrip.twins.instrumented_car
-import railgrip.twins.irregularity
 from railgrip import cache
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX
+from railgrip.studies.axle_box.instrumented_car import FMU, Pass, slope
 from railgrip.studies.axle_box.measured import VEHICLE, readings
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, reduce
-from railgrip.twins.accelerometer import AXLE_BOX
-from railgrip.twins.instrumented_car import FMU, Pass, slope
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,8 @@ _CODE: Final = (
     railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,
     railgrip.estimators.learned.antialias,
     railgrip.studies.axle_box.measured, railgrip.studies.axle_box.reduction,
-    railgrip.twins.accelerometer, railgrip.twins.instrumented_car, railgrip.twins.irregularity,
+    railgrip.studies.axle_box.accelerometer, railgrip.studies.axle_box.instrumented_car,
+    railgrip.studies.axle_box.irregularity,
 )  # fmt: skip
 
 

@@ -11,11 +11,11 @@ from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.report.baseline import Finding
 from railgrip.studies.axle_box.evaluate import Recipe, within_exchanged, within_runs, without_each
 from railgrip.studies.axle_box.gather import spectral_features
+from railgrip.studies.axle_box.instrumented_car import MPH, Pass
 from railgrip.studies.axle_box.measured import readings
 from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, Run, reduce
 from railgrip.studies.axle_box.runs import campaign
 from railgrip.studies.axle_box.study import FULL, dry_or_not, passes
-from railgrip.twins.instrumented_car import MPH, Pass
 
 SPEED: Final = 60
 """mph, the shortest runs."""
@@ -23,7 +23,7 @@ LENGTH: Final = 200.0
 """m, half of the paper's."""
 TRAINED: Final = 0.5
 """Relative tolerance of errors of networks: rounding sends training to another of its minima, some of them no better.
-A twin, filter or split that has changed moves them by more."""
+A plant, filter or split that has changed moves them by more."""
 LEVEL: Final = 1e-3
 """Relative tolerance of means over signals, which no training stands behind."""
 

@@ -1,14 +1,14 @@
-"""A pass of the twin, measured as the loggers of its car do."""
+"""A pass of the car, measured as the loggers of its car do."""
 
 from typing import Final
 
 import numpy as np
 
 from railgrip.scenario.seed import generator
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, Disturbance, disturbance, measure
+from railgrip.studies.axle_box.instrumented_car import RATE as TWIN_RATE
+from railgrip.studies.axle_box.instrumented_car import Pass, ride
 from railgrip.studies.axle_box.reduction import Readings
-from railgrip.twins.accelerometer import AXLE_BOX, RATE, Disturbance, disturbance, measure
-from railgrip.twins.instrumented_car import RATE as TWIN_RATE
-from railgrip.twins.instrumented_car import Pass, ride
 
 VEHICLE: Final = 7
 """Seed of the sensors' own properties: one car carries the same accelerometers on every run."""

@@ -12,9 +12,9 @@ from railgrip.errors import FmuError
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES, Edge, Online
 from railgrip.fmu import CoSimulation, Signal, bind, describe
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX, Sampled
+from railgrip.studies.axle_box.instrumented_car import Pass, held_speed
 from railgrip.studies.axle_box.measured import disturbance_of
-from railgrip.twins.accelerometer import AXLE_BOX, Sampled
-from railgrip.twins.instrumented_car import Pass, held_speed
 
 Vector = NDArray[np.float64]
 

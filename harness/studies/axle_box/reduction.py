@@ -15,8 +15,8 @@ from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import Motion, forwards, motions
 from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.twins.accelerometer import RATE
-from railgrip.twins.instrumented_car import MPH
+from railgrip.studies.axle_box.accelerometer import RATE
+from railgrip.studies.axle_box.instrumented_car import MPH
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class Run:
         settled: The same with the high-pass started at the mean of the first second.
         slow: Lateral and yaw acceleration at the rate of `SLOW`, in axes that point forwards, m/s², and the speed,
             m/s, shape (m, 9).
-        slope: Of the creep curve over that of a clean contact, which only a twin knows.
+        slope: Of the creep curve over that of a clean contact, which only a simulated run knows.
     """
 
     name: str

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from railgrip.scenario.seed import generator
-from railgrip.twins.instrumented_car import MPH, Pass
+from railgrip.studies.axle_box.instrumented_car import MPH, Pass
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""

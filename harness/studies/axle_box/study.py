@@ -29,9 +29,9 @@ from railgrip.studies.axle_box.evaluate import (
     without_each,
 )
 from railgrip.studies.axle_box.gather import gather, spectral_features
+from railgrip.studies.axle_box.instrumented_car import Pass
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
 from railgrip.studies.axle_box.runs import SPEEDS, abroad, campaign, design
-from railgrip.twins.instrumented_car import Pass
 
 PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
     16: (0.0053, 0.0041),
@@ -234,7 +234,7 @@ def paper_estimator(fitted: Fitted, speed: int, recipe: Recipe) -> PaperEstimato
 def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
     """Train the estimator for all speeds; return it and the mean label of its training.
 
-    It has two stages where every run comes from a twin, which knows the slope of its creep curve.
+    It has two stages where every run is simulated, which knows the slope of its creep curve.
     """
     features = [spectral_features(run) for run in runs]
     labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])

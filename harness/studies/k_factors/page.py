@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 
 from railgrip.assemble import plant_description, versions
 from railgrip.atomic import write_text
-from railgrip.record.k_wet import Interval
 from railgrip.report.page import write_page
 from railgrip.report.style import dress, figure, lead_to_trail, save
 from railgrip.report.table import Table
 from railgrip.sources import sources_digest
 from railgrip.studies.k_factors.rare import estimates, pooled
 from railgrip.studies.k_factors.study import PROBABILITIES, Study
+from railgrip.trace.k_wet import Interval
 
 _SHOWN = (0, 3, 6, 9)
 """EBCL whose convergence is drawn."""

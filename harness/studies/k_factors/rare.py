@@ -10,7 +10,7 @@ from math import ceil, comb, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.record.k_wet import Interval
+from railgrip.trace.k_wet import Interval
 
 Array = NDArray[np.float64]
 Performance = Callable[[Array], Array]

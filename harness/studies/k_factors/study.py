@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from railgrip.assemble import braking_distance, formation_of, parameters_of, plant_description, plant_parameters
 from railgrip.errors import ScenarioError
-from railgrip.record.k_wet import Interval
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
@@ -20,6 +19,7 @@ from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.rare import Sample, State
 from railgrip.studies.k_factors.specification import Specification
 from railgrip.studies.k_factors.stops import open_stops
+from railgrip.trace.k_wet import Interval
 
 Array = NDArray[np.float64]
 Tell = Callable[[str], None]

@@ -18,7 +18,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.loop.compiled import Observer, Source
-from railgrip.twins.lateral import PAPER_SENSORS, PERIOD, Condition, Irregularity
+from railgrip.studies.lateral.wheelset import PAPER_SENSORS, PERIOD, Condition, Irregularity
 
 Name = Literal["literal", "known_track", "unknown_track"]
 NAMES: Final[tuple[Name, ...]] = get_args(Name)

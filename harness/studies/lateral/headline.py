@@ -7,7 +7,7 @@ from railgrip.campaign.workers import workers
 from railgrip.report.baseline import Finding
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate
-from railgrip.twins.lateral import CONDITIONS, TESTS
+from railgrip.studies.lateral.wheelset import CONDITIONS, TESTS
 
 SPEED: Final = 25.0
 SEED: Final = 1

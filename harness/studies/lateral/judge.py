@@ -17,7 +17,7 @@ from railgrip.fmus.native import lower
 from railgrip.loop.compiled import Beliefs
 from railgrip.studies.lateral.filters import Name, prediction
 from railgrip.studies.lateral.run import EVERY, Trace
-from railgrip.twins.lateral import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
+from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
 
 Array = NDArray[np.float64]
 

@@ -1,12 +1,12 @@
-"""A run of the lateral twin as a recording, for any estimator that reads recordings."""
+"""A run of the lateral wheelset as a recording, for any estimator that reads recordings."""
 
 import numpy as np
 import xarray
 
 from railgrip.loop.compiled import run
 from railgrip.studies.lateral.run import Case
+from railgrip.studies.lateral.wheelset import PERIOD, PLANTS, READINGS, course, output_columns, wheelset
 from railgrip.trace.samples import recording_of
-from railgrip.twins.lateral import PERIOD, PLANTS, READINGS, course, output_columns, wheelset
 
 
 def recorded(case: Case) -> xarray.Dataset:

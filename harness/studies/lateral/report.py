@@ -19,7 +19,7 @@ from railgrip.studies.lateral.tables import (
     spread,
     write_csv,
 )
-from railgrip.twins.lateral import PLANTS, SERVICE_SENSORS
+from railgrip.studies.lateral.wheelset import PLANTS, SERVICE_SENSORS
 
 
 def write_report(

@@ -1,4 +1,4 @@
-"""One run of the lateral study: the twin and its filters, side by side in C."""
+"""One run of the lateral study: the plant and its filters, side by side in C."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railgrip.loop.compiled import Beliefs, Record, run
 from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, party
-from railgrip.twins.lateral import (
+from railgrip.studies.lateral.wheelset import (
     CONDITIONS,
     PERIOD,
     PLANTS,
@@ -78,7 +78,7 @@ class Trace:
 
 
 def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
-    """Run the twin with filters beside it.
+    """Run the plant with filters beside it.
 
     Args:
         case: What decides the run.

@@ -17,7 +17,7 @@ from railgrip.fmus.native import lower
 from railgrip.studies.lateral.filters import CLASSES
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate
-from railgrip.twins.lateral import PLANTS, TESTS, Trial
+from railgrip.studies.lateral.wheelset import PLANTS, TESTS, Trial
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
@@ -133,9 +133,8 @@ def _ground() -> str:
         ("railgrip.estimators", None),
         ("railgrip.estimators.kernel", None),
         ("railgrip.loop.kernel", None),
-        ("railgrip.studies.lateral", ("filters.py", "run.py", "judge.py")),
+        ("railgrip.studies.lateral", ("filters.py", "run.py", "judge.py", "wheelset.py")),
         ("railgrip.loop", ("compiled.py",)),
-        ("railgrip.twins", ("lateral.py",)),
     ):
         for name, text in _sources(package, names):
             digest.update(f"{package}/{name}\0{text}\0".encode())

@@ -15,7 +15,7 @@ from railgrip.report.table import Table
 from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import QUANTITIES
 from railgrip.studies.lateral.study import Result
-from railgrip.twins.lateral import CONDITIONS
+from railgrip.studies.lateral.wheelset import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
 LEVEL_TOLERANCE: Final = 0.05

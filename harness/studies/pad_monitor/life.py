@@ -6,6 +6,7 @@ Every stop is a scenario with a [demand] that the loop runs; readings are those 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,13 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.assemble import trace_of
+from railgrip.fmu import describe
+from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import recording_of
-from railgrip.twins.plant import defaults
 
 Vector = NDArray[np.float64]
 
@@ -129,6 +131,13 @@ def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
     return {"phases": [{"pressure": pressure} | end for pressure, end in zip(pressures, [*ends, {}], strict=True)]}
 
 
+@cache
+def _nominal() -> dict[str, float]:
+    """Return the numbers among the parameters of the plant as its class has them."""
+    parameters = (v for v in describe(fmu(PLANT)).variables.values() if v.causality == "parameter" and v.kind == "Real")
+    return {v.name: float(v.start) for v in parameters if v.start is not None}
+
+
 def _stop(
     life: Life,
     number: int,
@@ -138,7 +147,7 @@ def _stop(
     stuck: int | None,
     transducers: Vector,
 ) -> SimulatedStop:
-    nominal = defaults(PLANT)
+    nominal = _nominal()
     full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(4)])
     speed = random.uniform(70.0, 110.0) / 3.6
     load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor believes in the nominal mass

@@ -9,12 +9,12 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 from pydantic import Field
 
-from railgrip.record.outcome import Outcome
 from railgrip.report.results import Result
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
+from railgrip.trace.outcome import Outcome
 
 _AMBIENT: Final = 101325.0  # Pa
 _RESAMPLES: Final = 2000

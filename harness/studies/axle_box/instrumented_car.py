@@ -7,16 +7,17 @@ the axle boxes as they are, before any accelerometer (see `accelerometer`).
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final
+from functools import cache
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from railgrip.fmu import CoSimulation
+from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
-from railgrip.twins.irregularity import KINDS, TRACKS, Irregularity, realise
-from railgrip.twins.plant import plant
+from railgrip.studies.axle_box.irregularity import KINDS, TRACKS, Irregularity, realise
 
 Array = NDArray[np.float64]
 
@@ -162,19 +163,30 @@ def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Arra
     """
     speed, surface = held_speed(run), _surface(run)
     inputs, skipped = _inputs(run, speed, rate)
-    outputs = {
-        "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
-        "offset": ("m", 4), "creep": ("1", 4), "speed": "m/s",
-    }  # fmt: skip
     parameters = {
         "speed_set": speed,
         "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
         "wheelbase": WHEELBASE, "pivots": PIVOTS,
     } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
     # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
-    edge = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
-    with plant(FMU, inputs=edge, outputs=outputs, period=1 / rate, parameters=parameters) as car:
+    description, binding = _bound()
+    with CoSimulation(description, binding, period=1 / rate, parameters=parameters) as car:
         yield car, inputs, skipped
+
+
+@cache
+def _bound() -> tuple[Description, Any]:
+    description = describe(fmu(FMU))
+    inputs = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
+    outputs = {
+        "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
+        "offset": ("m", 4), "creep": ("1", 4), "speed": ("m/s", 0),
+    }  # fmt: skip
+    sent, shown = (
+        [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in interface.items()]
+        for interface in (inputs, outputs)
+    )
+    return description, bind(description, inputs=sent, outputs=shown, where=f"the car {FMU}")
 
 
 def _turned(made: Ride) -> Ride:

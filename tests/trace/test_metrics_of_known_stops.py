@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import chi2
 from synthetic import BRAKE, LOAD, parabola, uniform_stop
 
-from railgrip.record import adhesion_use, effort, estimation, motion, slide
-from railgrip.record.bound import with_bound
-from railgrip.record.metrics import Metrics, meanings, measure
+from railgrip.trace import adhesion_use, effort, estimation, motion, slide
+from railgrip.trace.bound import with_bound
+from railgrip.trace.metrics import Metrics, meanings, measure
 
 
 def test_uniform_braking_has_the_textbook_figures():

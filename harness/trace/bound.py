@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.record.contact import Contact, peak
+from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import formation_in
 
 Array = NDArray[np.float64]

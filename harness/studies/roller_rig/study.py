@@ -9,7 +9,6 @@ import xarray
 
 from railgrip.assemble import run_stop
 from railgrip.estimation.judge import judge
-from railgrip.estimation.protection import LIMIT, excursions
 from railgrip.estimation.run import estimate, units_of
 from railgrip.estimation.spec import (
     LIBRARY,
@@ -20,11 +19,12 @@ from railgrip.estimation.spec import (
     settings_for,
 )
 from railgrip.report.page import write_page
-from railgrip.report.rig import over_slip, rig_run, tunings
 from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import WhiteSensors
+from railgrip.studies.roller_rig.figures import over_slip, rig_run, tunings
+from railgrip.studies.roller_rig.protection import LIMIT, excursions
 from railgrip.trace.samples import evenly, with_signals
 
 FILTERS = ("rig_paper", "rig_own")
@@ -150,7 +150,7 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
     Table([asdict(row) for row in varied]).write_csv(out / "sensitivity.csv")
     write_page(
         out / "rig.md",
-        "estimation/rig.md.jinja",
+        "studies/roller_rig/rig.md.jinja",
         scores=table_of(rows, scenario="scenario"),
         sensitivity=table_of(varied, period="period", **{"σ of v": "speed_noise"}),
     )

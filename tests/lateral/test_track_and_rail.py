@@ -1,4 +1,4 @@
-"""Track, rail and noise of the lateral twin."""
+"""Track, rail and noise of the lateral wheelset."""
 
 import numpy as np
 import pytest
@@ -8,8 +8,7 @@ from railgrip.fmus.native.dae import LIBRARY
 from railgrip.studies.lateral.filters import prediction
 from railgrip.studies.lateral.recording import recorded
 from railgrip.studies.lateral.run import Case
-from railgrip.trace.samples import knows, period_of, samples, truth_of
-from railgrip.twins.lateral import (
+from railgrip.studies.lateral.wheelset import (
     ACCELEROMETER,
     CONDITIONS,
     GYROSCOPE,
@@ -18,6 +17,7 @@ from railgrip.twins.lateral import (
     Irregularity,
     course,
 )  # fmt: skip
+from railgrip.trace.samples import knows, period_of, samples, truth_of
 
 
 def test_the_track_deviates_by_exactly_its_peak():

@@ -1,4 +1,4 @@
-"""The wheelset of Mal et al. (2020) on a laterally irregular track: conditions, irregularity, tests, and the twin."""
+"""The wheelset of Mal et al. (2020) on a laterally irregular track: conditions, irregularity, tests, and the plant."""
 
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
@@ -230,7 +230,7 @@ def _bound() -> tuple[Description, Any]:
     described = describe(fmu("LateralWheelset"))
     inputs = [Signal(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
     outputs = [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]
-    return described, bind(described, inputs=inputs, outputs=outputs, where="twin LateralWheelset")
+    return described, bind(described, inputs=inputs, outputs=outputs, where="the wheelset LateralWheelset")
 
 
 def output_columns(names: Sequence[str]) -> dict[str, slice]:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from railgrip.record.k_wet import corrected_distance, equivalent_time, k_wet
+from railgrip.trace.k_wet import corrected_distance, equivalent_time, k_wet
 
 SPEED, TIME = 33.3, 1.0
 

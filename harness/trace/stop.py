@@ -11,11 +11,11 @@ import xarray
 
 from railgrip.atomic import write_text
 from railgrip.errors import RecordError, Unwritten
-from railgrip.record.metrics import Metrics
-from railgrip.record.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import thinned
 
 STOP_FILE = "stop.json"

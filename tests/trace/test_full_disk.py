@@ -19,11 +19,11 @@ from synthetic_runner import run_stop
 from railgrip.atomic import replacing, write_text
 from railgrip.campaign.run import is_there
 from railgrip.errors import Unwritten, for_user
-from railgrip.record.stop import read_stop, write_stop
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
 from railgrip.trace.netcdf import write_trace
+from railgrip.trace.stop import read_stop, write_stop
 
 ROOT = Path(__file__).parents[2]
 WET = ROOT / "harness" / "scenario" / "library" / "trapezoid.toml"

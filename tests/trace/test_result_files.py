@@ -9,11 +9,11 @@ from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
 from railgrip.atomic import replacing, write_text
 from railgrip.errors import RecordError
-from railgrip.record.stop import read_stop, write_stop
 from railgrip.scenario.load import load
 from railgrip.signals import PLANT, SENT
 from railgrip.trace.netcdf import read_trace, write_trace
 from railgrip.trace.recorder import Recorder, thinned
+from railgrip.trace.stop import read_stop, write_stop
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,7 @@ def test_an_interrupted_rewrite_leaves_no_stop_json_beside_another_trace(stop, t
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("railgrip.record.stop.write_trace", interrupt)
+    monkeypatch.setattr("railgrip.trace.stop.write_trace", interrupt)
     with pytest.raises(KeyboardInterrupt):
         write_stop(stop, tmp_path)
     assert not (tmp_path / "stop.json").exists()

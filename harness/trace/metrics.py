@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self, cast, get_type_hints
 import xarray
 
 from railgrip.estimators.consistency import FAR
-from railgrip.record import adhesion_use, effort, estimation, motion, slide
+from railgrip.trace import adhesion_use, effort, estimation, motion, slide
 
 Each = tuple[float, ...]
 
