@@ -53,7 +53,7 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
             ("run", "wet.toml", "--set", "adhesion.levl=2"),
             "wet.toml: [adhesion] has no key 'levl'; did you mean 'level'?",
         ),
-        (("run", "wet.toml", "--set", "start.speed=-1"), "wet.toml: [start] speed must be above 0 m/s, got -1."),
+        (("run", "wet.toml", "--set", "start.speed=-1"), "wet.toml: [start] speed must be at least 0 m/s, got -1."),
         (("run", "wet.toml", "--set", "start.speed"), "--set start.speed: wanted is table.key=value"),
         (("run", "wet.toml", "--set", "description=refuse"), "wet: the plant has no brakes"),
         (("run", "pair.toml"), "pair.toml: is a file of the kind campaign; use `railgrip campaign pair.toml`"),
