@@ -14,7 +14,7 @@ from railgrip.scenario.custom import Custom
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
-from railgrip.scenario.sensors import GNSS, Gnss
+from railgrip.scenario.sensors import GNSS, Gnss, sampled_every
 from railgrip.scenario.sensors import IdealSensors as IdealTable
 from railgrip.scenario.sensors import WhiteSensors as WhiteTable
 from railgrip.scenario.track import gravity_along, slope_of
@@ -54,7 +54,7 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
         raise ScenarioError(f"{scenario.name}: [sensors] kind '{table.kind}' is no sensor model of this project")
     if isinstance(table, WhiteTable):
         return _white(scenario, table, layout)
-    period = scenario.periods.communication
+    period = scenario.periods.communication * sampled_every(table, scenario.periods.communication)
     lot = generator(scenario.seed, "sensors.lot")
     instruments = ServiceInstruments(
         pulses=table.wheel.pulses,
@@ -109,7 +109,8 @@ class _Receiver:
         assert scenario.track.plan is not None  # the scenario has been checked
         self._track, self._random = scenario.track.plan, generator(scenario.seed, "sensors.gnss")
         self._plan = self._track.laid().plan()
-        self._every = max(round(table.period / scenario.periods.communication), 1)
+        step = scenario.periods.communication
+        self._every = max(round(table.period / (step * sampled_every(scenario.sensors, step))), 1)
         self._keeps = math.exp(-table.period / table.wander_time)
         self._wander = self._random.standard_normal(3)
         self._wanders = np.array([table.horizontal_wander, table.horizontal_wander, table.height_wander])

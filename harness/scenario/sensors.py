@@ -18,6 +18,10 @@ GNSS = ("latitude", "longitude", "height")
 Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
 
 
+def _absent(value: object) -> bool:
+    return value is None
+
+
 class IdealSensors(Table):
     """Readings are the plant's outputs."""
 
@@ -72,6 +76,12 @@ class ServiceSensors(Table):
     """Sensors as a train in service may have them."""
 
     kind: Literal["service"]
+    period: Period | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="at which all are sampled and their noise is drawn, a whole multiple of the communication step; "
+        "where it is not given 1 ms, or what is nearest to it",
+    )
     wheel: WheelEncoder
     speed: SpeedSensor
     acceleration: Accelerometer
@@ -103,6 +113,12 @@ class WhiteSensors(Table):
     """
 
     kind: Literal["white"]
+    period: Period | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="at which quantities are read and noise is drawn, a whole multiple of the communication step; that "
+        "itself where it is not given",
+    )
     noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
     bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")
     scale: dict[str, Deviation] = Field(default={}, description="1σ of the relative error, drawn once a stop")
@@ -113,6 +129,18 @@ class WhiteSensors(Table):
         """Quantities with errors."""
         receiver = () if self.gnss is None else GNSS
         return frozenset((*self.noise, *self.bias, *self.scale, *receiver))
+
+
+SERVICE_PERIOD = 1e-3
+"""Sampling period of the instruments of a train in service [s]."""
+
+
+def sampled_every(sensors: object, communication: float) -> int:
+    """Return the communication steps [s] between two readings of the sensors of a scenario."""
+    own = getattr(sensors, "period", None)
+    if own is None and isinstance(sensors, ServiceSensors):
+        own = SERVICE_PERIOD
+    return max(round((own or 0.0) / communication), 1)
 
 
 Sensors = Annotated[

@@ -207,7 +207,7 @@ SENSORS = {
 
 def brake(
     engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None,
-    field=lambda: None, broken=((), ()),
+    field=lambda: None, broken=((), ()), sensing=1,
 ):  # fmt: skip
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
@@ -236,7 +236,7 @@ def brake(
             driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
             faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
             wheel_radius=RADIUS,
-            clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
+            clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
             start_speed=asked or plant.speed,
             stop_speed=0.1,
             recorder=recorder,
@@ -354,11 +354,12 @@ broken_brakes = st.builds(
     sensors=st.sampled_from(["ideal", "white", "service"]),
     valves=st.booleans(),
     filter_=st.sampled_from([None, Filter]),
+    sensing=st.integers(1, 3),
 )
-def test_any_faults_are_the_same_in_both_engines(broken, sensors, valves, filter_):
+def test_any_faults_are_the_same_in_both_engines(broken, sensors, valves, filter_, sensing):
     same(
         lambda: Plant(speed=12.0, slowing=8.0), filter_=filter_, sensors=sensors, valves=valves, every=(2, 5),
-        broken=broken,
+        broken=broken, sensing=sensing, samples=3 * BLOCK + 40,
     )  # fmt: skip
 
 

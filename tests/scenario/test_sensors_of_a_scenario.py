@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from synthetic import LIBRARY, TWO_PART_TRAIN
+from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.errors import ScenarioError, SensorsFailed
 from railgrip.instruments import readings_of, sensors_of
 from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.merge import merged
+from railgrip.scenario.sensors import sampled_every
 from railgrip.signals import EXTRA, PLANT, READINGS, layout_of
 from railgrip.track.geodesy import local
 
@@ -90,3 +92,35 @@ def test_an_extra_output_is_in_the_layout_of_a_plant_that_has_it():
     layout = layout_of(TWO_PART_TRAIN, (*PLANT, *EXTRA))
     assert layout.output["drive_torque"].stop == layout.outputs
     assert "OUTPUT_CONTACT_FORCE" in layout.header()
+
+
+def service(step, **sensors):
+    written = load(LIBRARY / "degraded.toml").resolved()
+    changes = {"periods": dict.fromkeys(written["periods"], step), "vehicle": {"plant": "TwoPartTrain"}}
+    changes |= {"actuation": {"kind": "ideal"}, "sensors": sensors, "faults": []}
+    return scenario_of(merged(written, changes), directory=LIBRARY, origin="mine.toml")
+
+
+def test_instruments_do_not_know_the_communication_step():
+    """Sampled each millisecond, they read the same of the same truth whether the loop runs at 1, 0.5 or 0.25 ms."""
+    readings = []
+    for step in ("1 ms", "0.5 ms", "0.25 ms"):
+        scenario = service(step)
+        every = sampled_every(scenario.sensors, scenario.periods.communication)
+        assert every * scenario.periods.communication == 1e-3
+        sensors = sensors_of(scenario, LAYOUT, 0.4)
+        truths = np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)
+        readings.append(np.array([sensors.read(k, truth) for k, truth in enumerate(truths)]))
+    assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
+
+
+def test_a_coarser_loop_reads_each_of_its_steps():
+    assert sampled_every(service("2 ms").sensors, 2e-3) == 1
+    assert sampled_every(service("0.3 ms").sensors, 3e-4) == 3
+
+
+def test_a_period_between_communication_steps_is_refused():
+    with pytest.raises(
+        ScenarioError, match=r"\[sensors\] period must be a whole multiple of \[periods\] communication"
+    ):
+        service("0.4 ms", period="1 ms")
