@@ -58,6 +58,7 @@ from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import sampled_every
 from railgrip.scenario.track import STEEPEST, TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
 from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, TRACTION, Layout, layout_of, sent
@@ -311,6 +312,7 @@ def assembled(
                     estimator=scenario.periods.every("estimator"),
                     controller=scenario.periods.every("controller"),
                     samples=_samples(scenario),
+                    sensors=sampled_every(scenario.sensors, scenario.periods.communication),
                 ),
                 "start_speed": scenario.start.speed,
                 "stop_speed": scenario.limits.stop_speed,

@@ -5,20 +5,22 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import bilinear, lfilter
 
 from railgrip.errors import ScenarioError, SensorsFailed
 from railgrip.faults import missing_teeth
 from railgrip.loop.ports import Sensors
-from railgrip.loop.sensors import IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
+from railgrip.loop.sensors import Course, IdealSensors, RoughRail, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.scenario.custom import Custom
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
-from railgrip.scenario.sensors import GNSS, Gnss
+from railgrip.scenario.sensors import GNSS, Gnss, RailUnderWheels, SpeedSensor, sampled_every
 from railgrip.scenario.sensors import IdealSensors as IdealTable
 from railgrip.scenario.sensors import WhiteSensors as WhiteTable
 from railgrip.scenario.track import gravity_along, slope_of
 from railgrip.signals import EXTRA_READINGS, READINGS, Layout, Signal
+from railgrip.track.irregularity import realise
 
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
 
@@ -54,7 +56,7 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
         raise ScenarioError(f"{scenario.name}: [sensors] kind '{table.kind}' is no sensor model of this project")
     if isinstance(table, WhiteTable):
         return _white(scenario, table, layout)
-    period = scenario.periods.communication
+    period = scenario.periods.communication * sampled_every(table, scenario.periods.communication)
     lot = generator(scenario.seed, "sensors.lot")
     instruments = ServiceInstruments(
         pulses=table.wheel.pulses,
@@ -63,7 +65,9 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
         cut_off=table.wheel.cut_off,
         wheel_radius=wheel_radius,
         speed_noise=table.speed.noise,
-        speed_scale=table.speed.scale_offset + table.speed.scale_error * float(lot.standard_normal()),
+        speed_factor=_speed_factor(
+            scenario, table.speed, table.speed.scale_error * float(lot.standard_normal()), period
+        ),
         speed_every=max(round(table.speed.period / period), 1),
         speed_latency=round(table.speed.latency / period),
         acceleration_noise=table.acceleration.noise,
@@ -73,8 +77,88 @@ def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Senso
         pressure_step=table.pressure.full_scale / float(np.exp2(table.pressure.bits)),
         pressure_lag=table.pressure.lag,
         missing_teeth=missing,
+        gravity=_gravity(scenario) if table.acceleration.feels_gradient else None,
+        rail=_rough_rail(scenario, table.deflection.irregularity, layout, period),
     )
     return ServiceSensors(layout, instruments, period, generator(scenario.seed, "sensors.noise"))
+
+
+def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: float) -> NDArray[np.float64]:
+    """Return what a speed sensor makes of the speed at each of its readings; NaN in drop-outs."""
+    fixed = 1.0 + (table.scale_offset + scale)
+    if not table.drift and not table.dropouts:
+        return np.array([fixed])
+    every = max(round(table.period / period), 1) * period
+    count = int(scenario.limits.horizon / every) + 2
+    factor, random = np.full(count, fixed), generator(scenario.seed, "sensors.speed")
+    if table.drift_time is not None:
+        keeps = math.exp(-every / table.drift_time)
+        fresh = random.standard_normal(count) * np.append(1.0, np.full(count - 1, math.sqrt(1.0 - keeps**2)))
+        factor += table.drift * np.asarray(lfilter([1.0], [1.0, -keeps], fresh))
+    if table.dropout_time is not None:
+        # A chain of two states whose stay in the second lasts dropout_time on average, in its steady state.
+        returns = min(every / table.dropout_time, 1.0)
+        fails = min(returns * table.dropouts / (1.0 - table.dropouts), 1.0)
+        lost = random.uniform() < table.dropouts
+        for i, drawn in enumerate(random.uniform(size=count)):
+            if lost:
+                factor[i] = np.nan
+            lost = drawn >= returns if lost else drawn < fails
+    return factor
+
+
+def _gravity(scenario: Scenario) -> Course:
+    """Return what an accelerometer along the track feels of its slopes; one that changes does so over 0.1 m."""
+    track, step = scenario.track, 0.1
+    begin, end = 0.0, max((section.begin for section in track.gradient), default=0.0)
+    if (plan := track.plan) is not None:
+        begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.laid().length))
+        step = 1.0
+    places = np.arange(begin, end + 2.0 * step, step)
+    slope = slope_of(track)
+    slopes = np.array([slope(min(place, end)) for place in places.tolist()]) + scenario.truth.gradient
+    return Course(begin=begin, step=step, values=gravity_along(slopes))
+
+
+_LONGEST_RAIL = 5000.0
+"""m of irregularities; beyond them the rail is even."""
+_FINE = 0.02
+"""m between two places of a rail: a sixtieth of its shortest wave."""
+_LEAD_IN = 2.0
+"""s that a frame has been rolling before the stop begins."""
+
+
+def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layout, period: float) -> RoughRail | None:
+    """Return the rail that the deflections show.
+
+    A frame on its primary suspension moves as z̈ = ω² (r - z) + 2 ζ ω (ṙ - ż) over the height r under a wheelset; read
+    is r - z.
+
+    Raises:
+        ScenarioError: Nobody says where the wheelsets are.
+    """
+    if table is None:
+        return None
+    if not layout.formation.wheelset_position:
+        raise ScenarioError(
+            f"{scenario.name}: [sensors.deflection.irregularity] wants the places of the wheelsets: give "
+            "[vehicle.formation] wheelset_position"
+        )
+    position = np.array(layout.formation.wheelset_position)
+    lead_in = scenario.start.speed * _LEAD_IN
+    begin = -float(position.max()) - lead_in
+    length = min(scenario.start.speed * scenario.limits.horizon, _LONGEST_RAIL) - begin
+    rail = realise(table.track, length, generator(scenario.seed, f"track.{table.track}"), kinds=("vertical",))
+    height = Course(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
+    omega = 2.0 * math.pi * table.frequency
+    filter_ = bilinear([1.0, 0.0, 0.0], [1.0, 2.0 * table.damping * omega, omega**2], fs=1.0 / period)
+    forward, back = (np.asarray(part, dtype=np.float64) for part in filter_)
+    driven = np.arange(-lead_in, 0.0, scenario.start.speed * period)
+    before = np.interp(driven[:, None] - position, begin + _FINE * np.arange(height.values.size), height.values)
+    _, state = lfilter(forward, back, before, axis=0, zi=np.zeros((2, position.size)))
+    return RoughRail(
+        height=height, position=position, forward=forward, back=back[1:], state=np.ascontiguousarray(state.T)
+    )
 
 
 class OnTrack:
@@ -109,7 +193,8 @@ class _Receiver:
         assert scenario.track.plan is not None  # the scenario has been checked
         self._track, self._random = scenario.track.plan, generator(scenario.seed, "sensors.gnss")
         self._plan = self._track.laid().plan()
-        self._every = max(round(table.period / scenario.periods.communication), 1)
+        step = scenario.periods.communication
+        self._every = max(round(table.period / (step * sampled_every(scenario.sensors, step))), 1)
         self._keeps = math.exp(-table.period / table.wander_time)
         self._wander = self._random.standard_normal(3)
         self._wanders = np.array([table.horizontal_wander, table.horizontal_wander, table.height_wander])

@@ -112,7 +112,10 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             ("rows", ctypes.c_void_p),
             *((name, ctypes.c_double * size) for name, size in vectors.items()),
             *((name, ctypes.c_longlong) for name in ("present_count", "width")),
-            *((name, ctypes.c_longlong) for name in ("seen_count", "estimator_every", "controller_every", "row")),
+            *(
+                (name, ctypes.c_longlong)
+                for name in ("seen_count", "sensors_every", "estimator_every", "controller_every", "row")
+            ),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
             *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at", "traction_at")),
             *(
@@ -192,14 +195,14 @@ def run(
     its = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
     its.period, its.stop_speed, its.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
-    its.estimator_every, its.controller_every = clock.estimator, clock.controller
+    its.sensors_every, its.estimator_every, its.controller_every = clock.sensors, clock.estimator, clock.controller
     its.truth[:], its.inputs[:] = truth.tolist(), inputs.tolist()
     cycle, address = kernel(layout).cycle, ctypes.addressof(its)
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
     ended = _GOING
     try:
         for first in range(0, clock.samples + 1, BLOCK):
-            if isinstance(sensors, WhiteSensors | ServiceSensors):
+            if isinstance(sensors, WhiteSensors | ServiceSensors) and first % (BLOCK * clock.sensors) == 0:
                 sensors.draw()
             before = its.crossed
             ended = cycle(address, min(first + BLOCK, clock.samples + 1))

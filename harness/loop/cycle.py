@@ -110,6 +110,7 @@ def decisions(
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
     traction_columns = recorder.columns.get("traction")
     demands = driver_demands = command = (0.0,) * layout.formation.groups
+    nothing_new = np.full(layout.readings, np.nan)
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     written, moved = 0, False
@@ -121,7 +122,7 @@ def decisions(
             if not plausibility.holds(layout, k, truth, inputs):
                 return implausible(plausibility.reason(time), k)
             try:
-                reading = sensors.read(k, truth)
+                reading = nothing_new if k % clock.sensors else sensors.read(k // clock.sensors, truth)
             except SensorsFailed as failed:
                 return without_reading(str(failed), k)
             if faults is not None:

@@ -15,12 +15,14 @@ class Clock:
         estimator: Communication periods between two steps of the estimator.
         controller: The same for the controller.
         samples: Communication periods until the horizon.
+        sensors: Communication periods between two readings; in between there is nothing new.
     """
 
     period: float
     estimator: int
     controller: int
     samples: int
+    sensors: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

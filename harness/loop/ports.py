@@ -52,9 +52,9 @@ class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample, ordered as in `railgrip.signals.Layout`; NaN where there is no new one.
+        """Return the reading of one of their own samples, ordered as in `railgrip.signals.Layout`.
 
-        SensorsFailed ends the stop.
+        NaN where there is no new one; `Clock.sensors` says how often they sample.         SensorsFailed ends the stop.
         """
         ...
 

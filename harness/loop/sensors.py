@@ -72,6 +72,38 @@ class MissingTeeth:
     end: int = 0
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Course:
+    """A quantity along the track, straight between even places; beyond its ends it is what it is there.
+
+    Attributes:
+        begin, step: Of the places [m].
+        values: Shape (n,).
+    """
+
+    begin: float
+    step: float
+    values: Vector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RoughRail:
+    """A rail of which the primary suspension feels the short waves.
+
+    Attributes:
+        height: Under the wheels, over the distance that the leading wheelset has gone [m].
+        position: Of each wheelset behind the leading one, shape (wheelsets,) [m].
+        forward, back: Coefficients b0, b1, b2 and a1, a2 of the digital filter from height to deflection.
+        state: Of it at the first sample, shape (wheelsets, 2) [m].
+    """
+
+    height: Course
+    position: Vector
+    forward: Vector
+    back: Vector
+    state: Vector
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceInstruments:
     """Instruments as a train in service may have them.
@@ -83,7 +115,8 @@ class ServiceInstruments:
         cut_off: Peripheral speed below which a wheel encoder reads zero [m/s].
         wheel_radius: To turn `cut_off` into a rotational speed [m].
         speed_noise: 1σ of each reading of the train speed [m/s].
-        speed_scale: Relative error of the train speed, constant over a stop [1].
+        speed_factor: Reading over train speed, of one reading after the other, and again from the first; NaN where it
+            is lost, shape (n,) [1].
         speed_every: Samples between two readings of the train speed.
         speed_latency: Age of a reading of the train speed, in samples; made up for by the acceleration read.
         acceleration_noise: 1σ [m/s²].
@@ -93,6 +126,8 @@ class ServiceInstruments:
         pressure_step: Of the converter [Pa].
         pressure_lag: First-order time constant [s].
         missing_teeth: Of each pole wheel; empty where none are.
+        gravity: Along the track, uphill positive, which the accelerometer feels [m/s²]; None: it does not.
+        rail: That the deflection shows; None: it does not.
     """
 
     pulses: int
@@ -101,7 +136,7 @@ class ServiceInstruments:
     cut_off: float
     wheel_radius: float
     speed_noise: float
-    speed_scale: float
+    speed_factor: Vector
     speed_every: int
     speed_latency: int
     acceleration_noise: float
@@ -111,6 +146,8 @@ class ServiceInstruments:
     pressure_step: float
     pressure_lag: float
     missing_teeth: tuple[MissingTeeth, ...] = ()
+    gravity: Course | None = None
+    rail: RoughRail | None = None
 
 
 class _Encoder(ctypes.Structure):
@@ -121,21 +158,36 @@ class _Encoder(ctypes.Structure):
     )
 
 
+class _Course(ctypes.Structure):
+    _fields_ = (
+        ("values", ctypes.c_void_p),
+        *((name, ctypes.c_double) for name in ("begin", "step")),
+        ("count", ctypes.c_longlong),
+    )
+
+
 @cache
-def service_struct(groups: int) -> type[ctypes.Structure]:
-    """Return the struct `Service` of sensors.h for so many groups."""
+def service_struct(groups: int, wheelsets: int) -> type[ctypes.Structure]:
+    """Return the struct `Service` of sensors.h for so many groups and wheelsets."""
 
     class Service(ctypes.Structure):
         _fields_ = (
             ("encoder", _Encoder * groups),
+            *((name, _Course) for name in ("gravity", "rail")),
+            *((name, ctypes.c_void_p) for name in ("position", "speed_factor")),
+            *((name, ctypes.c_double * size) for name, size in (("shift", 2 * wheelsets), ("forward", 3), ("back", 2))),
             *((name, ctypes.c_void_p) for name in ("noise", "offset_steps", "past")),
-            *((name, ctypes.c_double) for name in ("period", "speed_scale", "acceleration_bias", "pressure_step")),
+            *((name, ctypes.c_double) for name in ("period", "acceleration_bias", "pressure_step")),
             ("pressure_share", ctypes.c_double),
             ("pressure", ctypes.c_double * groups),
-            *((name, ctypes.c_longlong) for name in ("block", "speed_every", "speed_latency")),
+            *((name, ctypes.c_longlong) for name in ("block", "speed_every", "speed_latency", "speed_factors")),
         )
 
     return Service
+
+
+def _course(course: Course) -> _Course:
+    return _Course(values=course.values.ctypes.data, begin=course.begin, step=course.step, count=course.values.size)
 
 
 class ServiceSensors:
@@ -159,13 +211,21 @@ class ServiceSensors:
         self._noise = np.empty((BLOCK, self._deviation.size))
         self._past = np.empty(its.speed_latency + 1)
         self._offset_steps = its.pressure_offset / its.pressure_step
-        self.struct: Any = service_struct(groups)(
+        self.struct: Any = service_struct(groups, layout.formation.wheelsets)(
             encoder=(_Encoder * groups)(*(encoder.struct for encoder in self._encoders)),
             noise=self._noise.ctypes.data, offset_steps=self._offset_steps.ctypes.data, past=self._past.ctypes.data,
-            period=period, speed_scale=its.speed_scale, acceleration_bias=its.acceleration_bias,
+            period=period, acceleration_bias=its.acceleration_bias,
             pressure_step=its.pressure_step, pressure_share=period / (its.pressure_lag + period),
             block=BLOCK, speed_every=its.speed_every, speed_latency=its.speed_latency,
+            speed_factor=its.speed_factor.ctypes.data, speed_factors=its.speed_factor.size,
         )  # fmt: skip
+        self._instruments = its
+        if its.gravity is not None:
+            self.struct.gravity = _course(its.gravity)
+        if (rail := its.rail) is not None:
+            self.struct.rail, self.struct.position = _course(rail.height), rail.position.ctypes.data
+            self.struct.shift[:], self.struct.forward[:] = rail.state.ravel().tolist(), rail.forward.tolist()
+            self.struct.back[:] = rail.back.tolist()
         self._truth, self._reading = np.empty(layout.outputs), np.empty(layout.readings)
         self._address = ctypes.addressof(self.struct)
         self._places = self._truth.ctypes.data, self._reading.ctypes.data

@@ -164,14 +164,18 @@ class Periods(Table):
     @model_validator(mode="after")
     def _whole_multiples(self) -> Self:
         for name in ("estimator", "controller", "trace"):
-            ratio = getattr(self, name) / self.communication
-            # 1e-9 is rounding of decimal fractions of a second, five orders below any real mismatch.
-            if round(ratio) < 1 or not math.isclose(ratio, round(ratio), rel_tol=1e-9):
+            if not self.holds_whole(getattr(self, name)):
                 raise broken(
                     f"{name} must be a whole multiple of communication, got {getattr(self, name):g} s over "
                     f"{self.communication:g} s"
                 )
         return self
+
+    def holds_whole(self, period: float) -> bool:
+        """Say whether a period [s] is a whole multiple of `communication`."""
+        ratio = period / self.communication
+        # 1e-9 is rounding of decimal fractions of a second, five orders below any real mismatch.
+        return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
 
     def every(self, name: Literal["estimator", "controller", "trace"]) -> int:
         """Return after how many communication steps this party is due."""

@@ -61,6 +61,12 @@ class Scenario(Table):
                 raise broken(f"[periods] communication {refusal}") from refusal
         if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
             raise broken("[sensors.gnss] reads positions on a [track.plan], and there is none")
+        sampling = getattr(self.sensors, "period", None)
+        if sampling is not None and not self.periods.holds_whole(sampling):
+            raise broken(
+                f"[sensors] period must be a whole multiple of [periods] communication, got {sampling:g} s over "
+                f"{self.periods.communication:g} s"
+            )
         rows = self.limits.horizon / self.periods.communication
         if rows > _MOST_ROWS:
             raise broken(

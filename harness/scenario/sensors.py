@@ -1,12 +1,12 @@
 """The table [sensors]: what stands between the plant and those who see it."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Discriminator, Field, StrictInt, Tag
+from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, model_validator
 
 from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.quantity import Magnitude, Unit
-from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table
+from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken
 
 _OFF = "a sensor so far off is none"
 SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]
@@ -16,6 +16,14 @@ PlaceError = Annotated[float, Unit("m", at_least=0, at_most=1000, because=_OFF)]
 GNSS = ("latitude", "longitude", "height")
 """What a receiver reads."""
 Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
+
+
+def _absent(value: object) -> bool:
+    return value is None
+
+
+def _none(value: object) -> bool:
+    return not value
 
 
 class IdealSensors(Table):
@@ -44,6 +52,21 @@ class SpeedSensor(Table):
     )
     period: Period
     latency: Lag
+    drift: Deviation = Field(
+        default=0.0, exclude_if=_none, description="1σ of a relative error that wanders, a Gauss-Markov process"
+    )
+    drift_time: Duration | None = Field(
+        default=None, exclude_if=_absent, description="over which the autocorrelation of the drift falls to 1/e"
+    )
+    dropouts: Deviation = Field(default=0.0, exclude_if=_none, description="share of the time without readings")
+    dropout_time: Duration | None = Field(default=None, exclude_if=_absent, description="mean length of a drop-out")
+
+    @model_validator(mode="after")
+    def _times(self) -> Self:
+        for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
+            if bool(getattr(self, name)) != (time is not None):
+                raise broken(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
+        return self
 
 
 class Accelerometer(Table):
@@ -51,12 +74,28 @@ class Accelerometer(Table):
 
     noise: AccelerationError = Field(description="1σ, white, each reading")
     bias: AccelerationError = Field(description="1σ, drawn once a stop")
+    feels_gradient: StrictBool = Field(
+        default=False, exclude_if=_none, description="whether it reads the gravity along the track, too"
+    )
+
+
+class RailUnderWheels(Table):
+    """Irregularities of the track under the wheels, as the frames of the bogies answer to them."""
+
+    track: Literal["erri-low", "erri-high", "fra-4", "fra-5", "fra-6"] = Field(
+        description="published spectrum of the height: ERRI B176, or classes of the FRA"
+    )
+    frequency: Annotated[float, Unit("Hz", above=0, at_most=100)] = Field(
+        description="natural frequency of a frame on its primary suspension"
+    )
+    damping: Annotated[float, Unit("1", above=0, at_most=2)] = Field(description="damping ratio of that")
 
 
 class DeflectionSensor(Table):
     """Travel of the primary suspension at each wheelset."""
 
     noise: TravelError = Field(description="1σ, white, each reading")
+    irregularity: RailUnderWheels | None = Field(default=None, exclude_if=_absent)
 
 
 class PressureTransducer(Table):
@@ -72,6 +111,12 @@ class ServiceSensors(Table):
     """Sensors as a train in service may have them."""
 
     kind: Literal["service"]
+    period: Period | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="at which all are sampled and their noise is drawn, a whole multiple of the communication step; "
+        "where it is not given 1 ms, or what is nearest to it",
+    )
     wheel: WheelEncoder
     speed: SpeedSensor
     acceleration: Accelerometer
@@ -103,6 +148,12 @@ class WhiteSensors(Table):
     """
 
     kind: Literal["white"]
+    period: Period | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="at which quantities are read and noise is drawn, a whole multiple of the communication step; that "
+        "itself where it is not given",
+    )
     noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
     bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")
     scale: dict[str, Deviation] = Field(default={}, description="1σ of the relative error, drawn once a stop")
@@ -113,6 +164,18 @@ class WhiteSensors(Table):
         """Quantities with errors."""
         receiver = () if self.gnss is None else GNSS
         return frozenset((*self.noise, *self.bias, *self.scale, *receiver))
+
+
+SERVICE_PERIOD = 1e-3
+"""Sampling period of the instruments of a train in service [s]."""
+
+
+def sampled_every(sensors: object, communication: float) -> int:
+    """Return the communication steps [s] between two readings of the sensors of a scenario."""
+    own = getattr(sensors, "period", None)
+    if own is None and isinstance(sensors, ServiceSensors):
+        own = SERVICE_PERIOD
+    return max(round((own or 0.0) / communication), 1)
 
 
 Sensors = Annotated[

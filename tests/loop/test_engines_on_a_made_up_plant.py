@@ -30,7 +30,15 @@ from railgrip.loop.faults import CommandFault, Faults, ReadingFault
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
 from railgrip.loop.rail import Field, TabulatedRail
-from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
+from railgrip.loop.sensors import (
+    BLOCK,
+    Course,
+    IdealSensors,
+    RoughRail,
+    ServiceInstruments,
+    ServiceSensors,
+    WhiteSensors,
+)
 from railgrip.loop.watch import Believer
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
@@ -48,7 +56,14 @@ GROUPS = (
     ),
 ) * 4  # fmt: skip
 INSTRUMENTS = ServiceInstruments(
-    pulses=100, pitch_error=3e-3, clock=1e-6, cut_off=0.3, wheel_radius=0.38, speed_noise=0.1, speed_scale=3e-3,
+    pulses=100, pitch_error=3e-3, clock=1e-6, cut_off=0.3, wheel_radius=0.38, speed_noise=0.1,
+    speed_factor=np.array([1.003, 1.002, np.nan, 1.001]),
+    gravity=Course(begin=-1.0, step=0.5, values=np.linspace(-0.2, 0.2, 9)),
+    rail=RoughRail(
+        height=Course(begin=-40.0, step=0.02, values=np.random.default_rng(7).normal(0.0, 1e-3, 2200)),
+        position=np.array(TWO_PART_TRAIN.wheelset_position), forward=np.array([0.9, -1.8, 0.9]),
+        back=np.array([-1.8, 0.85]), state=np.zeros((6, 2)),
+    ),
     speed_every=50, speed_latency=50, acceleration_noise=0.03, acceleration_bias=0.05, deflection_noise=2e-4,
     pressure_offset=np.array([1e3, -2e3, 30.0, 4e3]), pressure_step=244.0, pressure_lag=0.01,
 )  # fmt: skip
@@ -207,7 +222,7 @@ SENSORS = {
 
 def brake(
     engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None,
-    field=lambda: None, broken=((), ()),
+    field=lambda: None, broken=((), ()), sensing=1,
 ):  # fmt: skip
     plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
@@ -236,7 +251,7 @@ def brake(
             driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
             faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
             wheel_radius=RADIUS,
-            clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples),
+            clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
             start_speed=asked or plant.speed,
             stop_speed=0.1,
             recorder=recorder,
@@ -354,11 +369,12 @@ broken_brakes = st.builds(
     sensors=st.sampled_from(["ideal", "white", "service"]),
     valves=st.booleans(),
     filter_=st.sampled_from([None, Filter]),
+    sensing=st.integers(1, 3),
 )
-def test_any_faults_are_the_same_in_both_engines(broken, sensors, valves, filter_):
+def test_any_faults_are_the_same_in_both_engines(broken, sensors, valves, filter_, sensing):
     same(
         lambda: Plant(speed=12.0, slowing=8.0), filter_=filter_, sensors=sensors, valves=valves, every=(2, 5),
-        broken=broken,
+        broken=broken, sensing=sensing, samples=3 * BLOCK + 40,
     )  # fmt: skip
 
 

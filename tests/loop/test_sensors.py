@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT
 
-from railgrip.loop.sensors import Encoder, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
+from railgrip.loop.sensors import Course, Encoder, IdealSensors, ServiceInstruments, ServiceSensors, WhiteSensors
 
 PERIOD = 1e-3
 
@@ -17,7 +17,7 @@ def instruments(**changes):
         cut_off=0.3,
         wheel_radius=0.38,
         speed_noise=0.1,
-        speed_scale=0.002,
+        speed_factor=np.array([1.002]),
         speed_every=50,
         speed_latency=50,
         acceleration_noise=0.03,
@@ -134,3 +134,25 @@ def test_the_same_seed_reads_the_same():
     one, two = (ServiceSensors(LAYOUT, instruments(), PERIOD, np.random.default_rng(5)) for _ in range(2))
     for k in range(2000):
         assert np.array_equal(one.read(k, truth()), two.read(k, truth()), equal_nan=True)
+
+
+def test_a_lost_reading_is_none_and_factors_go_on_in_turn():
+    """Readings every 50 ms are 1.01, none, 0.99 of the speed, and again; the first one is due after the latency."""
+    factors = np.array([1.01, np.nan, 0.99])
+    perfect = dict(speed_noise=0.0, acceleration_noise=0.0, acceleration_bias=0.0)
+    sensors = ServiceSensors(LAYOUT, instruments(speed_factor=factors, **perfect), PERIOD, np.random.default_rng(3))
+    readings = [sensors.read(k, truth(acceleration=0.0))[LAYOUT.reading["speed"]][0] for k in range(301)]
+    assert readings[::50] == pytest.approx([np.nan, np.nan, 19.8, 20.2, np.nan, 19.8, 20.2], nan_ok=True)
+
+
+def test_an_accelerometer_feels_the_slope_under_it():
+    """A ramp of gravity from 0 at 10 m to 0.1 m/s² at 20 m; as at its ends before and beyond."""
+    gravity = Course(begin=10.0, step=5.0, values=np.array([0.0, 0.05, 0.1]))
+    perfect = dict(acceleration_noise=0.0, acceleration_bias=0.0)
+    sensors = ServiceSensors(LAYOUT, instruments(gravity=gravity, **perfect), PERIOD, np.random.default_rng(3))
+    ramp = {0.0: 0.0, 10.0: 0.0, 12.5: 0.025, 16.0: 0.06, 20.0: 0.1, 99.0: 0.1}
+    for k, (distance, felt) in enumerate(ramp.items()):
+        at = truth()
+        at[LAYOUT.output["distance"]] = distance
+        read = sensors.read(k, at)[LAYOUT.reading["acceleration"].start]
+        assert read == pytest.approx(-0.8 + felt, abs=1e-12)

@@ -17,7 +17,8 @@ SOURCES = LOOP | {"crossing.c": crossing.KERNEL.read_text(), "layout.h": LAYOUT.
     ("source", "name", "mirror"),
     [
         ("sensors.c", "Encoder", sensors._Encoder),
-        ("sensors.c", "Service", sensors.service_struct(LAYOUT.formation.groups)),
+        ("sensors.c", "Course", sensors._Course),
+        ("sensors.c", "Service", sensors.service_struct(LAYOUT.formation.groups, LAYOUT.formation.wheelsets)),
         ("plausible.c", "Plausibility", plausible.Plausibility),
         ("driver.c", "Phase", driver._Phase),
         ("driver.c", "Driver", driver.driver_struct(LAYOUT.formation.groups)),

@@ -2,13 +2,16 @@
 
 import numpy as np
 import pytest
-from synthetic import LIBRARY, TWO_PART_TRAIN
+from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.errors import ScenarioError, SensorsFailed
 from railgrip.instruments import readings_of, sensors_of
 from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.merge import merged
+from railgrip.scenario.sensors import sampled_every
 from railgrip.signals import EXTRA, PLANT, READINGS, layout_of
 from railgrip.track.geodesy import local
+from railgrip.track.irregularity import RIDE, spectrum
 
 SHOWN = [signal.name for signal in PLANT]
 PLAN = {
@@ -90,3 +93,108 @@ def test_an_extra_output_is_in_the_layout_of_a_plant_that_has_it():
     layout = layout_of(TWO_PART_TRAIN, (*PLANT, *EXTRA))
     assert layout.output["drive_torque"].stop == layout.outputs
     assert "OUTPUT_CONTACT_FORCE" in layout.header()
+
+
+def service(step, **sensors):
+    written = load(LIBRARY / "degraded.toml").resolved()
+    changes = {"periods": dict.fromkeys(written["periods"], step), "vehicle": {"plant": "TwoPartTrain"}}
+    changes |= {"actuation": {"kind": "ideal"}, "sensors": sensors, "faults": []}
+    return scenario_of(merged(written, changes), directory=LIBRARY, origin="mine.toml")
+
+
+def test_instruments_do_not_know_the_communication_step():
+    """Sampled each millisecond, they read the same of the same truth whether the loop runs at 1, 0.5 or 0.25 ms."""
+    readings = []
+    for step in ("1 ms", "0.5 ms", "0.25 ms"):
+        scenario = service(step)
+        every = sampled_every(scenario.sensors, scenario.periods.communication)
+        assert every * scenario.periods.communication == 1e-3
+        sensors = sensors_of(scenario, LAYOUT, 0.4)
+        truths = np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)
+        readings.append(np.array([sensors.read(k, truth) for k, truth in enumerate(truths)]))
+    assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
+
+
+def test_a_coarser_loop_reads_each_of_its_steps():
+    assert sampled_every(service("2 ms").sensors, 2e-3) == 1
+    assert sampled_every(service("0.3 ms").sensors, 3e-4) == 3
+
+
+def test_a_period_between_communication_steps_is_refused():
+    with pytest.raises(
+        ScenarioError, match=r"\[sensors\] period must be a whole multiple of \[periods\] communication"
+    ):
+        service("0.4 ms", period="1 ms")
+
+
+def driven(scenario, speed=20.0, seconds=40.0):
+    """Readings of a train that runs at a constant speed, and what they would be without errors [rows of LAYOUT]."""
+    sensors = sensors_of(scenario, LAYOUT, 0.4)
+    rows = []
+    for k in range(round(seconds / 1e-3)):
+        truth = np.zeros(LAYOUT.outputs)
+        truth[LAYOUT.output["distance"]], truth[LAYOUT.output["speed"]] = speed * k * 1e-3, speed
+        rows.append(sensors.read(k, truth))
+    return np.array(rows)
+
+
+def test_drop_outs_and_drift_of_a_radar_are_those_of_the_table():
+    """400 s are 8000 readings, a quarter of them lost in some 200 stretches of 0.5 s; a drift of 1 % forgets itself 200
+    times."""
+    radar = {"noise": 0, "scale_error": 0, "drift": "1 %", "drift_time": "2 s"}
+    radar |= {"dropouts": "25 %", "dropout_time": "0.5 s"}
+    longer = merged(service("1 ms", speed=radar).resolved(), {"limits": {"horizon": "410 s"}})
+    rows = driven(scenario_of(longer, directory=LIBRARY, origin="mine"), seconds=400.0)
+    readings = rows[100::50, LAYOUT.reading["speed"].start]
+    lost = np.isnan(readings)
+    assert lost.mean() == pytest.approx(0.25, abs=0.06)
+    lengths = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], lost, [0]]).astype(int))))[::2]
+    assert lengths.mean() * 0.05 == pytest.approx(0.5, rel=0.3)
+    error = readings / 20.0 - 1.0
+    assert np.nanstd(error) == pytest.approx(0.01, rel=0.3)
+    close = error[1:] - error[:-1]
+    # Of a Gauss-Markov process: 2 σ² (1 - exp(-Δ/T)).
+    assert np.nanstd(close) == pytest.approx(0.01 * np.sqrt(2 * (1 - np.exp(-0.05 / 2.0))), rel=0.1)
+
+
+def test_an_accelerometer_feels_the_gradients_of_the_track_and_the_one_nobody_knows():
+    sheet = {"acceleration": {"noise": 0, "bias": 0, "feels_gradient": True}}
+    scenario = service("1 ms", **sheet)
+    gradient = [{"begin": "100 m", "slope": 0.02}, {"begin": "300 m", "slope": 0}]
+    track = {"train_mass": "84 t", "gradient": gradient}
+    changes = {"track": track, "truth": {"gradient": 0.01}}
+    scenario = scenario_of(merged(scenario.resolved(), changes), directory=LIBRARY, origin="mine")
+    read = driven(scenario, seconds=20.0)[:, LAYOUT.reading["acceleration"].start]
+    g = 9.81
+    assert read[[4000, 6000, 14000, 16000]] == pytest.approx([g * 0.01, g * 0.03, g * 0.03, g * 0.01], rel=1e-3)
+
+
+def test_deflections_show_the_rail_as_a_frame_answers_to_it():
+    """At 20 m/s the variance is that of the spectrum times |H|² of the suspension; wheelsets read the same rail, each
+    when it gets there, once it is forgotten that the frames came with the 80 km/h of the scenario."""
+    frequency, damping = 6.0, 0.2
+    rail = {"track": "erri-low", "frequency": f"{frequency} Hz", "damping": damping}
+    rows = driven(service("1 ms", deflection={"noise": 0, "irregularity": rail}), seconds=90.0)
+    deflection = rows[:, LAYOUT.reading["deflection"]]
+    f = RIDE.frequencies
+    s, omega = 2j * np.pi * f * 20.0, 2 * np.pi * frequency
+    passed = np.abs(s**2 / (s**2 + 2 * damping * omega * s + omega**2)) ** 2
+    expected = np.sqrt(np.sum(spectrum("erri-low", "vertical", f) * passed) * RIDE.spacing)
+    assert deflection[:, 0].std() == pytest.approx(expected, rel=0.1)
+    later = round(1.9 / 20.0 / 1e-3)
+    assert np.abs(deflection[later:, 1] - deflection[:-later, 0])[3000:].max() < 0.01 * expected
+    assert np.abs(deflection[:100]).max() > 0.1 * expected  # it has been rolling before
+
+
+@pytest.mark.parametrize(
+    ("sheet", "sentence"),
+    [
+        ({"speed": {"drift": "1 %"}}, r"\[sensors.speed\] drift and drift_time want each other"),
+        ({"speed": {"dropout_time": "1 s"}}, r"\[sensors.speed\] dropouts and dropout_time want each other"),
+        ({"speed": {"drift": "2 m/s", "drift_time": "1 s"}}, r"drift"),
+        ({"deflection": {"irregularity": {"track": "uic"}}}, r"track is 'uic'; there is 'erri-low'"),
+    ],
+)
+def test_wrong_sheets_end_in_a_sentence(sheet, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        service("1 ms", **sheet)

@@ -104,3 +104,25 @@ def test_a_lighter_train_downhill_is_one():
     a, b = (-stop.trace["acceleration"].values[2500] for stop in (told, lighter))
     mass, rotating = 84e3, (2 * 222 + 2 * 209) / 0.38**2
     assert b == pytest.approx((a * (mass + rotating) - 0.8 * mass * 9.81 * 0.01) / (0.8 * mass + rotating), rel=0.01)
+
+
+def test_sensors_as_they_are_read_the_same_in_both_engines():
+    """A radar that drifts and drops out, an accelerometer that feels 1 % uphill, a rail that shakes the suspension."""
+    sensors = {
+        "speed": {"drift": "0.5 %", "drift_time": "5 s", "dropouts": "20 %", "dropout_time": "0.3 s"},
+        "acceleration": {"feels_gradient": True},
+        "deflection": {"noise": 0, "irregularity": {"track": "erri-high", "frequency": "5.9 Hz", "damping": 0.19}},
+    }
+    stop = same(train(sensors=sensors, truth={"gradient": 0.01}))
+    trace = stop.trace
+    felt = trace["reading_acceleration"].values - trace["acceleration"].values
+    plain = same(train(truth={"gradient": 0.01})).trace
+    assert felt.mean() - (plain["reading_acceleration"] - plain["acceleration"]).values.mean() == pytest.approx(
+        0.0981, abs=2e-3
+    )
+    due = trace["reading_speed"].values[50::50]
+    assert 0 < np.isnan(due).sum() < len(due)
+    # Without noise, what is left is the rail: at 7 m/s hardly any wave is as short as the frame's bounce asks for.
+    shaken = (trace["reading_deflection"] - trace["deflection"]).values
+    assert 1e-5 < shaken[:1000].std() < 3e-4
+    assert np.abs(shaken[-100:]).max() < np.abs(shaken).max()  # it fades as the train stands

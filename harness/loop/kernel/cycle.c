@@ -54,7 +54,7 @@ typedef struct {
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
     long long present_count, width, seen_count;
-    long long estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
+    long long sensors_every, estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
     long long demand_at, driver_at, traction_at; /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
@@ -69,13 +69,19 @@ static void copy(double *to, const double *from, long long count)
 
 static void read_all(const Cycle *c, double *reading)
 {
-    if (c->service)
-        read_service(c->service, c->sample, c->truth, reading);
+    static const double NOTHING_NEW = 0.0 / 0.0;
+    const long long sample = c->sample / c->sensors_every;
+
+    if (c->sample % c->sensors_every)
+        for (int i = 0; i < READINGS; i++)
+            reading[i] = NOTHING_NEW;
+    else if (c->service)
+        read_service(c->service, sample, c->truth, reading);
     else
         for (int i = 0; i < READINGS; i++) {
             reading[i] = c->truth[c->read_of[i]];
             if (c->noise)
-                reading[i] = reading[i] * c->gain[i] + c->bias[i] + c->noise[c->sample % NOISE_BLOCK * READINGS + i];
+                reading[i] = reading[i] * c->gain[i] + c->bias[i] + c->noise[sample % NOISE_BLOCK * READINGS + i];
         }
 }
 

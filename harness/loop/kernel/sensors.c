@@ -44,16 +44,38 @@ EXPORT double read_encoder(Encoder *its, long long sample, double speed)
     return (double)passed * its->pitch / (stamp - previous);
 }
 
+static double at(const Course *its, double distance)
+{
+    const double place = fmin(fmax((distance - its->begin) / its->step, 0.0), (double)(its->count - 1));
+    const long long before = (long long)place, after = before + 1 < its->count ? before + 1 : before;
+
+    return its->values[before] + (place - (double)before) * (its->values[after] - its->values[before]);
+}
+
+/* What the rail under a wheelset adds to its deflection: the frame does not follow short waves, and follows long ones. */
+static double shaken(Service *its, int wheelset, double distance)
+{
+    double *shift = its->shift + 2 * wheelset;
+    const double height = at(&its->rail, distance - its->position[wheelset]), moved = its->forward[0] * height + shift[0];
+
+    shift[0] = its->forward[1] * height - its->back[0] * moved + shift[1];
+    shift[1] = its->forward[2] * height - its->back[1] * moved;
+    return moved;
+}
+
 EXPORT void read_service(Service *its, long long sample, const double *truth, double *reading)
 {
     const double *noise = its->noise + sample % its->block * NOISES;
-    const double acceleration = truth[OUTPUT_ACCELERATION] + its->acceleration_bias + noise[1];
     const long long ring = its->speed_latency + 1;
+    double acceleration = truth[OUTPUT_ACCELERATION] + its->acceleration_bias + noise[1];
 
+    if (its->gravity.count)
+        acceleration += at(&its->gravity, truth[OUTPUT_DISTANCE]);
     its->past[sample % ring] = truth[OUTPUT_SPEED];
     reading[READING_SPEED] = NOTHING_NEW;
     if (sample % its->speed_every == 0 && sample >= its->speed_latency) {
-        const double late = its->past[(sample + 1) % ring] * (1.0 + its->speed_scale) + noise[0];
+        const double factor = its->speed_factor[sample / its->speed_every % its->speed_factors];
+        const double late = its->past[(sample + 1) % ring] * factor + noise[0];
         /* The latency is known from the data sheet: the sensor's own electronics carries its reading forward. */
         reading[READING_SPEED] = late + acceleration * (double)its->speed_latency * its->period;
     }
@@ -64,7 +86,10 @@ EXPORT void read_service(Service *its, long long sample, const double *truth, do
         reading[READING_CYLINDER_PRESSURE + g] =
             rint(its->pressure[g] / its->pressure_step + its->offset_steps[g]) * its->pressure_step;
     }
-    for (int w = 0; w < WHEELSETS; w++)
+    for (int w = 0; w < WHEELSETS; w++) {
         reading[READING_DEFLECTION + w] = truth[OUTPUT_DEFLECTION + w] + noise[2 + w];
+        if (its->rail.count)
+            reading[READING_DEFLECTION + w] += shaken(its, w, truth[OUTPUT_DISTANCE]);
+    }
     reading[READING_ACCELERATION] = acceleration;
 }

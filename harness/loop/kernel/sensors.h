@@ -21,13 +21,24 @@ typedef struct {
 } Encoder;
 
 typedef struct {
+    const double *values;                        /* at even places; straight between them, beyond the ends as there */
+    double begin, step;                          /* [m] */
+    long long count;
+} Course;
+
+typedef struct {
     Encoder encoder[GROUPS];
+    Course gravity, rail;                        /* along the track [m/s2]; height of the rail [m]; count 0: there is none */
+    const double *position;                      /* of each wheelset behind the leading one [m] */
+    const double *speed_factor;                  /* of one reading of the train speed after the other, and again; NaN: lost */
+    double shift[2 * WHEELSETS];                 /* of each wheelset, what the frame over it remembers of the rail [m] */
+    double forward[3], back[2];                  /* from the height of the rail to the deflection: a digital filter */
     const double *noise;                         /* rows of NOISES for `block` samples from a multiple of it on */
     const double *offset_steps;                  /* of each transducer, in steps of the converter */
     double *past;                                /* speed_latency + 1 train speeds, a ring */
-    double period, speed_scale, acceleration_bias, pressure_step, pressure_share;
+    double period, acceleration_bias, pressure_step, pressure_share;
     double pressure[GROUPS];                     /* behind the transducers' lag */
-    long long block, speed_every, speed_latency;
+    long long block, speed_every, speed_latency, speed_factors;
 } Service;
 
 double read_encoder(Encoder *its, long long sample, double speed);

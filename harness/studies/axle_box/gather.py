@@ -18,9 +18,9 @@ import railgrip.estimators.learned.channels
 import railgrip.estimators.learned.preprocessing
 import railgrip.studies.axle_box.accelerometer
 import railgrip.studies.axle_box.instrumented_car
-import railgrip.studies.axle_box.irregularity
 import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
+import railgrip.track.irregularity
 from railgrip import cache
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
@@ -43,7 +43,7 @@ _CODE: Final = (
     railgrip.estimators.learned.antialias,
     railgrip.studies.axle_box.measured, railgrip.studies.axle_box.reduction,
     railgrip.studies.axle_box.accelerometer, railgrip.studies.axle_box.instrumented_car,
-    railgrip.studies.axle_box.irregularity,
+    railgrip.track.irregularity,
 )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
-from railgrip.studies.axle_box.irregularity import KINDS, TRACKS, Irregularity, realise
+from railgrip.track.irregularity import KINDS, TRACKS, Irregularity, realise
 
 Array = NDArray[np.float64]
 

@@ -39,8 +39,8 @@ from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, car_of
-from railgrip.studies.axle_box.irregularity import TRACKS
 from railgrip.studies.axle_box.parties import AxleBoxes, in_casadi, in_fmu
+from railgrip.track.irregularity import TRACKS
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ Sources: ERRI B176 RP1 (German spectra of low and high disturbance); Federal Rai
 and Garg and Dukkipati, Dynamics of Railway Vehicle Systems (1984), for the classes 4 to 6.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -128,13 +128,15 @@ class Irregularity:
         return np.asarray(self.curves[kind](position), dtype=np.float64)
 
 
-def realise(track: str, length: float, generator: np.random.Generator, band: Band = RIDE) -> Irregularity:
+def realise(
+    track: str, length: float, generator: np.random.Generator, band: Band = RIDE, kinds: Collection[Kind] = KINDS
+) -> Irregularity:
     """Draw the irregularities of a stretch of track from position 0 to `length`, m."""
     # Eight points on the shortest wave: cubic interpolation is then within 0.2 % of it.
     grid = np.arange(0.0, length + 1.0, 1 / (8 * band.highest))
     frequencies = band.frequencies
     curves: dict[Kind, CubicSpline] = {}
-    for kind in KINDS:
+    for kind in kinds:
         amplitude = np.sqrt(2 * spectrum(track, kind, frequencies) * band.spacing)
         phase = generator.uniform(0, 2 * np.pi, band.lines)
         curves[kind] = CubicSpline(grid, _sum_of_cosines(grid, frequencies, amplitude, phase))
