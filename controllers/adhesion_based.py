@@ -15,17 +15,16 @@ Two forms:
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from math import isfinite
 from types import MappingProxyType
 from typing import ClassVar
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
-from railgrip.controllers.law import Demand, Law, Seen, law
+from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SeekerTuning:
+class SeekerTuning(Tuning):
     """Parameters of the peak seeker; one set serves every scenario.
 
     Attributes:
@@ -64,18 +63,7 @@ class SeekerTuning:
     adhesion_guard: float
     speed_min: float
 
-    def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
-
-        Raises:
-            ValueError: A value is negative or not a finite number, or the period is zero.
-        """
-        for name, (unit, _) in self.MEANINGS.items():
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0.0) or (name == "period" and value == 0.0):
-                kind = "positive" if name == "period" else "not negative"
-                raise ValueError(f"AdhesionBased: {name} must be finite and {kind}, got {value} {unit}.")
-
+    LAW: ClassVar[str] = "AdhesionBased"
     MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
             "period": ("s", "between two decisions"),
@@ -95,12 +83,7 @@ class SeekerTuning:
             "speed_min": ("m/s", "train speed below which the brake is simply applied"),
         }
     )
-    """Unit and meaning of each parameter, in short."""
-
-    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {name: unit for name, (unit, _) in MEANINGS.items() if name not in ("period", "adhesion_max")}
-    )
-    """Unit of each parameter that a user may change; period and adhesion_max are the scenario's."""
+    FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
 
 
 class AdhesionBased(Law):
@@ -152,7 +135,7 @@ def adhesion_based(groups: int) -> Formula:
     """Return the formula of `AdhesionBased` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = _parameters(draft, SeekerTuning.MEANINGS)
+        tuning = parameters(draft, SeekerTuning.MEANINGS)
         filters = _Derivatives(draft, tuning)
 
         def demand(draft: Draft, seen: Seen) -> Expression:
@@ -197,7 +180,7 @@ def literal_adhesion_based(groups: int) -> Formula:
     """Return the formula of `LiteralAdhesionBased` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = _parameters(draft, {name: SeekerTuning.MEANINGS[name] for name in _LITERAL})
+        tuning = parameters(draft, {name: SeekerTuning.MEANINGS[name] for name in _LITERAL})
         filters = _Derivatives(draft, tuning)
 
         def demand(draft: Draft, seen: Seen) -> Expression:
@@ -220,10 +203,6 @@ def literal_adhesion_based(groups: int) -> Formula:
 
 
 _LITERAL = ("period", "filter_time", "adhesion_max", "adhesion_small", "slip_small", "creep_small", "speed_min")
-
-
-def _parameters(draft: Draft, meanings: Mapping[str, tuple[str, str]]) -> dict[str, Expression]:
-    return {name: draft.parameter(name, unit, text) for name, (unit, text) in meanings.items()}
 
 
 def _is_rolling(

@@ -2,12 +2,59 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from math import isfinite
+from types import MappingProxyType
+from typing import ClassVar
 
 from railgrip.controllers.brake import BRAKE, BrakeGroup
 from railgrip.controllers.observation import Observation
-from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
+from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose
 
 NOT_SEEN = float("nan")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tuning:
+    """Parameters of a law: finite numbers that are not negative, those of a subclass in its `MEANINGS`.
+
+    Attributes:
+        LAW: Name of the law in a sentence.
+        MEANINGS: Name → unit and meaning in short.
+        POSITIVE: Names of those that must not be zero, either.
+        FIXED: Names of those that the scenario sets by other tables.
+    """
+
+    LAW: ClassVar[str] = ""
+    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
+    POSITIVE: ClassVar[frozenset[str]] = frozenset({"period"})
+    FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
+
+    def __post_init__(self) -> None:
+        """Refuse what would run and mean nothing.
+
+        Raises:
+            ValueError: A value is negative or not a finite number, or zero where it must not be.
+        """
+        for name, (unit, _) in self.MEANINGS.items():
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
+                kind = "positive" if name in self.POSITIVE else "not negative"
+                raise ValueError(f"{self.LAW}: {name} must be finite and {kind}, got {value} {unit}.")
+
+    @classmethod
+    def units(cls) -> dict[str, str]:
+        """Return the unit of each parameter that a user may change."""
+        return {name: unit for name, (unit, _) in cls.MEANINGS.items() if name not in cls.FIXED}
+
+
+def parameters(draft: Draft, meanings: Mapping[str, tuple[str, str]]) -> dict[str, Expression]:
+    """Return the symbols of new parameters, by name."""
+    return {name: draft.parameter(name, unit, text) for name, (unit, text) in meanings.items()}
+
+
+def within(value: Expression, low: Expression, high: Expression) -> Expression:
+    """Return a value, or the bound that it passes; `low` for one that is no number."""
+    return choose(value > low, choose(value < high, value, high), low)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,6 +64,7 @@ class Seen:
     Attributes:
         index: Of the group as FMI counts, 1 the leading one.
         brake: The group's data by name.
+        train: What is seen of every group, this one among them, lead to trail; whole once all are asked for a demand.
     """
 
     index: int
@@ -25,8 +73,11 @@ class Seen:
     slip: Expression
     adhesion: Expression
     pad_friction: Expression
+    wheelset_speed: Expression
+    driver_demand: Expression
     pressure: Expression
     brake: Mapping[str, Expression]
+    train: Sequence["Seen"]
 
     def named(self, name: str) -> str:
         """Return the name of this group's element of an array."""
@@ -35,6 +86,17 @@ class Seen:
 
 Demand = Callable[[Draft, Seen], Expression]
 """Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
+
+
+OF_GROUPS = (
+    ("slip", "1", "slip 1 - r*omega/v of the group"),
+    ("adhesion", "1", "estimated adhesion of the group, positive in braking"),
+    ("pad_friction", "1", "estimated friction of the group's brake pads"),
+    ("wheelset_speed", "rad/s", "rotational speed of the group's wheelsets"),
+    ("driver_demand", "Pa", "brake cylinder pressure that the driver asks for"),
+    ("pressure", "Pa", "measured brake cylinder pressure"),
+)
+"""Inputs of a law that each group has, in their order behind speed and acceleration: name, unit and meaning."""
 
 
 def law(name: str, description: str, groups: int, demand_with: Callable[[Draft], Demand]) -> Formula:
@@ -50,21 +112,14 @@ def law(name: str, description: str, groups: int, demand_with: Callable[[Draft],
     numbers = range(1, groups + 1)
     speed = draft.input("speed", "m/s", "speed of the train")
     acceleration = draft.input("acceleration", "m/s2", "acceleration of the train, negative in braking")
-    of_groups = {
-        name: [draft.input(f"{name}[{g}]", unit, text) for g in numbers]
-        for name, unit, text in (
-            ("slip", "1", "slip 1 - r*omega/v of the group"),
-            ("adhesion", "1", "estimated adhesion of the group, positive in braking"),
-            ("pad_friction", "1", "estimated friction of the group's brake pads"),
-            ("pressure", "Pa", "measured brake cylinder pressure"),
-        )
-    }
+    of_groups = {name: [draft.input(f"{name}[{g}]", unit, text) for g in numbers] for name, unit, text in OF_GROUPS}
     demand = demand_with(draft)
-    demands: list[Expression] = []
+    train: list[Seen] = []
     for g in numbers:
         brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
         own = {name: symbols[g - 1] for name, symbols in of_groups.items()}
-        demands.append(demand(draft, Seen(index=g, speed=speed, acceleration=acceleration, brake=brake, **own)))
+        train.append(Seen(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **own))
+    demands = [demand(draft, seen) for seen in train]
     for g, demanded in zip(numbers, demands, strict=True):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
@@ -83,9 +138,7 @@ class Law(Sampled):
         """Control `groups`; `parameters` are those that are not of a group, by name."""
         brakes = {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
         super().__init__(formula, brakes | {name: float(value) for name, value in parameters.items()})
-        # Where each quantity stands among the inputs, in the order of `law`.
-        starts = range(2, 2 + 4 * len(groups), len(groups))
-        self._slip, self._adhesion, self._pad_friction, self._pressure = (slice(s, s + len(groups)) for s in starts)
+        self._count = len(groups)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
@@ -93,14 +146,15 @@ class Law(Sampled):
         Raises:
             ValueError: The observation lacks an estimate that the law needs.
         """
-        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure, _ = observation
-        given = self.given
-        given[0], given[1] = speed, acceleration
-        given[self._slip], given[self._pressure] = slip, pressure
+        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
         if adhesion is None or pad_friction is None:
             missing = [name for name in self.needs if getattr(observation, name) is None]
             if missing:
                 raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; nobody provides it.")
-        given[self._adhesion] = NOT_SEEN if adhesion is None else adhesion
-        given[self._pad_friction] = NOT_SEEN if pad_friction is None else pad_friction
+        given = self.given
+        given[0], given[1] = speed, acceleration
+        rows = given[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
+        rows[0], rows[3], rows[4], rows[5] = slip, wheels, driver_demand, pressure
+        rows[1] = NOT_SEEN if adhesion is None else adhesion
+        rows[2] = NOT_SEEN if pad_friction is None else pad_friction
         return self.evaluate()

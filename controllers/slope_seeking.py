@@ -14,19 +14,19 @@ shrinking by it, are this project's.
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from math import isfinite, pi
+from math import pi
 from types import MappingProxyType
 from typing import ClassVar
 
 import casadi as ca
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
-from railgrip.controllers.law import Demand, Law, Seen, law
+from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SlopeTuning:
+class SlopeTuning(Tuning):
     """Parameters of `SlopeSeeking`; units and meanings are in `MEANINGS`."""
 
     period: float
@@ -54,6 +54,7 @@ class SlopeTuning:
     adhesion_guard: float
     speed_min: float
 
+    LAW: ClassVar[str] = "SlopeSeeking"
     MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
         {
             "period": ("s", "between two decisions"),
@@ -85,24 +86,16 @@ class SlopeTuning:
             "speed_min": ("m/s", "train speed below which the brake is simply applied"),
         }
     )
-    """Unit and meaning of each parameter."""
-
-    UNITS: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {name: unit for name, (unit, _) in MEANINGS.items() if name not in ("period", "adhesion_max")}
-    )
-    """Unit of each parameter that a user may change; period and adhesion_max are the scenario's."""
+    POSITIVE: ClassVar[frozenset[str]] = frozenset(name for name, (unit, _) in MEANINGS.items() if unit == "s")
+    FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
 
     def __post_init__(self) -> None:
         """Refuse what would run and mean nothing.
 
         Raises:
-            ValueError: A value is not finite or negative, a time is zero, or the slips are not in order.
+            ValueError: See `Tuning`; or the slips are not in order.
         """
-        for name, (unit, _) in self.MEANINGS.items():
-            value = getattr(self, name)
-            least = "positive" if unit == "s" else "not negative"
-            if not (isfinite(value) and value >= 0.0) or (unit == "s" and value == 0.0):
-                raise ValueError(f"SlopeSeeking: {name} must be finite and {least}, got {value} {unit}.")
+        Tuning.__post_init__(self)
         if not 0.0 < self.slip_small < self.slip_most < 1.0 or not 0.0 < self.slip_usual < 1.0:
             raise ValueError(
                 "SlopeSeeking: slips must have 0 < slip_small < slip_most < 1 and 0 < slip_usual < 1, got "
@@ -153,7 +146,7 @@ def slope_seeking(groups: int) -> Formula:
     """Return the formula of `SlopeSeeking` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        t = {name: draft.parameter(name, unit, text) for name, (unit, text) in SlopeTuning.MEANINGS.items()}
+        t = parameters(draft, SlopeTuning.MEANINGS)
         period = t["period"]
         started = draft.state("started", "1", "1 once there is a sample before this one")
         phase = draft.state("phase", "1", "periods of the dither since the start")

@@ -23,6 +23,27 @@ def searched(law: str, actuation: str, slip: SlipSource) -> Mapping[str, float]:
     return tomllib.loads(text)[actuation][slip]
 
 
+FIXED: Mapping[str, Mapping[str, float]] = {
+    # Criteria of slip are searched; an axle may be vented for 5 to 10 s before it has to brake again, and the last
+    # kilometres per hour are left to the brake.
+    "wheel_reference": {"filter_time": 0.03, "test_time": 0.6, "vent_max": 7.0, "apply_time": 1.0, "speed_min": 1.4},
+    "constant_slip": {"speed_min": 0.5},
+    # Peaks lie between these slips; wheels that hardly brake say nothing about the rail.
+    "extremum_seeking": {"slip_least": 0.005, "slip_most": 0.3, "adhesion_small": 0.01, "speed_min": 0.5},
+}
+"""What is not searched of the laws that have no set of their own below."""
+
+
+def of(law: str, actuation: str, slip: SlipSource) -> dict[str, float]:
+    """Return all parameters of a law of `FIXED`, but for its period.
+
+    What its slip comes from matters to a law that looks at it; one with a single way to know it has a single set.
+    """
+    text = (files("railgrip.controllers") / f"{law}.toml").read_text(encoding="utf-8")
+    sets = tomllib.loads(text)[actuation]
+    return {**FIXED[law], **sets.get(slip, next(iter(sets.values())))}
+
+
 PAPER_LEVELS = SlipLevels(low=0.10, high=0.15, speed_min=0.5, hold=False)
 """Two-level control as in Schwarz, Posielek, Goetjes (2021), §4."""
 

@@ -19,12 +19,16 @@ from numpy.typing import NDArray
 from railgrip import custom
 from railgrip.contact import compiled_contact
 from railgrip.controllers import tuning
-from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased, SeekerTuning
+from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
 from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.constant_slip import ConstantSlip, ConstantSlipTuning
+from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
 from railgrip.controllers.full_brake import FullBrake
+from railgrip.controllers.law import Law, Tuning
 from railgrip.controllers.slip_based import SlipBased
-from railgrip.controllers.slope_seeking import SlopeSeeking, SlopeTuning
+from railgrip.controllers.slope_seeking import SlopeSeeking
 from railgrip.controllers.valves import ValveLogic, ValveModel
+from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
 from railgrip.engine import Engine
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.estimators.compiled import CompiledFilter
@@ -1083,15 +1087,31 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
             return SlipBased(groups, replace(levels, **values))
         except ValueError as problem:
             raise ScenarioError(f"{where}: {problem}") from problem
-    given = {"period": scenario.periods.controller, "adhesion_max": scenario.limits.alpha_max}
-    values = in_units(where, own, (SlopeTuning if table.kind == "slope_seeking" else SeekerTuning).UNITS)
+    law, base, given = _law_of(scenario, table.kind)
+    values = in_units(where, own, type(base).units())
     try:
-        if table.kind == "slope_seeking":
-            return SlopeSeeking(groups, replace(tuning.SLOPE, **given, **values))
-        seeker = replace(tuning.SEEKER[scenario.actuation.kind], **given, **values)
+        return law(groups, replace(base, **given, **values))
     except ValueError as problem:
         raise ScenarioError(f"{where}: {problem}") from problem
-    return (AdhesionBased if table.kind == "adhesion_based" else LiteralAdhesionBased)(groups, seeker)
+
+
+def _law_of(
+    scenario: Scenario, kind: str
+) -> tuple[Callable[[Sequence[BrakeGroup], Any], Law], Tuning, dict[str, float]]:
+    """Return a law, its parameters, and those of them that other tables of a scenario set."""
+    actuation, period = scenario.actuation.kind, {"period": scenario.periods.controller}
+    if kind in ("adhesion_based", "adhesion_literal"):
+        seeker = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
+        return seeker, tuning.SEEKER[actuation], period | {"adhesion_max": scenario.limits.alpha_max}
+    if kind == "slope_seeking":
+        return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max}
+    law, parameters = {
+        "wheel_reference": (WheelReference, WheelReferenceTuning),
+        "constant_slip": (ConstantSlip, ConstantSlipTuning),
+        "extremum_seeking": (ExtremumSeeking, ExtremumSeekingTuning),
+    }[kind]
+    slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
+    return law, parameters(**period, **tuning.of(kind, actuation, slip)), period
 
 
 def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:

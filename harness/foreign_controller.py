@@ -11,10 +11,13 @@ from railgrip.fmu import Binding, Description, Plant, Signal, bind, open_plant
 from railgrip.scenario.parties import ControllerFmu
 from railgrip.scenario.schema import Scenario
 
-_READ = ("speed", "acceleration", "slip", "pressure", "driver_demand")
+_READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
 _BELIEVED = ("adhesion", "pad_friction")
 _GIVEN = ("demand", "command")
-_UNITS = {"speed": "m/s", "acceleration": "m/s2", "pressure": "Pa", "driver_demand": "Pa", "demand": "Pa"}
+_UNITS = {
+    "speed": "m/s", "acceleration": "m/s2", "wheelset_speed": "rad/s", "pressure": "Pa", "driver_demand": "Pa",
+    "demand": "Pa",
+}  # fmt: skip
 _OF_TRAIN = frozenset({"speed", "acceleration"})
 
 
@@ -46,9 +49,9 @@ class ForeignController:
         Raises:
             ControllerFailed: The FMU failed.
         """
-        _, speed, acceleration, _, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
+        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
         estimated = [values for values in (adhesion, pad_friction) if values is not None]
-        self._inputs[:] = np.concatenate(((speed, acceleration), slip, pressure, driver_demand, *estimated))
+        self._inputs[:] = np.concatenate(((speed, acceleration), slip, wheels, pressure, driver_demand, *estimated))
         try:
             if not self._started:
                 self._fmu.start(self._inputs)

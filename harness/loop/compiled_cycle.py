@@ -107,7 +107,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
             *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
             *((name, _Formula) for name in ("law", "valves")),
-            *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver", "faults")),
+            *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver", "full", "faults")),
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
             ("rows", ctypes.c_void_p),
             *((name, ctypes.c_double * size) for name, size in vectors.items()),
@@ -147,9 +147,9 @@ def obstacle(
     if not isinstance(actuation, Direct | FormulaInC):
         return "the actuation is Python, not a formula"
     # In C the vectors of both have the lengths that cycle.c gives them. A law is shown speed and acceleration, and of
-    # each group slip, adhesion, pad friction and pressure.
+    # each group slip, adhesion, pad friction, wheelset speed, and the demanded and read pressure.
     groups = layout.formation.groups
-    for who, formula, takes in (("controller", controller, 2 + 4 * groups), ("actuation", actuation, 2 * groups)):
+    for who, formula, takes in (("controller", controller, 2 + 6 * groups), ("actuation", actuation, 2 * groups)):
         if isinstance(formula, FormulaInC) and (formula.step.numel_in(1), formula.step.numel_out(1)) != (takes, groups):
             return f"the {who} is not for {groups} groups"
     return None
@@ -252,7 +252,7 @@ class _Parts:
             present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
             service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
-            faults=ctypes.addressof(faults.struct) if faults is not None else None,
+            full=self._at(driver.pressure), faults=ctypes.addressof(faults.struct) if faults is not None else None,
             law=self._formula(controller), valves=self._formula(actuation),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,

@@ -1,7 +1,7 @@
 """The tables of who acts and when: actuation, estimator, controller, limits, periods."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, field_validator, model_validator
 
@@ -54,7 +54,16 @@ Estimator = Annotated[
 class Law(Table):
     """A control law of this project and what differs from its own parameter set."""
 
-    kind: Literal["full_brake", "adhesion_based", "adhesion_literal", "slope_seeking", "ideal_bound"]
+    kind: Literal[
+        "full_brake",
+        "wheel_reference",
+        "constant_slip",
+        "extremum_seeking",
+        "adhesion_based",
+        "adhesion_literal",
+        "slope_seeking",
+        "ideal_bound",
+    ]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
 
     _flat = field_validator("parameters", mode="before")(scalars)
@@ -77,8 +86,9 @@ class SlipLaw(Table):
 class ControllerFmu(Table):
     """A controller of one's own, as a co-simulation FMU 2.0.
 
-    It may take speed, acceleration, slip, adhesion, pad_friction and pressure, and gives demand, the pressures of the
-    groups, or command, the valves' positions. Speed and slip are NaN until a sensor has read the speed.
+    It may take speed, acceleration, wheelset_speed, slip, adhesion, pad_friction, pressure and driver_demand, and gives
+    demand, the pressures of the groups, or command, the valves' positions. Speed and slip are NaN until a sensor has
+    read the speed.
     """
 
     kind: Literal["fmu"]
@@ -95,16 +105,7 @@ class ControllerFmu(Table):
 
 
 _LAWS = frozenset(
-    {
-        "full_brake",
-        "adhesion_based",
-        "adhesion_literal",
-        "slope_seeking",
-        "ideal_bound",
-        "slip_two_state",
-        "slip_three_state",
-        "fmu",
-    }
+    kind for table in (Law, SlipLaw, ControllerFmu) for kind in get_args(table.model_fields["kind"].annotation)
 )
 Controller = Annotated[
     Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],

@@ -4,57 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from wheelset import GROUP, SPEED, shown, simulate
 
 from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.full_brake import FullBrake
-from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.slope_seeking import SlopeSeeking
 from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER, SLOPE
-
-GROUP = BrakeGroup(
-    load=14500 * 9.81,
-    inertia=209.0,
-    wheel_radius=0.38,
-    units=2,
-    friction_radius=0.22,
-    piston_area=0.0324,
-    rigging=5.7,
-    spring_force=1200.0,
-    pressure_max=3.4e5,
-)
-SPEED = 15.0  # m/s, held: the train is heavy
-
-
-def shown(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
-    """An observation of a train whose wheels turn as the slip says."""
-    wheels = (1 - np.array(slip)) * speed / 0.38
-    full = np.full(len(slip), 3.4e5)
-    return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure, full)
-
-
-def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad_friction=0.35, lag=0.02):
-    """Return slip and adhesion over time of one braked wheelset at constant speed.
-
-    α = 2 α* s* s/(s*² + s²), with its only maximum α* at s*; ω̇ from the torque balance; pressure follows the demand
-    with a first-order lag. Explicit steps of 0.1 ms: the contact's time constant at the origin is some 3 ms.
-    """
-    omega, pressure, slips, adhesions = SPEED / 0.38, 0.0, [], []
-    for k in range(round(seconds / 1e-3)):
-        slip = 1 - 0.38 * omega / SPEED
-        adhesion = 2 * peak(k * 1e-3) * peak_slip * slip / (peak_slip**2 + slip**2)
-        observation = shown(k * 1e-3, SPEED, 0.0, (slip,), (adhesion,), (pad_friction,), (pressure,))
-        (demand,) = controller.decide(observation)
-        for _ in range(10):
-            slip = 1 - 0.38 * omega / SPEED
-            adhesion = 2 * peak(k * 1e-3) * peak_slip * slip / (peak_slip**2 + slip**2)
-            pressure += (demand - pressure) * 1e-4 / lag
-            torque = 2 * pad_friction * 5.7 * max(pressure * 0.0324 - 1200, 0) * 0.22
-            omega = max(omega + 1e-4 * (adhesion * GROUP.load * 0.38 - torque) / 209.0, 0.0)
-        slips.append(slip)
-        adhesions.append(adhesion)
-    return np.array(slips), np.array(adhesions)
 
 
 def seeker(**changes):

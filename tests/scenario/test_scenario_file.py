@@ -119,7 +119,7 @@ REFUSALS = [
     (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
     (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
     (["name='a/b'"], "name is 'a/b'; string should match pattern"),
-    (["controller.kind=abc"], "[controller] kind is 'abc'; there is full_brake, adhesion_based"),
+    (["controller.kind=abc"], "[controller] kind is 'abc'; there is full_brake, wheel_reference"),
     (["controller.tuning=searched"], "[controller] has no key 'tuning'"),
     (
         ["controller.kind=slip_two_state", "controller.tuning=best"],

@@ -35,6 +35,10 @@ def assert_same(one, other):
         ("full_brake", WITHOUT),
         ("slip_two_state", WITHOUT),
         ("slip_three_state", WITHOUT),
+        ("wheel_reference", WITHOUT),
+        ("constant_slip", WITHOUT),
+        ("constant_slip", ()),
+        ("extremum_seeking", ()),
         ("adhesion_literal", ()),
         ("adhesion_based", ()),
         ("adhesion_based", ("periods.estimator=2 ms", "periods.controller=5 ms")),
@@ -51,6 +55,16 @@ def test_laws_with_ideal_parties(controller, others):
 def test_laws_with_valves_and_service_sensors(controller):
     stops = load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
     (question,) = (stop.scenario for stop in stops if stop.name == f"random-service-{controller}")
+    assert_same(*(run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)))
+
+
+@pytest.mark.parametrize("controller", ["wheel_reference", "constant_slip", "extremum_seeking"])
+def test_baselines_with_valves_and_service_sensors(controller):
+    (question,) = (
+        stop.scenario
+        for stop in load_campaign(CAMPAIGNS / "table1.toml", (*SHORT, f"controller.kind={controller}")).stops
+        if stop.name == "random-service-adhesion_based"
+    )
     assert_same(*(run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)))
 
 

@@ -20,7 +20,10 @@ SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")
 
 
 def question(edge: str, controller: str):
-    stops = load_campaign(SCENARIOS / "campaigns" / "table1.toml", SHORT).stops
+    kind = controller if controller in ("wheel_reference", "constant_slip", "extremum_seeking") else None
+    changes = () if kind is None else (f"controller.kind={kind}",)
+    controller = controller if kind is None else "adhesion_based"
+    stops = load_campaign(SCENARIOS / "campaigns" / "table1.toml", (*SHORT, *changes)).stops
     (found,) = (stop.scenario for stop in stops if stop.name == f"sine_sweep-{edge}-{controller}")
     return found
 
@@ -43,6 +46,8 @@ def shown(scenario, trace):
             slip,
             trace["estimate_adhesion"].values if believed else unknown,
             trace["estimate_pad_friction"].values if believed else unknown,
+            wheel,
+            np.full_like(slip, [group.pressure_max for group in controlled_formation(scenario).brakes]),
             trace["reading_cylinder_pressure"].values,
         ]
     )
@@ -57,6 +62,9 @@ def shown(scenario, trace):
         ("service", "adhesion_literal"),
         ("service", "adhesion_based"),
         ("service", "slope_seeking"),
+        ("service", "wheel_reference"),
+        ("service", "constant_slip"),
+        ("service", "extremum_seeking"),
     ],
 )
 def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp_path):
@@ -74,6 +82,8 @@ def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp
             ("slip", "1", 4),
             ("adhesion", "1", 4),
             ("pad_friction", "1", 4),
+            ("wheelset_speed", "rad/s", 4),
+            ("driver_demand", "Pa", 4),
             ("pressure", "Pa", 4),
         )
     )

@@ -48,6 +48,7 @@ typedef struct {
     Plausibility *plausibility;
     Rail *rail;
     Driver *driver;                              /* null: full brake */
+    const double *full;                          /* pressures of that */
     Faults *faults;                              /* null: there are none */
     double period, stop_speed;
     double *rows;
@@ -139,7 +140,7 @@ static long long believe(Cycle *c)
 static int decide(Cycle *c)
 {
     static const double SMALL_SPEED = 0.05, UNKNOWN = 0.0 / 0.0;
-    double given[2 + 4 * GROUPS], demand[2 * GROUPS], total = 0.0;
+    double given[2 + 6 * GROUPS], demand[2 * GROUPS], total = 0.0;
     const double speed = c->advance ? c->believed[0] : c->latest[READING_SPEED];
     const double *wheel = c->advance ? c->believed + 1 : c->latest + READING_WHEELSET_SPEED;
 
@@ -149,7 +150,9 @@ static int decide(Cycle *c)
         given[2 + g] = speed < SMALL_SPEED ? 0.0 : 1.0 - c->radius[g] * wheel[g] / speed;
         given[2 + GROUPS + g] = c->advance ? c->believed[1 + GROUPS + g] : UNKNOWN;
         given[2 + 2 * GROUPS + g] = c->advance ? c->believed[1 + 2 * GROUPS + g] : UNKNOWN;
-        given[2 + 3 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
+        given[2 + 3 * GROUPS + g] = wheel[g];
+        given[2 + 4 * GROUPS + g] = c->driver ? c->driver->pressure[g] : c->full[g];
+        given[2 + 5 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
     }
     c->law.call(c->law.state, given, c->law.parameter, demand);
     copy(c->demand, demand, GROUPS);

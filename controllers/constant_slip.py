@@ -1,0 +1,85 @@
+"""Control to a set slip: the pressure follows from the distance to it, and from how long that has lasted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import ClassVar
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters, within
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConstantSlipTuning(Tuning):
+    """Parameters of control to a set slip; units and meanings are in `MEANINGS`."""
+
+    period: float
+    slip: float
+    gain: float
+    integral_time: float
+    speed_min: float
+
+    LAW: ClassVar[str] = "ConstantSlip"
+    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
+        {
+            "period": ("s", "between two decisions"),
+            "slip": ("1", "set slip"),
+            "gain": ("1", "share of the full pressure for a slip off by the set one"),
+            "integral_time": ("s", "after which the integral has done as much as the gain"),
+            "speed_min": ("m/s", "train speed below which the brake is applied"),
+        }
+    )
+    POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
+
+    def __post_init__(self) -> None:
+        """Refuse what would run and mean nothing.
+
+        Raises:
+            ValueError: See `Tuning`; or the slip is that of a locked wheel or more.
+        """
+        Tuning.__post_init__(self)
+        if self.slip >= 1.0:
+            raise ValueError(f"ConstantSlip: slip must be below 1, that of a locked wheel, got {self.slip}.")
+
+
+class ConstantSlip(Law):
+    """PI control of the slip of each group.
+
+    With e = 1 − s/s_set, p = p_max (gain·e + i) within 0 … p_max, di/dt = gain·e/integral_time and i within 0 … 1, from
+    full pressure on.
+
+    Source: the control to a desired slip of Park, Kim, Choi and Yamazaki, Modeling and control of adhesion force in
+    railway rolling stocks, IEEE Control Systems 28(5) (2008) 44, here with PI in place of an adaptive sliding mode. The
+    error relative to the set slip and the bounds of the integral are ours.
+    """
+
+    def __init__(self, groups: Sequence[BrakeGroup], tuning: ConstantSlipTuning) -> None:
+        """Control `groups` with one `tuning`."""
+        super().__init__(constant_slip(len(groups)), groups, asdict(tuning))
+
+
+@cache
+def constant_slip(groups: int) -> Formula:
+    """Return the formula of `ConstantSlip` for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        tuning = parameters(draft, ConstantSlipTuning.MEANINGS)
+
+        def demand(draft: Draft, seen: Seen) -> Expression:
+            return slip_control(draft, seen, tuning, tuning["slip"])
+
+        return demand
+
+    return law("ConstantSlip", "Wheel-slide protection to a set slip", groups, demand_with)
+
+
+def slip_control(draft: Draft, seen: Seen, tuning: Mapping[str, Expression], slip: Expression) -> Expression:
+    """Return the demanded pressure [Pa] of PI control to a slip, with those parameters of `ConstantSlipTuning`."""
+    full, controlling = seen.brake["pressure_max"], seen.speed >= tuning["speed_min"]
+    integral = draft.state(seen.named("integral"), "1", "share of the full pressure", start=1.0)
+    push = tuning["gain"] * (1.0 - seen.slip / slip)
+    following = within(integral + push * tuning["period"] / tuning["integral_time"], 0.0, 1.0)
+    draft.keep(integral, choose(controlling, following, integral))
+    return choose(controlling, full * within(push + following, 0.0, 1.0), full)

@@ -1,0 +1,128 @@
+"""Extremum seeking of the literature: the set slip is wiggled, and goes where adhesion answers in step."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import ClassVar
+
+import casadi as ca
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.constant_slip import slip_control
+from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters, within
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExtremumSeekingTuning(Tuning):
+    """Parameters of extremum seeking; units and meanings are in `MEANINGS`."""
+
+    period: float
+    slip_start: float
+    slip_least: float
+    slip_most: float
+    dither: float
+    frequency: float
+    washout_time: float
+    climb: float
+    gain: float
+    integral_time: float
+    adhesion_small: float
+    speed_min: float
+
+    LAW: ClassVar[str] = "ExtremumSeeking"
+    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
+        {
+            "period": ("s", "between two decisions"),
+            "slip_start": ("1", "set slip to begin with"),
+            "slip_least": ("1", "least set slip"),
+            "slip_most": ("1", "largest set slip"),
+            "dither": ("1", "amplitude of the dither over the set slip"),
+            "frequency": ("Hz", "of the dither"),
+            "washout_time": ("s", "time constant of the high-pass over the adhesion"),
+            "climb": ("1/s", "relative rate of the set slip for an elasticity of 1"),
+            "gain": ("1", "share of the full pressure for a slip off by the set one"),
+            "integral_time": ("s", "after which the integral has done as much as the gain"),
+            "adhesion_small": ("1", "estimated adhesion below which there is no gradient to follow"),
+            "speed_min": ("m/s", "train speed below which the brake is applied"),
+        }
+    )
+    POSITIVE: ClassVar[frozenset[str]] = frozenset(
+        {"period", "slip_start", "slip_least", "dither", "frequency", "integral_time", "adhesion_small"}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse what would run and mean nothing.
+
+        Raises:
+            ValueError: See `Tuning`; or slips are not in order, or the dither is faster than half the decisions.
+        """
+        Tuning.__post_init__(self)
+        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
+            raise ValueError(
+                "ExtremumSeeking: wanted is slip_least <= slip_start <= slip_most < 1, got "
+                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
+            )
+        if self.dither >= 1.0:
+            raise ValueError(f"ExtremumSeeking: dither is a share of the set slip, below 1, got {self.dither}.")
+        if self.frequency * self.period >= 0.25:
+            raise ValueError(
+                f"ExtremumSeeking: frequency {self.frequency} Hz leaves less than four decisions of {self.period} s to "
+                "a wave; lower it."
+            )
+
+
+class ExtremumSeeking(Law):
+    """Perturb and observe with a sinusoidal dither, washout and demodulation; slip is held by PI control inside.
+
+    Per group, with estimated adhesion α:
+
+        s_set = ŝ (1 + dither·sin ωt)                    what slip control is given
+        η̇ = (α − η)/washout_time                         what the dither does not change
+        ŝ̇/ŝ = climb · 2/dither · (α − η)/η · sin ωt      the mean of the right side is the elasticity d ln α/d ln s
+
+    Source: Krstić and Wang, Stability of extremum seeking feedback for general nonlinear dynamic systems, Automatica 36
+    (2000) 595; for brakes Ariyur and Krstić, Real-Time Optimization by Extremum-Seeking Control (2003), ch. 7. Relative
+    rates in place of absolute ones are ours: peaks lie anywhere between 0.5 % and 40 % slip.
+    """
+
+    needs = ("adhesion",)
+
+    def __init__(self, groups: Sequence[BrakeGroup], tuning: ExtremumSeekingTuning) -> None:
+        """Control `groups` with one `tuning`."""
+        super().__init__(extremum_seeking(len(groups)), groups, asdict(tuning))
+        starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]
+        self.state[starts] = tuning.slip_start
+
+
+@cache
+def extremum_seeking(groups: int) -> Formula:
+    """Return the formula of `ExtremumSeeking` for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        tuning = parameters(draft, ExtremumSeekingTuning.MEANINGS)
+        turn = draft.state("turn", "1", "phase of the dither over a whole turn")
+        onwards = turn + tuning["frequency"] * tuning["period"]
+        draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
+        wave = ca.sin(2.0 * ca.pi * turn)
+
+        def demand(draft: Draft, seen: Seen) -> Expression:
+            slip = draft.state(seen.named("set_slip"), "1", "set slip without the dither")
+            steady = draft.state(seen.named("steady"), "1", "adhesion that the dither does not change")
+            started = draft.state(seen.named("started"), "1", "1 once there is an adhesion worth following")
+            ready = seen.adhesion >= tuning["adhesion_small"]
+            share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
+            follows = choose(started, steady + share * (seen.adhesion - steady), seen.adhesion)
+            answer = (seen.adhesion - follows) / follows * wave * 2.0 / tuning["dither"]
+            # A step of the rail is no answer to the dither: one wave may not double the slip.
+            rate = within(tuning["climb"] * answer, -tuning["frequency"], tuning["frequency"])
+            moved = within(slip * (1.0 + rate * tuning["period"]), tuning["slip_least"], tuning["slip_most"])
+            draft.keep(slip, choose(ready, moved, slip))
+            draft.keep(steady, choose(ready, follows, steady))
+            draft.keep(started, choose(ready, 1.0, 0.0))
+            return slip_control(draft, seen, tuning, slip * (1.0 + tuning["dither"] * wave))
+
+        return demand
+
+    return law("ExtremumSeeking", "Wheel-slide protection by extremum seeking", groups, demand_with)

@@ -1,0 +1,163 @@
+"""State of practice: no speed over ground; a reference from the wheels alone, criteria of slip and of deceleration."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import ClassVar
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WheelReferenceTuning(Tuning):
+    """Parameters of the state of practice; units and meanings are in `MEANINGS`."""
+
+    period: float
+    filter_time: float
+    slip_low: float
+    slip_high: float
+    deceleration: float
+    deceleration_max: float
+    rise: float
+    test_after: float
+    test_time: float
+    vent_max: float
+    apply_time: float
+    speed_min: float
+
+    LAW: ClassVar[str] = "WheelReference"
+    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
+        {
+            "period": ("s", "between two decisions"),
+            "filter_time": ("s", "time constant of the filter that differentiates wheel speeds"),
+            "slip_low": ("1", "slip against the reference above which pressure is held"),
+            "slip_high": ("1", "slip against the reference above which it is vented"),
+            "deceleration": ("m/s2", "of a wheel above which it is vented as well"),
+            "deceleration_max": ("m/s2", "largest that a train is thought to have: the reference falls no faster"),
+            "rise": ("1/s", "rate at which pressure comes back after a slide, over the full pressure"),
+            "test_after": ("s", "of sliding after which the last group is released, to see how fast the train is"),
+            "test_time": ("s", "that a test release lasts"),
+            "vent_max": ("s", "longest venting of a group, after which it is braked whatever its wheels do"),
+            "apply_time": ("s", "that this lasts"),
+            "speed_min": ("m/s", "reference speed below which protection is off"),
+        }
+    )
+    POSITIVE: ClassVar[frozenset[str]] = frozenset(
+        {"period", "slip_low", "deceleration", "deceleration_max", "rise", "vent_max"}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse what would run and mean nothing.
+
+        Raises:
+            ValueError: See `Tuning`; or slips are not in order.
+        """
+        Tuning.__post_init__(self)
+        if not self.slip_low < self.slip_high < 1.0:
+            raise ValueError(
+                f"WheelReference: wanted is slip_low < slip_high < 1, got {self.slip_low} and {self.slip_high}."
+            )
+
+
+class WheelReference(Law):
+    """Vent, hold and fill by slip and deceleration of each group against a reference speed from the wheels alone.
+
+    The reference is the fastest wheel, and falls no faster than `deceleration_max`. Where every wheel slides, it
+    follows them all the same; so after `test_after` of sliding the last group is released for `test_time`, and rolls.
+    A group is vented above `slip_high`, or above `slip_low` while it decelerates by more than `deceleration`; held
+    above `slip_low`, or while it decelerates so below it; else filled, after a slide at the rate `rise`. A watchdog
+    ends venting after `vent_max`. Below `speed_min` the brake is applied.
+
+    Neither radar nor accelerometer nor estimator is looked at: only wheel speeds and cylinder pressures.
+
+    Source: of the parts, what is known of protection in service: wheel speeds as the only sensors and dump and refill
+    valves, Pugi et al., Railway Engineering Science 31 (2023) 108, and Kim, Lee, Lee and Kang, IFAC 2014; a limit on
+    venting, EN 15595. No maker publishes a table of criteria; this one is ours.
+    """
+
+    def __init__(self, groups: Sequence[BrakeGroup], tuning: WheelReferenceTuning) -> None:
+        """Control `groups` with one `tuning`."""
+        super().__init__(wheel_reference(len(groups)), groups, asdict(tuning))
+
+
+@cache
+def wheel_reference(groups: int) -> Formula:
+    """Return the formula of `WheelReference` for so many groups."""
+
+    def demand_with(draft: Draft) -> Demand:
+        tuning = parameters(draft, WheelReferenceTuning.MEANINGS)
+        period = tuning["period"]
+        before = draft.state("reference", "m/s", "reference speed")
+        started = draft.state("started", "1", "1 once there is a sample before this one")
+        sliding = draft.state("sliding", "s", "since the last test release, while a group slides")
+        idle = draft.state("idle", "s", "since a group slid last")
+        draft.keep(started, 1.0)
+        testing = sliding >= tuning["test_after"]
+        references: list[Expression] = []
+        slides: list[Expression] = []
+
+        def reference_of(train: Sequence[Seen]) -> Expression:
+            fastest = _rolling(train[0])
+            for seen in train[1:]:
+                fastest = choose(_rolling(seen) > fastest, _rolling(seen), fastest)
+            least = before - tuning["deceleration_max"] * period
+            reference = choose(started, choose(fastest > least, fastest, least), fastest)
+            draft.keep(before, choose(reference > 0.0, reference, 0.0))
+            return reference
+
+        def demand(draft: Draft, seen: Seen) -> Expression:
+            if not references:
+                references.append(reference_of(seen.train))
+            (reference,) = references
+            full, rolling = seen.brake["pressure_max"], _rolling(seen)
+            filtered = draft.state(seen.named("rolling"), "m/s", "filtered rolling speed")
+            vented = draft.state(seen.named("vented"), "s", "of venting, and of braking after too long a one")
+            target = draft.state(seen.named("target"), "1", "pressure that is let in, over the full one", start=1.0)
+
+            step = period / (tuning["filter_time"] + period) * (rolling - filtered)
+            draft.keep(filtered, choose(started, filtered + step, rolling))
+            decelerates = choose(started, -step / period, 0.0)
+            slip = choose(reference > tuning["speed_min"], 1.0 - rolling / reference, 0.0)
+            quickly, high, low = (
+                decelerates > tuning["deceleration"],
+                slip > tuning["slip_high"],
+                slip > tuning["slip_low"],
+            )
+            protecting = reference >= tuning["speed_min"]
+            vents = either(high, every(low, quickly))
+            released = every(testing, seen.index == len(seen.train))
+            holds = either(low, quickly)
+            slides.append(every(protecting, either(vents, low)))
+
+            # A watchdog that counts on while it brakes, and begins anew when that has lasted.
+            barred = vented >= tuning["vent_max"]
+            venting = every(protecting, either(vents, released), vented < tuning["vent_max"])
+            longer = vented + period
+            over = vented >= tuning["vent_max"] + tuning["apply_time"]
+            draft.keep(vented, choose(barred, choose(over, 0.0, longer), choose(venting, longer, 0.0)))
+
+            # After a slide pressure climbs from where the slide left it.
+            held = every(holds, vented < tuning["vent_max"])
+            climbed = target + tuning["rise"] * period
+            let_in = choose(either(venting, held), seen.pressure / full, choose(climbed < 1.0, climbed, 1.0))
+            draft.keep(target, choose(protecting, let_in, 1.0))
+            wanted = choose(venting, 0.0, full * let_in)
+
+            if seen.index == len(seen.train):
+                sliding_now = either(*slides)
+                draft.keep(idle, choose(sliding_now, 0.0, idle + period))
+                counts = choose(idle < 2.0, sliding + period, 0.0)  # slides come and go within seconds
+                done = sliding >= tuning["test_after"] + tuning["test_time"]
+                draft.keep(sliding, choose(every(protecting, started), choose(done, 0.0, counts), 0.0))
+            return choose(protecting, wanted, full)
+
+        return demand
+
+    return law("WheelReference", "Wheel-slide protection from wheel speeds alone", groups, demand_with)
+
+
+def _rolling(seen: Seen) -> Expression:
+    return seen.wheelset_speed * seen.brake["wheel_radius"]

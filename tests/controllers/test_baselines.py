@@ -1,0 +1,148 @@
+"""The laws that others are compared with: each on the quantity that it looks at, alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from wheelset import GROUP, SPEED, shown, simulate
+
+from railgrip.controllers import tuning
+from railgrip.controllers.constant_slip import ConstantSlip, ConstantSlipTuning
+from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
+from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
+
+FULL = GROUP.pressure_max
+PERIOD = 10e-3
+REFERENCE = WheelReferenceTuning(
+    period=PERIOD, filter_time=0.03, slip_low=0.03, slip_high=0.1, deceleration=2.0, deceleration_max=1.5, rise=0.5,
+    test_after=5.0, test_time=0.6, vent_max=7.0, apply_time=1.0, speed_min=1.4,
+)  # fmt: skip
+STEADY = ConstantSlipTuning(period=1e-3, slip=0.03, gain=0.2, integral_time=0.2, speed_min=0.5)
+SEEKING = ExtremumSeekingTuning(
+    period=1e-3, slip_start=0.04, slip_least=0.005, slip_most=0.3, dither=0.2, frequency=1.0, washout_time=0.5,
+    climb=1.0, gain=0.2, integral_time=0.2, adhesion_small=0.01, speed_min=0.5,
+)  # fmt: skip
+
+
+def wheels(law, *speeds, pressure=FULL, count=1):
+    """Return the last demands after showing wheels of these rolling speeds [m/s] for so many periods."""
+    demands = ()
+    for _ in range(count):
+        slip = tuple(1 - speed / SPEED for speed in speeds)
+        demands = law.decide(shown(0.0, SPEED, 0.0, slip, None, None, (pressure,) * len(speeds)))
+    return demands
+
+
+@pytest.mark.parametrize("slip", [0.02, 0.05, 0.1])
+def test_constant_slip_control_holds_the_set_slip(slip):
+    """On a curve with its peak beyond, where the wheel is stable at any slip."""
+    found, _ = simulate(ConstantSlip([GROUP], replace(STEADY, slip=slip)), 4.0, peak_slip=0.2)
+    assert found[3000:].mean() == pytest.approx(slip, rel=0.02)
+
+
+def test_constant_slip_control_begins_with_full_pressure_and_ends_with_it():
+    law = ConstantSlip([GROUP], STEADY)
+    assert wheels(law, SPEED) == (FULL,)
+    assert law.decide(shown(0, 0.3, 0, (0.9,), None, None, (0.0,))) == (FULL,)
+    unknown = float("nan")
+    assert law.decide(shown(0, unknown, 0, (unknown,), None, None, (0.0,))) == (FULL,)
+
+
+@pytest.mark.parametrize("peak_slip", [0.02, 0.04, 0.1])
+def test_extremum_seeking_goes_to_the_peak_from_either_side(peak_slip):
+    """From 4 % slip; at an elasticity below 1 the set slip moves by less than its share a second."""
+    law = ExtremumSeeking([GROUP], SEEKING)
+    simulate(law, 12.0, peak_slip=peak_slip)
+    at = [quantity.name for quantity in law.formula.states].index("set_slip[1]")
+    assert law.state[at] == pytest.approx(peak_slip, rel=0.3)
+
+
+def test_extremum_seeking_stays_where_adhesion_does_not_answer():
+    law = ExtremumSeeking([GROUP], SEEKING)
+    at = [quantity.name for quantity in law.formula.states].index("set_slip[1]")
+    for _ in range(5000):
+        law.decide(shown(0.0, SPEED, 0.0, (0.04,), (0.05,), (0.35,), (FULL,)))
+    assert law.state[at] == pytest.approx(0.04, rel=1e-9)
+
+
+def test_the_reference_is_the_fastest_wheel_and_falls_no_faster_than_a_train_can():
+    """Both wheels drop by 2 m/s at once: 0.2 s later the reference has fallen by 0.3 m/s, and both are vented."""
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    assert wheels(law, SPEED, SPEED) == (FULL, FULL)
+    assert wheels(law, SPEED - 2, SPEED - 2, count=20) == (0.0, 0.0)
+    at = [quantity.name for quantity in law.formula.states].index("reference")
+    assert law.state[at] == pytest.approx(SPEED - 20 * PERIOD * 1.5)
+    wheels(law, SPEED - 2, SPEED)
+    assert law.state[at] == pytest.approx(SPEED)
+
+
+def test_a_wheel_is_held_above_the_low_slip_and_vented_above_the_high_one():
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    wheels(law, SPEED, SPEED)
+    wheels(law, SPEED, 0.95 * SPEED, count=30)
+    assert wheels(law, SPEED, 0.95 * SPEED, pressure=1.5e5) == (FULL, 1.5e5)
+    assert wheels(law, SPEED, 0.89 * SPEED) == (FULL, 0.0)
+
+
+def test_pressure_comes_back_at_its_rate_after_a_slide():
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    wheels(law, SPEED, SPEED)
+    wheels(law, SPEED, 0.8 * SPEED, pressure=1e5, count=10)
+    wheels(law, SPEED, SPEED, pressure=1e5, count=50)  # its acceleration back is none to be afraid of
+    assert wheels(law, SPEED, SPEED, pressure=1e5)[1] == pytest.approx(1e5 + 51 * PERIOD * 0.5 * FULL)
+
+
+def test_the_watchdog_ends_venting_for_a_while():
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    wheels(law, SPEED, SPEED)
+    second = [wheels(law, SPEED, 0.0, pressure=0.0)[1] for _ in range(1000)]
+    applied = np.flatnonzero(np.array(second) > 0)
+    assert applied[0] == pytest.approx(700, abs=2)
+    assert len(applied) == pytest.approx(100, abs=2)
+
+
+def test_after_long_sliding_the_last_group_is_released_to_show_how_fast_the_train_is():
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    wheels(law, SPEED, SPEED)
+    wheels(law, 0.95 * SPEED, 0.915 * SPEED, count=100)  # while the reference still falls, slip is more than it is then
+    last = [wheels(law, 0.95 * SPEED, 0.915 * SPEED)[1] for _ in range(600)]
+    released = np.flatnonzero(np.array(last) == 0.0)
+    assert released[0] == pytest.approx(400, abs=3)
+    assert len(released) == pytest.approx(60, abs=2)
+
+
+def test_below_its_lowest_speed_the_reference_leaves_the_brake_alone():
+    law = WheelReference([GROUP, GROUP], REFERENCE)
+    wheels(law, 1.3, 1.3)
+    assert wheels(law, 1.3, 0.5, count=20) == (FULL, FULL)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda: replace(REFERENCE, slip_high=0.02), "WheelReference: wanted is slip_low < slip_high < 1"),
+        (lambda: replace(REFERENCE, rise=0.0), "WheelReference: rise must be finite and positive, got 0.0 1/s"),
+        (lambda: replace(STEADY, slip=1.0), "ConstantSlip: slip must be below 1"),
+        (lambda: replace(STEADY, gain=-1.0), "ConstantSlip: gain must be finite and not negative, got -1.0 1"),
+        (lambda: replace(SEEKING, slip_start=0.4), "ExtremumSeeking: wanted is slip_least <= slip_start <= slip_most"),
+        (lambda: replace(SEEKING, frequency=300.0), "leaves less than four decisions"),
+        (lambda: replace(SEEKING, dither=1.0), "ExtremumSeeking: dither is a share of the set slip, below 1"),
+    ],
+)
+def test_a_tuning_that_means_nothing_is_refused(change, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        change()
+
+
+@pytest.mark.parametrize("actuation", ["ideal", "pneumatic"])
+@pytest.mark.parametrize(
+    ("kind", "of"),
+    [
+        ("wheel_reference", WheelReferenceTuning),
+        ("constant_slip", ConstantSlipTuning),
+        ("extremum_seeking", ExtremumSeekingTuning),
+    ],
+)
+def test_every_law_has_a_whole_set_for_each_actuation(kind, of, actuation):
+    for slip in ("read", "estimated"):
+        of(period=PERIOD, **tuning.of(kind, actuation, slip))
