@@ -19,12 +19,12 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
-from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SeekerTuning(Tuning):
+class PeakSeekingTuning(Tuning):
     """Parameters of the peak seeker; one set serves every scenario.
 
     Attributes:
@@ -111,7 +111,7 @@ class AdhesionBased(Law):
 
     needs = ("adhesion", "pad_friction")
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
+    def __init__(self, groups: Sequence[BrakeGroup], tuning: PeakSeekingTuning) -> None:
         """Control `groups` with one `tuning`."""
         super().__init__(adhesion_based(len(groups)), groups, asdict(tuning))
 
@@ -125,7 +125,7 @@ class LiteralAdhesionBased(Law):
 
     needs = ("adhesion", "pad_friction")
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: SeekerTuning) -> None:
+    def __init__(self, groups: Sequence[BrakeGroup], tuning: PeakSeekingTuning) -> None:
         """Control `groups` with one `tuning`."""
         super().__init__(literal_adhesion_based(len(groups)), groups, asdict(tuning))
 
@@ -135,10 +135,10 @@ def adhesion_based(groups: int) -> Formula:
     """Return the formula of `AdhesionBased` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, SeekerTuning.MEANINGS)
+        tuning = parameters(draft, PeakSeekingTuning.MEANINGS)
         filters = _Derivatives(draft, tuning)
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             brake, radius, inertia = seen.brake, seen.brake["wheel_radius"], seen.brake["inertia"]
             slip, slip_rate = filters.follow(draft, seen.named("seen_slip"), seen.slip)
             adhesion, adhesion_rate = filters.follow(draft, seen.named("seen_adhesion"), seen.adhesion)
@@ -180,10 +180,10 @@ def literal_adhesion_based(groups: int) -> Formula:
     """Return the formula of `LiteralAdhesionBased` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, {name: SeekerTuning.MEANINGS[name] for name in _LITERAL})
+        tuning = parameters(draft, {name: PeakSeekingTuning.MEANINGS[name] for name in _LITERAL})
         filters = _Derivatives(draft, tuning)
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             full, controlling = seen.brake["pressure_max"], seen.speed >= tuning["speed_min"]
             _, slip_rate = filters.follow(draft, seen.named("seen_slip"), seen.slip)
             _, adhesion_rate = filters.follow(draft, seen.named("seen_adhesion"), seen.adhesion)

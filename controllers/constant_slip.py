@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters, within
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters, within
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose
 
 
@@ -67,7 +67,7 @@ def constant_slip(groups: int) -> Formula:
     def demand_with(draft: Draft) -> Demand:
         tuning = parameters(draft, ConstantSlipTuning.MEANINGS)
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             return slip_control(draft, seen, tuning, tuning["slip"])
 
         return demand
@@ -75,7 +75,9 @@ def constant_slip(groups: int) -> Formula:
     return law("ConstantSlip", "Wheel-slide protection to a set slip", groups, demand_with)
 
 
-def slip_control(draft: Draft, seen: Seen, tuning: Mapping[str, Expression], slip: Expression) -> Expression:
+def slip_control(
+    draft: Draft, seen: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
+) -> Expression:
     """Return the demanded pressure [Pa] of PI control to a slip, with those parameters of `ConstantSlipTuning`."""
     full, controlling = seen.brake["pressure_max"], seen.speed >= tuning["speed_min"]
     integral = draft.state(seen.named("integral"), "1", "share of the full pressure", start=1.0)

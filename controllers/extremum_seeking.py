@@ -10,7 +10,7 @@ import casadi as ca
 
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.constant_slip import slip_control
-from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters, within
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters, within
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose
 
 
@@ -107,7 +107,7 @@ def extremum_seeking(groups: int) -> Formula:
         draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
         wave = ca.sin(2.0 * ca.pi * turn)
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             slip = draft.state(seen.named("set_slip"), "1", "set slip without the dither")
             steady = draft.state(seen.named("steady"), "1", "adhesion that the dither does not change")
             started = draft.state(seen.named("started"), "1", "1 once there is an adhesion worth following")

@@ -58,7 +58,7 @@ def within(value: Expression, low: Expression, high: Expression) -> Expression:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
+class GroupObservation:
     """What a law sees of one group, as symbols; see `railgrip.controllers.observation.Observation`.
 
     Attributes:
@@ -77,14 +77,14 @@ class Seen:
     driver_demand: Expression
     pressure: Expression
     brake: Mapping[str, Expression]
-    train: Sequence["Seen"]
+    train: Sequence["GroupObservation"]
 
     def named(self, name: str) -> str:
         """Return the name of this group's element of an array."""
         return f"{name}[{self.index}]"
 
 
-Demand = Callable[[Draft, Seen], Expression]
+Demand = Callable[[Draft, GroupObservation], Expression]
 """Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
 
 
@@ -114,11 +114,11 @@ def law(name: str, description: str, groups: int, demand_with: Callable[[Draft],
     acceleration = draft.input("acceleration", "m/s2", "acceleration of the train, negative in braking")
     of_groups = {name: [draft.input(f"{name}[{g}]", unit, text) for g in numbers] for name, unit, text in OF_GROUPS}
     demand = demand_with(draft)
-    train: list[Seen] = []
+    train: list[GroupObservation] = []
     for g in numbers:
         brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
         own = {name: symbols[g - 1] for name, symbols in of_groups.items()}
-        train.append(Seen(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **own))
+        train.append(GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **own))
     demands = [demand(draft, seen) for seen in train]
     for g, demanded in zip(numbers, demands, strict=True):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from functools import cache
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.law import Demand, Law, Seen, law
+from railgrip.controllers.law import Demand, GroupObservation, Law, law
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose
 
 
@@ -65,7 +65,7 @@ def slip_based(groups: int) -> Formula:
             "hold", "1", "1: between the levels the pressure stays; 0: the last action goes on", maximum=1.0
         )
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             applied = draft.state(
                 seen.named("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
             )

@@ -21,7 +21,7 @@ from typing import ClassVar
 import casadi as ca
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
-from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose, every
 
 
@@ -153,7 +153,7 @@ def slope_seeking(groups: int) -> Formula:
         draft.keep(started, 1.0)
         draft.keep(phase, phase + period / t["dither_time"])
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             brake, radius, inertia, speed = seen.brake, seen.brake["wheel_radius"], seen.brake["inertia"], seen.speed
             slip = _corrected(draft, seen, period)
             small = t["slip_small"] + t["creep_small"] / speed
@@ -205,7 +205,7 @@ def slope_seeking(groups: int) -> Formula:
     return law("SlopeSeeking", "Slip control on the slope of adhesion over slip", groups, demand_with)
 
 
-def _corrected(draft: Draft, seen: Seen, period: Expression) -> Expression:
+def _corrected(draft: Draft, seen: GroupObservation, period: Expression) -> Expression:
     """Return the slip less what the wheel showed while it had not been braked yet."""
     offset = draft.state(seen.named("offset"), "1", "slip that the wheel shows when it rolls")
     count = draft.state(seen.named("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
@@ -220,7 +220,7 @@ def _corrected(draft: Draft, seen: Seen, period: Expression) -> Expression:
 
 def _regression(
     draft: Draft,
-    seen: Seen,
+    seen: GroupObservation,
     t: Mapping[str, Expression],
     changes: tuple[Expression, Expression],
     rolling: Expression,

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Literal
 
-from railgrip.controllers.adhesion_based import SeekerTuning
+from railgrip.controllers.adhesion_based import PeakSeekingTuning
 from railgrip.controllers.slip_based import SlipLevels
 from railgrip.controllers.slope_seeking import SlopeTuning
 
@@ -48,7 +48,7 @@ PAPER_LEVELS = SlipLevels(low=0.10, high=0.15, speed_min=0.5, hold=False)
 """Two-level control as in Schwarz, Posielek, Goetjes (2021), §4."""
 
 
-def _seeker(actuation: str, period: float) -> SeekerTuning:
+def _peak_seeking(actuation: str, period: float) -> PeakSeekingTuning:
     """Return what was found, and what is not searched for.
 
     Ideal sensors tell any slip from none, and 0.3 % lies below all published peaks; below 0.5 m/s slip is the ratio of
@@ -57,10 +57,10 @@ def _seeker(actuation: str, period: float) -> SeekerTuning:
     """
     fixed = {"slip_small": 0.003, "creep_small": 0.0, "adhesion_guard": 0.003, "speed_min": 0.5}
     found = searched("adhesion_based", actuation, "estimated")
-    return SeekerTuning(period=period, adhesion_max=0.15, **(fixed | dict(found)))
+    return PeakSeekingTuning(period=period, adhesion_max=0.15, **(fixed | dict(found)))
 
 
-SEEKER = {"ideal": _seeker("ideal", 1e-3), "pneumatic": _seeker("pneumatic", 10e-3)}
+PEAK_SEEKING = {"ideal": _peak_seeking("ideal", 1e-3), "pneumatic": _peak_seeking("pneumatic", 10e-3)}
 """Adhesion-based control; `period` and `adhesion_max` are replaced by the scenario's."""
 
 SLOPE = SlopeTuning(

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.law import Demand, Law, Seen, Tuning, law, parameters
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
 from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
 
 
@@ -99,7 +99,7 @@ def wheel_reference(groups: int) -> Formula:
         references: list[Expression] = []
         slides: list[Expression] = []
 
-        def reference_of(train: Sequence[Seen]) -> Expression:
+        def reference_of(train: Sequence[GroupObservation]) -> Expression:
             fastest = _rolling(train[0])
             for seen in train[1:]:
                 fastest = choose(_rolling(seen) > fastest, _rolling(seen), fastest)
@@ -108,7 +108,7 @@ def wheel_reference(groups: int) -> Formula:
             draft.keep(before, choose(reference > 0.0, reference, 0.0))
             return reference
 
-        def demand(draft: Draft, seen: Seen) -> Expression:
+        def demand(draft: Draft, seen: GroupObservation) -> Expression:
             if not references:
                 references.append(reference_of(seen.train))
             (reference,) = references
@@ -159,5 +159,5 @@ def wheel_reference(groups: int) -> Formula:
     return law("WheelReference", "Wheel-slide protection from wheel speeds alone", groups, demand_with)
 
 
-def _rolling(seen: Seen) -> Expression:
+def _rolling(seen: GroupObservation) -> Expression:
     return seen.wheelset_speed * seen.brake["wheel_radius"]

@@ -82,11 +82,11 @@ def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...
     """Return the texts of sizes.h, with sizes and layout, and of shape.h, which adds sparsity tables and the model."""
     given, names = [of.x, of.u, of.p], ["x", "u", "p"]
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
-    slopes, sights = of.derivative_jacobian.T, of.output_jacobian.T
+    slopes, observations = of.derivative_jacobian.T, of.output_jacobian.T
     functions = [
         ca.Function("slope", given, [of.derivative], names, ["f"]),
         ca.Function("slope_and_jacobian", given, [of.derivative, slopes], names, ["f", "A"]),
-        ca.Function("expected", given, [of.output, sights], names, ["h", "H"]),
+        ca.Function("expected", given, [of.output, observations], names, ["h", "H"]),
     ]
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
@@ -99,14 +99,14 @@ def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...
         "WHOLE": 1 + max(function.sz_iw() for function in functions),
         "WORK": 1 + max(function.sz_w() for function in functions),
         "A_COUNT": 1 + slopes.nnz(),
-        "H_COUNT": 1 + sights.nnz(),
+        "H_COUNT": 1 + observations.nnz(),
         "PHI_COUNT": int(phi.sum()),
     }
     tables = {
         "A_ROW": slopes.sparsity().colind(),
         "A_COLUMN": slopes.sparsity().row(),
-        "H_ROW": sights.sparsity().colind(),
-        "H_COLUMN": sights.sparsity().row(),
+        "H_ROW": observations.sparsity().colind(),
+        "H_COLUMN": observations.sparsity().row(),
         "PHI_ROW": np.concatenate([[0], np.cumsum(phi.sum(axis=1))]).tolist(),
         "PHI_COLUMN": np.nonzero(phi)[1].tolist(),
     } | gates

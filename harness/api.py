@@ -76,12 +76,12 @@ class Scenario(schema.Scenario):
 _WRITTEN = (str, Path, Mapping)
 """What a plant is that a scenario can name."""
 
-Asked = schema.Scenario | str | Path | Mapping[str, Any]
+ScenarioLike = schema.Scenario | str | Path | Mapping[str, Any]
 """A scenario, or what `Scenario.load` takes for one."""
 
 
 def run(
-    scenario: Asked,
+    scenario: ScenarioLike,
     controller: "Controller | type[Controller] | None" = None,
     estimator: "Estimator | type[Estimator] | None" = None,
     sensors: "Sensors | type[Sensors] | None" = None,
@@ -109,11 +109,11 @@ def run(
     from railgrip.engine import Engine
 
     own = _own(controller, estimator, sensors, plant, import_from)
-    return with_sources(run_stop(_asked(scenario, plant), engine=Engine(engine), own=own))
+    return with_sources(run_stop(_scenario_of(scenario, plant), engine=Engine(engine), own=own))
 
 
 def open(
-    scenario: Asked,
+    scenario: ScenarioLike,
     estimator: "Estimator | type[Estimator] | None" = None,
     sensors: "Sensors | type[Sensors] | None" = None,
     plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
@@ -123,11 +123,11 @@ def open(
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.by_hand import Bench
 
-    return Bench(_asked(scenario, plant), _own(None, estimator, sensors, plant, import_from))
+    return Bench(_scenario_of(scenario, plant), _own(None, estimator, sensors, plant, import_from))
 
 
 def sweep(
-    scenario: Asked,
+    scenario: ScenarioLike,
     axes: Mapping[str, Iterable[Any]],
     controller: "Controller | type[Controller] | None" = None,
     estimator: "Estimator | type[Estimator] | None" = None,
@@ -151,7 +151,7 @@ def sweep(
     """
     from railgrip.campaign.sweep import swept
 
-    asked = _asked(scenario, plant)
+    asked = _scenario_of(scenario, plant)
     whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
     values = {key: [_plain(value) for value in given] for key, given in axes.items()}
     return swept(whole.name, whole.changed, values, _own(controller, estimator, sensors, plant, import_from), workers)
@@ -184,7 +184,7 @@ def estimate(
     return estimate_of(specification, completed(specification, recording))
 
 
-def _asked(scenario: Asked, plant: Any) -> schema.Scenario:
+def _scenario_of(scenario: ScenarioLike, plant: Any) -> schema.Scenario:
     asked = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
     if not isinstance(plant, _WRITTEN):
         return asked

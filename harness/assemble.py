@@ -52,7 +52,7 @@ from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Plant
 from railgrip.loop.rail import Field, TabulatedRail
-from railgrip.loop.watch import Believer
+from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.demand import phases_of
@@ -257,12 +257,12 @@ def assembled(
             plant = _own_plant(scenario, party("plants", table, own.plant), layout, radius)
         else:
             plant = stack.enter_context(_plant(scenario, plant_file, layout, radius, tell))
-        believer: Believer | custom.CustomEstimator | None = None
+        state_estimator: StateEstimator | custom.CustomEstimator | None = None
         if (estimator := party("estimators", scenario.estimator, own.estimator)) is not None:
-            believer = custom.CustomEstimator(estimator, formation)
+            state_estimator = custom.CustomEstimator(estimator, formation)
         elif scenario.estimator.kind != "none":
-            believer = stack.enter_context(_believer(scenario, layout, fmus))
-        estimates = _estimates(believer)
+            state_estimator = stack.enter_context(_state_estimator(scenario, layout, fmus))
+        estimates = _estimates(state_estimator)
         if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
             noise = generator(scenario.seed, "sensors.custom")
             sensors = custom.CustomSensors(instruments, layout, formation, scenario.periods.communication, noise)
@@ -300,7 +300,7 @@ def assembled(
                 "plant": plant,
                 "rail": _rail(scenario, plant_file, layout),
                 "sensors": sensors,
-                "believer": believer,
+                "state_estimator": state_estimator,
                 "actuation": actuation,
                 "driver": _driver(scenario, layout, groups),
                 "faults": faults_of(
@@ -323,7 +323,7 @@ def assembled(
                 "recorder": Recorder(signals, formation, _samples(scenario) + 1),
             },
             controller=controller,
-            obstacle=compiled_cycle.obstacle(layout, plant, sensors, believer, controller, actuation),
+            obstacle=compiled_cycle.obstacle(layout, plant, sensors, state_estimator, controller, actuation),
             plant_file=plant_file,
             fmus=fmus,
             classes=classes,
@@ -351,12 +351,12 @@ def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) ->
     return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases)
 
 
-def _estimates(believer: Believer | custom.CustomEstimator | None) -> frozenset[str]:
+def _estimates(state_estimator: StateEstimator | custom.CustomEstimator | None) -> frozenset[str]:
     """Return what an estimator provides, by the names of `ESTIMATES` without their prefix."""
-    if believer is None:
+    if state_estimator is None:
         return frozenset()
-    if isinstance(believer, custom.CustomEstimator):
-        return frozenset(believer.provides)
+    if isinstance(state_estimator, custom.CustomEstimator):
+        return frozenset(state_estimator.provides)
     return frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
 
 
@@ -951,7 +951,7 @@ _NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"
 
 
 @contextmanager
-def _believer(scenario: Scenario, layout: Layout, fmus: dict[str, Description]) -> Generator[Believer]:
+def _state_estimator(scenario: Scenario, layout: Layout, fmus: dict[str, Description]) -> Generator[StateEstimator]:
     """Make the estimator of a scenario; an FMU that takes part adds itself to `fmus`."""
     table = scenario.estimator
     assert isinstance(table, KalmanFilter)
@@ -1005,7 +1005,7 @@ def _believer(scenario: Scenario, layout: Layout, fmus: dict[str, Description]) 
             plain = ExtendedKalmanFilter(prediction, *noises, period, gate)
             filter_ = Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(outputs))
         seen = [layout.reading[name.partition("[")[0]].start + _element(name) for name in outputs]
-        yield Believer(
+        yield StateEstimator(
             filter=filter_,
             seen=np.array(seen, dtype=np.intp),
             speed=states.index("v"),
@@ -1102,7 +1102,7 @@ def _law_of(
     actuation, period = scenario.actuation.kind, {"period": scenario.periods.controller}
     if kind in ("adhesion_based", "adhesion_literal"):
         seeker = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
-        return seeker, tuning.SEEKER[actuation], period | {"adhesion_max": scenario.limits.alpha_max}
+        return seeker, tuning.PEAK_SEEKING[actuation], period | {"adhesion_max": scenario.limits.alpha_max}
     if kind == "slope_seeking":
         return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max}
     law, parameters = {

@@ -110,12 +110,12 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
         f'__attribute__((constructor)) static void run(void) {{ fclose(fopen("{mark}", "w")); }}'
     }
     content = shared_library(evil, "evil").read_bytes()
-    for name in ("cycle", "crossing", "run", "contact"):
+    for name in ("cycle", "set_step_get", "run", "contact"):
         for place in ("build/native", "build/estimators", "build/loop"):
             (tmp_path / place).mkdir(parents=True, exist_ok=True)
             (tmp_path / place / f"{name}.so").write_bytes(content)
     code = (
-        "from railgrip.loop.library import kernel; from railgrip.fmu.crossing import _library;"
+        "from railgrip.loop.library import kernel; from railgrip.fmu.set_step_get import _library;"
         "from railgrip.formation import Formation; from railgrip.signals import layout_of;"
         "kernel(layout_of(Formation((1,)))); _library()"
     )

@@ -42,7 +42,7 @@ class Report:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class CampaignRun:
     """A campaign and the folder for its results."""
 
     campaign: Campaign
@@ -50,7 +50,7 @@ class Asked:
 
 
 def run_campaigns(
-    asked: Sequence[Asked],
+    asked: Sequence[CampaignRun],
     runner: Runner,
     *,
     workers: int = 2,

@@ -14,7 +14,7 @@ from railgrip.errors import ScenarioError
 from railgrip.report.panels import Panels
 
 if TYPE_CHECKING:
-    from railgrip.campaign.run import Asked
+    from railgrip.campaign.run import CampaignRun
     from railgrip.campaign.tune_control import Found
     from railgrip.controllers.tuning import SlipSource
     from railgrip.report.baseline import Baseline, Findings
@@ -40,7 +40,7 @@ def campaign(
     import_from: ImportFrom = None,
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
-    from railgrip.campaign.run import Asked
+    from railgrip.campaign.run import CampaignRun
     from railgrip.report.distances import rows_of
     from railgrip.report.index import write_report
     from railgrip.report.results import read_results
@@ -48,7 +48,7 @@ def campaign(
 
     planned = [load_campaign(file, overrides or []) for file in files]
     own = out if out is not None and len(files) == 1 else None
-    asked = [Asked(one, own or (out or Path("build")) / one.name) for one in planned]
+    asked = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in planned]
     twice = next((one for one in asked if [a.directory for a in asked].count(one.directory) > 1), None)
     if twice is not None:
         raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
@@ -77,7 +77,7 @@ def conditioning(
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
     from railgrip.atomic import write_text
     from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
-    from railgrip.campaign.run import Asked
+    from railgrip.campaign.run import CampaignRun
     from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
     from railgrip.scenario.conditioning import text_of
@@ -87,7 +87,7 @@ def conditioning(
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
     repeated = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in whole.stops}
     directory = out / whole.name
-    problem = _run_campaigns([Asked(campaign_of(whole, repeated), directory)], workers=workers, fresh=fresh)
+    problem = _run_campaigns([CampaignRun(campaign_of(whole, repeated), directory)], workers=workers, fresh=fresh)
     # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
     found = conditioning_of(whole, repeated, directory, relative)
     write_text(whole.conditioning, text_of(found))
@@ -246,7 +246,7 @@ def readme(
 
 
 def _run_campaigns(
-    asked: "Sequence[Asked]",
+    asked: "Sequence[CampaignRun]",
     *,
     workers: int,
     fresh: bool,
@@ -282,13 +282,13 @@ def _run_campaigns(
 
 def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
-    from railgrip.campaign.run import Asked
+    from railgrip.campaign.run import CampaignRun
     from railgrip.report.baseline import findings_of, write_findings
     from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign
 
     if baseline.campaign is not None:
-        asked = [Asked(load_campaign(path.parent / baseline.campaign), out)]
+        asked = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
         code = _run_campaigns(asked, workers=workers, fresh=False)
         return code, findings_of(read_results(out))
     from railgrip.studies.headlines import headlines

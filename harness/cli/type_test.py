@@ -36,7 +36,7 @@ def type_test(
     import_from: ImportFrom = None,
 ) -> None:
     """Stop a train in hundreds of cases under each controller, judge every stop, and rank them."""
-    from railgrip.campaign.run import Asked, run_campaigns, write_description
+    from railgrip.campaign.run import CampaignRun, run_campaigns, write_description
     from railgrip.report.index import write_report as write_panels
     from railgrip.report.results import read_results
     from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
@@ -65,7 +65,11 @@ def type_test(
                 complain(f"{report.stop.name}: {report.sentence}")
 
         (reports,) = run_campaigns(
-            [Asked(planned, directory)], runner(import_from=import_from or ()), workers=workers, fresh=fresh, tell=tell
+            [CampaignRun(planned, directory)],
+            runner(import_from=import_from or ()),
+            workers=workers,
+            fresh=fresh,
+            tell=tell,
         )
         write_description(whole, directory)
         shown.update(doing="report")

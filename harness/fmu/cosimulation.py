@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import FmuError, PlantFailed
-from railgrip.fmu.crossing import Crossing, Outcome, outcome
 from railgrip.fmu.description import Description
 from railgrip.fmu.instance import Instance, unpacked
 from railgrip.fmu.mapping import Binding, Side
 from railgrip.fmu.parameters import Values, assignments
+from railgrip.fmu.set_step_get import Outcome, SetStepGet, outcome
 from railgrip.loop.compiled import Calls
 from railgrip.loop.ports import Edge
 
@@ -127,9 +127,9 @@ class CoSimulation:
 
     def _prepare(self, instance: Instance) -> None:
         """Make what every step needs."""
-        self._crossing = crossing = Crossing(instance, self._binding, self._period)
+        self._set_step_get = set_step_get = SetStepGet(instance, self._binding, self._period)
         size = self._binding.outputs.size
-        self._present = crossing.present if crossing.present.size < size else None
+        self._present = set_step_get.present if set_step_get.present.size < size else None
         self._blank = np.full(size, np.nan)
 
     @property
@@ -171,19 +171,19 @@ class CoSimulation:
         # Once per simulated millisecond: each line here is a measurable part of a stop.
         if not self._ready:
             raise self._not_ready()
-        crossing = self._crossing
-        crossing.inputs[:] = inputs
-        ended = crossing.step(self._start_time + self._sample * self._period)
+        set_step_get = self._set_step_get
+        set_step_get.inputs[:] = inputs
+        ended = set_step_get.step(self._start_time + self._sample * self._period)
         if ended:
             self.crossed(0, ended)
         self._sample += 1
-        return crossing.outputs.copy() if self._present is None else self._spread()
+        return set_step_get.outputs.copy() if self._present is None else self._spread()
 
     def edge(self) -> Edge:
         """Return what a loop in C steps this plant by; it then reports to `crossed`."""
         if not self._ready:
             raise self._not_ready()
-        return self._crossing.edge(self._start_time)
+        return self._set_step_get.edge(self._start_time)
 
     def crossed(self, steps: int, ended: int) -> None:
         """Take note of steps done by `edge`, and of the number of the outcome that ended them, 0 for none.
@@ -195,7 +195,7 @@ class CoSimulation:
         if ended:
             what = outcome(ended)
             self._sample += what in ("getting", "not finite")  # the step itself succeeded
-            self._fail_crossing(what)
+            self._fail_step(what)
 
     def calls(self) -> Calls:
         """Return what a loop in C needs to step this plant; it then reports to `stepped`.
@@ -218,7 +218,7 @@ class CoSimulation:
             start=self._start_time,
             period=self._period,
             sample=self._sample,
-            looks_back=self._crossing.looks_back,
+            looks_back=self._set_step_get.looks_back,
         )
 
     def stepped(self, steps: int, status: int, call: str, outputs: Vector) -> None:
@@ -262,7 +262,7 @@ class CoSimulation:
         with self._remembering():
             instance.call("fmi2GetFMUstate", ctypes.byref(handle), time=self.time, doing="saving its state")
         self._snapshots.append(handle.value or 0)
-        self._crossing.keep_past()
+        self._set_step_get.keep_past()
         return Snapshot(sample=self._sample, handle=handle.value or 0, owner=id(self))
 
     def restore(self, snapshot: Snapshot) -> Vector:
@@ -287,32 +287,32 @@ class CoSimulation:
         return self._spent or RuntimeError("a CoSimulation is started before it is stepped, inside 'with'")
 
     def _send(self, inputs: Vector) -> None:
-        self._crossing.inputs[:] = inputs
-        ended = self._crossing.send()
+        self._set_step_get.inputs[:] = inputs
+        ended = self._set_step_get.send()
         if ended != "fine":
-            self._fail_crossing(ended)
+            self._fail_step(ended)
 
     def _receive(self) -> Vector:
-        ended = self._crossing.receive()
+        ended = self._set_step_get.receive()
         if ended != "fine":
-            self._fail_crossing(ended)
+            self._fail_step(ended)
         return self._spread()
 
     def _spread(self) -> Vector:
         """Return the vector of all signals, NaN where the FMU has none."""
         if self._present is None:
-            return self._crossing.outputs.copy()
+            return self._set_step_get.outputs.copy()
         everything = self._blank.copy()
-        everything[self._present] = self._crossing.outputs
+        everything[self._present] = self._set_step_get.outputs
         return everything
 
-    def _fail_crossing(self, ended: Outcome) -> None:
-        """Raise the failure that ended a crossing early."""
-        crossing = self._crossing
+    def _fail_step(self, ended: Outcome) -> None:
+        """Raise the failure that ended a communication step early."""
+        set_step_get = self._set_step_get
         if ended == "not finite":
-            self._not_finite(crossing.outputs[crossing.worst])
+            self._not_finite(set_step_get.outputs[set_step_get.worst])
         doing = {"setting": "setting inputs", "getting": "reading outputs"}.get(ended, "")
-        self._fail(crossing.call(ended), crossing.status, self.time, doing)
+        self._fail(set_step_get.call(ended), set_step_get.status, self.time, doing)
 
     def _fail(self, call: str, status: int, time: float, doing: str) -> None:
         """Raise the failure behind a bad status."""
@@ -329,7 +329,7 @@ class CoSimulation:
             raise
 
     def _not_finite(self, value: float) -> None:
-        name = self._binding.outputs.elements[self._crossing.present[self._crossing.worst]]
+        name = self._binding.outputs.elements[self._set_step_get.present[self._set_step_get.worst]]
         failure = self._open().failure("not_finite", "", self.time, variable=name, doing=f"{value}")
         with self._remembering():
             raise PlantFailed(failure)

@@ -18,7 +18,7 @@ from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, Plant, Sensors
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
-from railgrip.loop.watch import NEGATIVE, Believer, complete
+from railgrip.loop.watch import NEGATIVE, StateEstimator, complete
 from railgrip.signals import BELIEVED, INNOVATION, SENT, SPREAD, Layout, length, places
 from railgrip.trace.recorder import Recorder
 
@@ -100,7 +100,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
 
     class Cycle(ctypes.Structure):
         _fields_ = (
-            *((name, ctypes.c_void_p) for name in ("cross", "crossing", "taken", "shown", "present")),
+            *((name, ctypes.c_void_p) for name in ("cross", "set_step_get", "taken", "shown", "present")),
             ("start", ctypes.c_double),
             *((name, ctypes.c_void_p) for name in ("service", "read_of", "gain", "bias", "noise")),
             *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
@@ -131,7 +131,7 @@ def obstacle(
     layout: Layout,
     plant: Plant,
     sensors: Sensors,
-    believer: Believer | DirectEstimator | None,
+    state_estimator: StateEstimator | DirectEstimator | None,
     controller: Controller,
     actuation: Actuation,
 ) -> str | None:
@@ -140,7 +140,9 @@ def obstacle(
         return "the plant is not called in this process, or shows no slip of its own"
     if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
         return "the sensors are Python"
-    if believer is not None and not (isinstance(believer, Believer) and isinstance(believer.filter, FilterInC)):
+    if state_estimator is not None and not (
+        isinstance(state_estimator, StateEstimator) and isinstance(state_estimator.filter, FilterInC)
+    ):
         return "the estimator is not a compiled filter"
     if not isinstance(controller, FormulaInC):
         return "the controller is Python, not a formula"
@@ -161,7 +163,7 @@ def run(
     plant: Plant,
     rail: TabulatedRail,
     sensors: Sensors,
-    believer: Believer | DirectEstimator | None,
+    state_estimator: StateEstimator | DirectEstimator | None,
     controller: Controller,
     actuation: Actuation,
     driver: Driver,
@@ -181,7 +183,7 @@ def run(
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
         TypeError: There is an `obstacle`.
     """
-    if (reason := obstacle(layout, plant, sensors, believer, controller, actuation)) is not None:
+    if (reason := obstacle(layout, plant, sensors, state_estimator, controller, actuation)) is not None:
         raise TypeError(f"the loop in C cannot run this: {reason}")
     assert isinstance(plant, PlantInC)
     assert isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors)
@@ -190,7 +192,17 @@ def run(
     truth = plant.start(inputs)
     rail.meet(truth)
     parts = _Parts(
-        layout, plant.edge(), rail, sensors, believer, controller, actuation, driver, faults, wheel_radius, recorder
+        layout,
+        plant.edge(),
+        rail,
+        sensors,
+        state_estimator,
+        controller,
+        actuation,
+        driver,
+        faults,
+        wheel_radius,
+        recorder,
     )
     its = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
@@ -213,8 +225,8 @@ def run(
                 progress(its.truth[at_speed])
     finally:
         recorder.written = its.written
-        if isinstance(believer, Believer):
-            complete(recorder.rows[: its.written], recorder, believer.wheel_radius)
+        if isinstance(state_estimator, StateEstimator):
+            complete(recorder.rows[: its.written], recorder, state_estimator.wheel_radius)
     time, distance, speed = its.sample * clock.period, its.truth[at_distance], its.truth[at_speed]
     if ended == _STANDING:
         return stood(distance, time, its.written)
@@ -236,7 +248,7 @@ class _Parts:
         plant: Edge,
         rail: TabulatedRail,
         sensors: IdealSensors | WhiteSensors | ServiceSensors,
-        believer: Believer | DirectEstimator | None,
+        state_estimator: StateEstimator | DirectEstimator | None,
         controller: Controller,
         actuation: Actuation,
         driver: Driver,
@@ -244,11 +256,11 @@ class _Parts:
         wheel_radius: tuple[float, ...],
         recorder: Recorder,
     ) -> None:
-        self._keep: list[Any] = [plant, rail, sensors, believer, controller, actuation, driver, faults, recorder]
+        self._keep: list[Any] = [plant, rail, sensors, state_estimator, controller, actuation, driver, faults, recorder]
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
         read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.shown)
         self.struct: Any = cycle_struct(layout)(
-            cross=plant.cross, crossing=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
+            cross=plant.cross, set_step_get=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
             service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
@@ -263,16 +275,16 @@ class _Parts:
         its = self.struct
         if isinstance(sensors, WhiteSensors):
             its.gain, its.bias, its.noise = (self._at(part) for part in (sensors.gain, sensors.bias, sensors.noise))
-        self._filter = filter_ = believer.filter if isinstance(believer, Believer) else None
-        if isinstance(believer, Believer) and isinstance(filter_, FilterInC):
+        self._filter = filter_ = state_estimator.filter if isinstance(state_estimator, StateEstimator) else None
+        if isinstance(state_estimator, StateEstimator) and isinstance(filter_, FilterInC):
             its.advance, its.block, its.squared = filter_.entry
             its.held, its.seen, its.used = (self._at(part) for part in (filter_.held, filter_.seen, filter_.used))
             its.mean, its.covariance = self._at(filter_.mean), self._at(filter_.covariance)
             its.row = filter_.covariance.strides[0] // filter_.covariance.itemsize
-            its.seen_of, its.seen_count = self._places(believer.seen), believer.seen.size
-            places = believer.wheelset_speed, believer.adhesion, believer.pad_friction
-            its.believed_of = self._places(np.concatenate([[believer.speed], *places]))
-            its.radius = self._at(np.array(believer.wheel_radius))
+            its.seen_of, its.seen_count = self._places(state_estimator.seen), state_estimator.seen.size
+            places = state_estimator.wheelset_speed, state_estimator.adhesion, state_estimator.pad_friction
+            its.believed_of = self._places(np.concatenate([[state_estimator.speed], *places]))
+            its.radius = self._at(np.array(state_estimator.wheel_radius))
             its.believed_at, its.spread_at, its.innovation_at = (
                 recorder.block(block).start for block in (BELIEVED, SPREAD, INNOVATION)
             )

@@ -23,7 +23,7 @@ from railgrip.loop.ended import (
 from railgrip.loop.faults import Faults
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Plant, Rail, Sensors
-from railgrip.loop.watch import Believer, watch_of
+from railgrip.loop.watch import StateEstimator, watch_of
 from railgrip.signals import SENT, Layout
 from railgrip.trace.recorder import Recorder
 
@@ -50,7 +50,7 @@ def decisions(
     plant: Plant,
     rail: Rail,
     sensors: Sensors,
-    believer: Believer | DirectEstimator | None,
+    state_estimator: StateEstimator | DirectEstimator | None,
     actuation: Actuation,
     driver: Driver,
     faults: Faults | None = None,
@@ -78,7 +78,7 @@ def decisions(
         plant: Not yet started.
         rail: Friction and force along the track.
         sensors: Instruments.
-        believer: None if the controller sees readings only.
+        state_estimator: None if the controller sees readings only.
         actuation: From demanded pressure to the plant's command.
         driver: The most that may be demanded, and traction.
         faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
@@ -105,7 +105,7 @@ def decisions(
     inputs[sent_friction], inputs[sent_force] = rail.mu0, rail.force
     truth = plant.start(inputs)
     rail.meet(truth)
-    watch = watch_of(layout, believer, wheel_radius, recorder, driver.pressure)
+    watch = watch_of(layout, state_estimator, wheel_radius, recorder, driver.pressure)
     demand_columns = recorder.columns.get("demand")
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
     traction_columns = recorder.columns.get("traction")

@@ -18,7 +18,7 @@ class Edge:
     """A communication step of a plant as C sees it.
 
     Attributes:
-        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/crossing.c` has it.
+        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/set_step_get.c` has it.
         plan: Address of its first argument.
         inputs: Read by it, shape (Layout.inputs,).
         outputs: Written by it: those that the plant has.

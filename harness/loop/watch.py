@@ -26,7 +26,7 @@ NEGATIVE = "The estimator diverged: a variance is negative or not a number."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Believer:
+class StateEstimator:
     """An estimator that holds its first belief, and where its states and readings stand.
 
     Attributes:
@@ -143,15 +143,17 @@ class Beliefs:
         driver_demand: As of `Readings`.
     """
 
-    def __init__(self, layout: Layout, believer: Believer, recorder: Recorder, driver_demand: Vector) -> None:
+    def __init__(
+        self, layout: Layout, state_estimator: StateEstimator, recorder: Recorder, driver_demand: Vector
+    ) -> None:
         """See nothing yet, and believe what the filter does."""
         self.driver_demand = driver_demand
         self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
         self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
-        self._filter = its = believer.filter
-        self._radius, self._seen = np.array(believer.wheel_radius), believer.seen
-        uncertain = [believer.adhesion, believer.pad_friction]
-        self._states = np.concatenate([[believer.speed], believer.wheelset_speed, *uncertain])
+        self._filter = its = state_estimator.filter
+        self._radius, self._seen = np.array(state_estimator.wheel_radius), state_estimator.seen
+        uncertain = [state_estimator.adhesion, state_estimator.pad_friction]
+        self._states = np.concatenate([[state_estimator.speed], state_estimator.wheelset_speed, *uncertain])
         self._uncertain = np.concatenate(uncertain)
         self._variances = its.covariance.diagonal()  # a view: the filter writes its belief where it stood
         self._believed = its.mean.take(self._states)
@@ -220,17 +222,17 @@ class Beliefs:
 
 def watch_of(
     layout: Layout,
-    believer: Believer | DirectEstimator | None,
+    state_estimator: StateEstimator | DirectEstimator | None,
     wheel_radius: tuple[float, ...],
     recorder: Recorder,
     driver_demand: Vector,
 ) -> Readings | Beliefs:
     """Return what a train with this estimator, or with none, knows of itself; radii [m] are for slip from readings."""
-    if believer is None:
+    if state_estimator is None:
         return Readings(layout, wheel_radius, driver_demand)
-    if isinstance(believer, Believer):
-        return Beliefs(layout, believer, recorder, driver_demand)
-    return DirectEstimates(layout, believer, wheel_radius, recorder, driver_demand)
+    if isinstance(state_estimator, StateEstimator):
+        return Beliefs(layout, state_estimator, recorder, driver_demand)
+    return DirectEstimates(layout, state_estimator, wheel_radius, recorder, driver_demand)
 
 
 def complete(rows: Matrix, recorder: Recorder, radius: tuple[float, ...] | Vector) -> None:

@@ -11,7 +11,7 @@ import pytest
 from railgrip.assemble import controlled_formation, controller_of
 from railgrip.campaign.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
 from railgrip.campaign.workers import workers
-from railgrip.controllers.adhesion_based import SeekerTuning
+from railgrip.controllers.adhesion_based import PeakSeekingTuning
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
@@ -104,7 +104,7 @@ def test_the_file_says_what_was_found_and_on_what():
 
 def test_all_that_is_searched_is_a_parameter_of_its_law():
     for cases in RANGES["adhesion_based"].values():
-        assert set(cases) < {field.name for field in fields(SeekerTuning)}
+        assert set(cases) < {field.name for field in fields(PeakSeekingTuning)}
 
 
 @pytest.fixture(scope="module")

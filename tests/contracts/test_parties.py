@@ -8,7 +8,7 @@ from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBa
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.slope_seeking import SlopeSeeking
-from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER, SLOPE
+from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE
 from railgrip.errors import ContractBroken
 from railgrip.testing import check_controller, check_estimator, check_sensors
 
@@ -31,8 +31,8 @@ class Ours:
     [
         FullBrake,
         lambda brakes: SlipBased(brakes, PAPER_LEVELS),
-        lambda brakes: LiteralAdhesionBased(brakes, SEEKER["ideal"]),
-        lambda brakes: AdhesionBased(brakes, SEEKER["ideal"]),
+        lambda brakes: LiteralAdhesionBased(brakes, PEAK_SEEKING["ideal"]),
+        lambda brakes: AdhesionBased(brakes, PEAK_SEEKING["ideal"]),
         lambda brakes: SlopeSeeking(brakes, SLOPE),
     ],
 )

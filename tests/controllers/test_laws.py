@@ -10,11 +10,11 @@ from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBa
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.slope_seeking import SlopeSeeking
-from railgrip.controllers.tuning import PAPER_LEVELS, SEEKER, SLOPE
+from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE
 
 
 def seeker(**changes):
-    return AdhesionBased([GROUP], replace(SEEKER["ideal"], **changes))
+    return AdhesionBased([GROUP], replace(PEAK_SEEKING["ideal"], **changes))
 
 
 @pytest.mark.parametrize(("peak_slip", "patience"), [(0.01, 1.0), (0.03, 1.0), (0.1, 2.0), (0.2, 4.0)])
@@ -29,7 +29,7 @@ def test_the_seeker_finds_the_peak_wherever_it_lies(peak_slip, patience):
 def test_the_seeker_is_not_carried_away_by_a_rail_that_gets_better():
     """Adhesion doubles within 2 s: α̇ > 0 whatever the slip does, the term that the paper's proof drops."""
     slip, adhesion = simulate(seeker(), 4.0, peak=lambda time: 0.05 + 0.025 * min(max(time - 1.5, 0), 2))
-    assert slip[1500:].max() < SEEKER["ideal"].slip_vent
+    assert slip[1500:].max() < PEAK_SEEKING["ideal"].slip_vent
     wanted = 0.05 + 0.025 * np.clip(np.arange(1500, 4000) * 1e-3 - 1.5, 0, 2)
     assert np.mean(adhesion[1500:] / wanted) > 0.93
 
@@ -58,8 +58,8 @@ def test_the_seeker_bears_a_wrong_pad_friction(error):
         def __init__(self):
             self.law = seeker()
 
-        def decide(self, sight):
-            return self.law.decide(sight._replace(pad_friction=(0.35 * error,)))
+        def decide(self, observation):
+            return self.law.decide(observation._replace(pad_friction=(0.35 * error,)))
 
     _, adhesion = simulate(Mistaken(), 4.0)
     assert adhesion[1500:].mean() > 0.93 * 0.06
@@ -69,7 +69,7 @@ def test_the_literal_law_chatters_around_the_peak():
     """Bang-bang through a lag of 20 ms with derivatives filtered over 10 ms: worse than the seeker, better than none
     (locked: α(1)/α* = 0.06). Over a few milliseconds, which only ideal sensors allow, it chatters as finely as the
     seeker hunts."""
-    slower = replace(SEEKER["ideal"], filter_time=10e-3)
+    slower = replace(PEAK_SEEKING["ideal"], filter_time=10e-3)
     literal, own = LiteralAdhesionBased([GROUP], slower), AdhesionBased([GROUP], slower)
     chatter, found = simulate(literal, 4.0)[1][1500:].mean(), simulate(own, 4.0)[1][1500:].mean()
     assert 0.5 * 0.06 < chatter < found
@@ -102,7 +102,7 @@ def test_full_brake_looks_at_nothing():
 @pytest.mark.parametrize("law", [AdhesionBased, LiteralAdhesionBased])
 def test_adhesion_based_control_wants_an_estimate(law):
     with pytest.raises(ValueError, match="needs an estimator"):
-        law([GROUP], SEEKER["ideal"]).decide(shown(0, SPEED, 0, (0.0,), None, None, (0.0,)))
+        law([GROUP], PEAK_SEEKING["ideal"]).decide(shown(0, SPEED, 0, (0.0,), None, None, (0.0,)))
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.1, 1.5), (0.2, 0.1), (0.0, 0.1)])
@@ -114,14 +114,14 @@ def test_levels_that_cannot_switch_are_refused(low, high):
 @pytest.mark.parametrize("name", ["filter_time", "rise", "dwell", "period"])
 def test_a_tuning_that_means_nothing_is_refused(name):
     with pytest.raises(ValueError, match=f"AdhesionBased: {name} must be finite and .*, got -0.1 "):
-        replace(SEEKER["ideal"], **{name: -0.1})
+        replace(PEAK_SEEKING["ideal"], **{name: -0.1})
     with pytest.raises(ValueError, match="filter_time must be finite and not negative, got nan s"):
-        replace(SEEKER["ideal"], filter_time=float("nan"))
+        replace(PEAK_SEEKING["ideal"], filter_time=float("nan"))
 
 
 def test_below_the_lowest_speed_the_brake_is_applied():
     observation = shown(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
-    for law in (SlipBased([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], SEEKER["ideal"])):
+    for law in (SlipBased([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], PEAK_SEEKING["ideal"])):
         assert law.decide(observation) == (3.4e5,)
     # The seeker's limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
     torque = (0.15 - 0.003) * GROUP.load * 0.38

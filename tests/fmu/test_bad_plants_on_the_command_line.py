@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mule_fmu import mule, quick_stop
+from faulty_fmu import faulty_fmu, quick_stop
 
 from railgrip import assemble
 from railgrip.cli.main import main
@@ -59,7 +59,7 @@ def railgrip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Capt
 
 
 def test_a_plant_with_our_names_needs_no_table(railgrip: Railgrip, foundry: Path):
-    done = railgrip(mule(foundry))
+    done = railgrip(faulty_fmu(foundry))
     assert done.code == 0, done.err
     # 3.4, 2, 2 and 3.4 bar on average times its rate are 1.08 m/s2. It moves on with the speed at the beginning of a
     # step: over all steps of 10 ms together half a step at 10 m/s too far.
@@ -82,7 +82,7 @@ def test_a_plant_with_our_names_needs_no_table(railgrip: Railgrip, foundry: Path
 def test_a_plant_that_fails_is_a_result_and_exits_3(
     railgrip: Railgrip, foundry: Path, misbehaviour: str, sentence: str, trust: bool
 ):
-    done = railgrip(mule(foundry, misbehaviour), trust=trust)
+    done = railgrip(faulty_fmu(foundry, misbehaviour), trust=trust)
     assert done.code == 3
     assert "town: no braking distance, the stop ended with plant_failed: " in done.err
     assert sentence in done.err
@@ -95,7 +95,7 @@ def test_a_plant_that_fails_is_a_result_and_exits_3(
 @pytest.mark.parametrize("trust", [True, False])
 def test_a_plant_that_does_not_start_leaves_a_result_without_numbers(railgrip: Railgrip, foundry: Path, trust: bool):
     """Its one row holds no number, rather than what was in the memory."""
-    done = railgrip(mule(foundry, "NEVER_STARTS"), trust=trust)
+    done = railgrip(faulty_fmu(foundry, "NEVER_STARTS"), trust=trust)
     assert done.code == 3
     assert "plant_failed: never_starts.fmu: at 0 s fmi2ExitInitializationMode returned fmi2Error" in done.err
     content = json.loads(Path("out/stop.json").read_text())
@@ -133,14 +133,14 @@ def test_a_plant_that_hangs_or_crashes_does_not_take_the_program_along(
 ):
     if misbehaviour == "NEVER_RETURNS":
         monkeypatch.setattr(assemble, "open_plant", short_of_patience)
-    done = railgrip(mule(foundry, misbehaviour), trust=False)
+    done = railgrip(faulty_fmu(foundry, misbehaviour), trust=False)
     assert done.code == 3
     assert sentence in done.err
     assert json.loads(Path("out/stop.json").read_text())["outcome"] == "plant_failed"
 
 
 def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundry: Path):
-    done = railgrip(mule(foundry, "NEVER_HALTS"))
+    done = railgrip(faulty_fmu(foundry, "NEVER_HALTS"))
     assert done.code == 3
     assert "the stop ended with horizon: Still moving at 5.00 m/s after 30 s" in done.err
     assert json.loads(Path("out/stop.json").read_text())["outcome"] == "horizon"
@@ -161,7 +161,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
 def test_a_map_that_does_not_fit_is_found_by_a_short_run_before_the_stop(
     railgrip: Railgrip, foundry: Path, more: str, sentence: str, trust: bool
 ):
-    done = railgrip(mule(foundry), more=f"[vehicle.map]\n{more}", trust=trust)
+    done = railgrip(faulty_fmu(foundry), more=f"[vehicle.map]\n{more}", trust=trust)
     assert done.code == 2
     assert "town: [vehicle.map] does not fit well.fmu: in a short run before the stop '" in done.err
     assert sentence in done.err
@@ -172,7 +172,7 @@ def test_wheels_of_another_radius_than_the_harness_believes_are_found_before_the
     railgrip: Railgrip, foundry: Path
 ):
     """Read with 0.38 m, wheels of 0.46 m would slide by 17 % all the time, and slip control would never brake."""
-    done = railgrip(mule(foundry, defined=("RADIUS=0.46",)))
+    done = railgrip(faulty_fmu(foundry, defined=("RADIUS=0.46",)))
     assert done.code == 2
     assert (
         "'wheelset_speed[1]' rolls with 0.46 m of radius by speed over wheel speed; the harness believes 0.38 m"
@@ -185,7 +185,7 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
     theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "speed_start": "v0"}
     theirs |= {f"pressure_command[{i}]": f"demand[{i}]" for i in range(1, 5)}
     with pytest.raises(SystemExit) as end:
-        main(["map", str(mule(foundry, names=theirs, defined=("RADIUS=0.46",)))])
+        main(["map", str(faulty_fmu(foundry, names=theirs, defined=("RADIUS=0.46",)))])
     out, _ = capfd.readouterr()
     assert (end.value.code or 0) == 0
     draft = tomllib.loads(out)["vehicle"]["map"]
@@ -210,27 +210,27 @@ def not_a_zip(foundry: Path) -> Path:
         (lambda _: "gone.fmu", "", "town.toml: [vehicle] plant names 'gone.fmu', but there is no file"),
         (not_a_zip, "", "text.fmu: not an FMU: it is not a zip archive"),
         (
-            lambda foundry: mule(foundry, platform="win32").rename(foundry / "windows.fmu"),
+            lambda foundry: faulty_fmu(foundry, platform="win32").rename(foundry / "windows.fmu"),
             "",
             "windows.fmu: no binary for this platform, ",
         ),
         (
-            mule,
+            faulty_fmu,
             '[vehicle.map]\nspeed = "sped"',
             "town: [vehicle.map] speed: well.fmu has no variable 'sped'; did you mean 'speed' or 'speed_start'?",
         ),
         (
-            mule,
+            faulty_fmu,
             '[vehicle.map]\nmu1 = "mu0[{i}]"',
             "town: [vehicle.map] has no signal 'mu1'; did you mean 'mu0'?",
         ),
         (
-            lambda foundry: mule(foundry, speed_unit="Pa").rename(foundry / "wrong_unit.fmu"),
+            lambda foundry: faulty_fmu(foundry, speed_unit="Pa").rename(foundry / "wrong_unit.fmu"),
             "",
             "wrong_unit.fmu: output 'speed' is in 'Pa', the harness reads 'speed' in 'm/s'",
         ),
         (
-            mule,
+            faulty_fmu,
             "[vehicle.parameters]\nspeed_strat = 3",
             "town: [vehicle.parameters] has no parameter 'speed_strat'; did you mean 'speed_start'?",
         ),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mule_fmu import mule
+from faulty_fmu import faulty_fmu
 from tiny_fmu import GUID, tiny, xml
 
 from railgrip.errors import FmuError, PlantFailed
@@ -339,7 +339,7 @@ def test_a_plant_is_used_inside_with_and_started_first(foundry: Path):
 def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_out(
     foundry: Path, tool: str, capfd: pytest.CaptureFixture[str]
 ):
-    description = describe(mule(foundry, "TALKS", tool=tool))
+    description = describe(faulty_fmu(foundry, "TALKS", tool=tool))
     with unpacked(description) as folder, closing(Instance(description, "co-simulation", folder, name="m")) as fmu:
         print("before")
         fmu.enter_initialization(0.0, None)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mule_fmu import mule
+from faulty_fmu import faulty_fmu
 
 from railgrip.errors import PlantFailed
 from railgrip.fmu import IsolatedCoSimulation, Signal, bind, describe
@@ -71,7 +71,7 @@ def alive(number: int) -> bool:
 def test_processes_that_leave_their_session_are_ended(
     foundry: Path, left_behind: Callable[[], list[int]], scratch: Path, misbehaviour: str, count: int
 ):
-    sentence = stopped(mule(foundry, misbehaviour))
+    sentence = stopped(faulty_fmu(foundry, misbehaviour))
     assert sentence.startswith(f"{misbehaviour.lower()}.fmu: at 0.1 s ")
     assert len(left_behind()) == count, "it did start them"
     deadline = time.monotonic() + 5  # killed they are; a busy machine may need a moment to see to it
@@ -82,17 +82,17 @@ def test_processes_that_leave_their_session_are_ended(
 
 
 def test_memory_is_limited(foundry: Path):
-    sentence = stopped(mule(foundry, "ALLOCATES"), FmuLimits(memory_mib=700))
+    sentence = stopped(faulty_fmu(foundry, "ALLOCATES"), FmuLimits(memory_mib=700))
     assert "its process was ended by SIGSEGV when it had " in sentence
     assert "MiB; memory_mib under [limits.fmu] is 700)" in sentence
 
 
 def test_open_files_are_limited(foundry: Path):
-    assert stopped(mule(foundry, "OPENS_FILES")).endswith("it says: error: no more files.")
+    assert stopped(faulty_fmu(foundry, "OPENS_FILES")).endswith("it says: error: no more files.")
 
 
 def test_a_start_that_does_not_return_is_waited_for_as_long_as_a_step(foundry: Path, scratch: Path):
-    sentence = stopped(mule(foundry, "NEVER_INSTANTIATES"), FmuLimits(patience=1.0))
+    sentence = stopped(faulty_fmu(foundry, "NEVER_INSTANTIATES"), FmuLimits(patience=1.0))
     assert sentence.endswith("at 0 s the FMU did not return (within 1 s of real time, it was stopped).")
     assert list(scratch.iterdir()) == []
 
@@ -113,14 +113,14 @@ def test_an_answer_that_the_fmu_forges_runs_no_code(foundry: Path, tmp_path: Pat
     pickle.loads(payload)
     assert mark.exists(), "that is what it does where it is unpickled"
     mark.unlink()
-    sentence = stopped(mule(foundry, "FORGES", forged=struct.pack("<BI", FAILED, len(payload)) + payload))
+    sentence = stopped(faulty_fmu(foundry, "FORGES", forged=struct.pack("<BI", FAILED, len(payload)) + payload))
     assert sentence.endswith("the FMU crashed (its process answered nonsense).")
     assert not mark.exists()
 
 
 @pytest.mark.parametrize("length", [3, 1 << 31])
 def test_an_answer_of_the_wrong_length_is_nonsense(foundry: Path, length: int):
-    sentence = stopped(mule(foundry, "FORGES", forged=struct.pack("<BI", ANSWER, length) + b"abc"))
+    sentence = stopped(faulty_fmu(foundry, "FORGES", forged=struct.pack("<BI", ANSWER, length) + b"abc"))
     assert sentence.endswith("the FMU crashed (its process answered nonsense).")
 
 
@@ -133,7 +133,7 @@ def test_the_fmus_process_imports_nothing_from_the_current_folder(
         (tmp_path / f"{name}.py").write_text(f"open({str(mark)!r}, 'w').close()\nraise ImportError('a trap')\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    assert stopped(mule(foundry, "ERROR_STATUS")).endswith("the wheel came off.")
+    assert stopped(faulty_fmu(foundry, "ERROR_STATUS")).endswith("the wheel came off.")
     assert not mark.exists()
 
 

@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from mule_fmu import mule, quick_stop
+from faulty_fmu import faulty_fmu, quick_stop
 
 from railgrip.cli.main import main
 from railgrip.fmu import Signal, bind, describe
@@ -40,7 +40,7 @@ def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
     """Their friction counts in per cent, so 0.3 of ours is 30 of theirs; what slows down is negative to us."""
     table = tomllib.loads(printed)["vehicle"]["map"]
     binding = bind(
-        describe(mule(foundry, names=THEIRS)),
+        describe(faulty_fmu(foundry, names=THEIRS)),
         inputs=[
             Signal(name="pressure_command", unit="Pa", size=4, needed=True),
             Signal(name="mu0", unit="1", size=6, needed=True),
@@ -60,7 +60,7 @@ def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
 
 def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    mule(foundry, names=THEIRS, defined=("SIGN=-1",)).rename(tmp_path / "MyTrain.fmu")
+    faulty_fmu(foundry, names=THEIRS, defined=("SIGN=-1",)).rename(tmp_path / "MyTrain.fmu")
     (tmp_path / "mine.toml").write_text(f"{HEAD}\n{printed}\n{quick_stop('slip_two_state')}")
     with pytest.raises(SystemExit) as end:
         main(["run", "mine.toml"])

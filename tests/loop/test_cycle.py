@@ -9,7 +9,7 @@ from railgrip.loop.cycle import run
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock
 from railgrip.loop.sensors import IdealSensors
-from railgrip.loop.watch import Believer
+from railgrip.loop.watch import StateEstimator
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 
@@ -53,10 +53,10 @@ class Rail:
 
 class Constant:
     def __init__(self, demand=1e5):
-        self.demand, self.sights = demand, []
+        self.demand, self.observations = demand, []
 
-    def decide(self, sight):
-        self.sights.append(sight)
+    def decide(self, observation):
+        self.observations.append(observation)
         return (self.demand,) * 4
 
 
@@ -66,10 +66,18 @@ class Direct:
 
 
 def brake(
-    plant, controller=None, *, sensors=None, believer=None, samples=5000, every=(1, 1), stop_speed=0.05, actuation=None
+    plant,
+    controller=None,
+    *,
+    sensors=None,
+    state_estimator=None,
+    samples=5000,
+    every=(1, 1),
+    stop_speed=0.05,
+    actuation=None,
 ):
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if believer else ())),
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if state_estimator else ())),
         TWO_PART_TRAIN,
         samples + 1,
     )
@@ -78,7 +86,7 @@ def brake(
         plant=plant,
         rail=Rail(),
         sensors=sensors or IdealSensors(LAYOUT),
-        believer=believer,
+        state_estimator=state_estimator,
         controller=controller or Constant(),
         actuation=actuation or Direct(),
         driver=Driver(LAYOUT, PERIOD, full=FULL, touching=np.zeros(4)),
@@ -128,7 +136,7 @@ def test_a_demand_that_is_none_is_not_hidden_by_the_actuation():
 def test_the_controller_is_asked_at_its_own_period():
     controller = Constant()
     brake(Block(10.0), controller, samples=100, every=(1, 10))
-    times = [sight.time for sight in controller.sights]
+    times = [observation.time for observation in controller.observations]
     assert times == [k * PERIOD for k in range(0, 101, 10)]
 
 
@@ -157,8 +165,8 @@ class Spy:
         self.used[:], self.squared_innovation = ~np.isnan(self.seen), 0.5 * len(self.given)
 
 
-def believer(spy):
-    return Believer(
+def state_estimator(spy):
+    return StateEstimator(
         filter=spy,
         seen=np.array([0, 1, 2, 3, 4, 11]),
         speed=0,
@@ -183,7 +191,7 @@ def test_a_reading_is_used_once_and_never_lost():
     """Estimator every two samples, train speed every three: 3, 9, 15 … fall between its steps and still arrive, at the
     next one; a step without a new reading sees NaN."""
     spy = Spy()
-    brake(Block(10.0), believer=believer(spy), sensors=Sparse(), samples=24, every=(2, 1))
+    brake(Block(10.0), state_estimator=state_estimator(spy), sensors=Sparse(), samples=24, every=(2, 1))
     speeds = [seen[0] for _, seen in spy.given]
     assert [s for s in speeds if not np.isnan(s)] == [3, 6, 9, 12, 15, 18, 21, 24]
     assert np.isnan(speeds[0])
@@ -191,19 +199,19 @@ def test_a_reading_is_used_once_and_never_lost():
 
 def test_the_filter_predicts_under_the_pressures_read_a_step_before():
     spy = Spy()
-    brake(Block(10.0), believer=believer(spy), sensors=Sparse(), samples=10)
+    brake(Block(10.0), state_estimator=state_estimator(spy), sensors=Sparse(), samples=10)
     assert [held[0] for held, _ in spy.given] == list(range(10))
     assert all(held[4] == 0.0 for held, _ in spy.given)
 
 
 def test_the_estimate_in_a_row_is_that_of_its_sample():
-    _, recorder = brake(Block(10.0), believer=believer(Spy()), samples=10)
+    _, recorder = brake(Block(10.0), state_estimator=state_estimator(Spy()), samples=10)
     assert recorder.rows[:11, recorder.at["estimate_speed"]].tolist() == [float(k) for k in range(11)]
 
 
 def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
     """Steps every two samples; the train speed, one of six readings, comes every three and waits for the next step."""
-    _, recorder = brake(Block(10.0), believer=believer(Spy()), sensors=Sparse(), samples=6, every=(2, 1))
+    _, recorder = brake(Block(10.0), state_estimator=state_estimator(Spy()), sensors=Sparse(), samples=6, every=(2, 1))
     rows = recorder.rows[:7]
     assert rows[:, recorder.at["estimate_nis"]].tolist() == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.5]
     assert rows[:, recorder.at["estimate_readings"]].tolist() == [0.0, 0.0, 5.0, 5.0, 6.0, 6.0, 6.0]
@@ -211,7 +219,7 @@ def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
 
 def test_slip_and_deviations_follow_from_the_belief():
     """Its wheels turn twice as many rad/s as the train does m/s, on radii of 0.4 m: slip 0.2, but none at rest."""
-    _, recorder = brake(Block(10.0), believer=believer(Spy()), samples=3)
+    _, recorder = brake(Block(10.0), state_estimator=state_estimator(Spy()), samples=3)
     slips = recorder.rows[:4, recorder.columns["estimate_slip"]]
     assert slips == pytest.approx(np.array([[0.0] * 4] + [[0.2] * 4] * 3))
     assert recorder.rows[:4, recorder.at["estimate_adhesion_sd"]].tolist() == [1.0, 2.0, 2.0, 2.0]
@@ -223,13 +231,13 @@ def test_a_variance_below_zero_is_an_outcome():
             super().advance()
             self.covariance[5, 5] = -1e-9
 
-    ended, _ = brake(Block(10.0), believer=believer(Broken()))
+    ended, _ = brake(Block(10.0), state_estimator=state_estimator(Broken()))
     assert ended.outcome is Outcome.DIVERGED
     assert "a variance is negative" in ended.reason
 
 
 def test_a_filter_that_diverges_is_an_outcome():
-    ended, _ = brake(Block(10.0), believer=believer(Spy(fail_at=7)))
+    ended, _ = brake(Block(10.0), state_estimator=state_estimator(Spy(fail_at=7)))
     assert ended.outcome is Outcome.DIVERGED
     assert ended.reason == "Filter: the predicted v is not a finite number. At 0.070 s."
     assert ended.samples == 7

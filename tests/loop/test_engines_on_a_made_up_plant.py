@@ -39,7 +39,7 @@ from railgrip.loop.sensors import (
     ServiceSensors,
     WhiteSensors,
 )
-from railgrip.loop.watch import Believer
+from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.polach import Polach
@@ -83,7 +83,7 @@ class Plant:
             here[LAYOUT.output[name]] = False
         self.present = np.flatnonzero(here)
         self.taken, self.shown = np.zeros(LAYOUT.inputs), np.zeros(self.present.size)
-        self._cross = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)(self._crossing)
+        self._cross = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)(self._set_step_get)
 
     def start(self, inputs):
         return self._truth(inputs)
@@ -101,7 +101,7 @@ class Plant:
         if ended:
             raise self._failure()
 
-    def _crossing(self, plan, what, time):
+    def _set_step_get(self, plan, what, time):
         if time != self.sample * 1e-3 or not self._moves(self.taken):
             return 2
         self.shown[:] = self._truth(self.taken)[self.present]
@@ -171,11 +171,11 @@ class Filter:
         return 0
 
 
-def believer(filter_):
+def state_estimator(filter_):
     names = "speed", "wheelset_speed", "acceleration"
     seen = np.concatenate([np.arange(LAYOUT.reading[name].start, LAYOUT.reading[name].stop) for name in names])
     places = {"wheelset_speed": 1, "pad_friction": 5, "adhesion": 9}
-    return Believer(
+    return StateEstimator(
         filter=filter_, seen=seen, speed=0, wheel_radius=RADIUS, **{n: at + np.arange(4) for n, at in places.items()}
     )
 
@@ -239,7 +239,7 @@ def brake(
         layout=LAYOUT,
         plant=plant,
         sensors=SENSORS[sensors](),
-        believer=believer(filter_) if filter_ else None,
+        state_estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
         actuation=ValveLogic([3.4e5] * 4, VALVES) if valves else Direct(),
     )

@@ -39,7 +39,7 @@ def shown(scenario, trace):
     with np.errstate(invalid="ignore"):
         slip = 1.0 - radius * wheel / speed[:, None]
     unknown = np.zeros_like(slip)
-    sights = np.column_stack(
+    observations = np.column_stack(
         [
             speed,
             trace["reading_acceleration"].values,
@@ -51,7 +51,7 @@ def shown(scenario, trace):
             trace["reading_cylinder_pressure"].values,
         ]
     )
-    return sights[::every][:-1], trace["command"].values[1::every][: len(sights[::every]) - 1]
+    return observations[::every][:-1], trace["command"].values[1::every][: len(observations[::every]) - 1]
 
 
 @pytest.mark.parametrize(
@@ -91,11 +91,11 @@ def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp
     if edge == "service":
         output = Signal(name="command", unit="1", size=4, needed=True)
     binding = bind(described, inputs=inputs, outputs=(output,), parameters=(), table={}, where="test")
-    sights, commands = shown(scenario, run_stop(scenario).trace)
+    observations, commands = shown(scenario, run_stop(scenario).trace)
     with CoSimulation(described, binding, period=scenario.periods.controller, parameters={}) as fmu:
-        fmu.start(sights[0])
-        for sight, command in zip(sights, commands, strict=True):
-            assert fmu.step(sight) == pytest.approx(command, abs=0.34 if edge == "ideal" else 0.0)
+        fmu.start(observations[0])
+        for observation, command in zip(observations, commands, strict=True):
+            assert fmu.step(observation) == pytest.approx(command, abs=0.34 if edge == "ideal" else 0.0)
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
     """For a linear Gaussian model the smoothed mean minimises all weighted squares; solved here as one system."""
     random = np.random.default_rng(4)
     F, Q = np.array([[1.0, 0.5], [0.0, 0.9]]), np.array([[0.3, 0.1], [0.1, 0.2]])
-    sight = random.normal(size=(12, 2, 2))
+    observation = random.normal(size=(12, 2, 2))
     noise = np.array([0.5, 2.0])
     seen = random.normal(size=(12, 2))
     seen[3, 0] = seen[7] = np.nan
@@ -86,9 +86,11 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
             add(np.eye(2), j, np.zeros(2), Q, -F)
         for i in range(2):
             if np.isfinite(seen[j, i]):
-                add(sight[j, i : i + 1], j, seen[j, i : i + 1], noise[i : i + 1, None])
+                add(observation[j, i : i + 1], j, seen[j, i : i + 1], noise[i : i + 1, None])
     expected = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0].reshape(12, 2)
-    found = smooth(transition=F, noise=Q, sight=sight, reading_noise=noise, seen=seen, start=start, spread=spread).mean
+    found = smooth(
+        transition=F, noise=Q, observation=observation, reading_noise=noise, seen=seen, start=start, spread=spread
+    ).mean
     # Both solve the same well-conditioned system in doubles.
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
 

@@ -129,14 +129,14 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
     Q[3, 3] = trust.drift**2 * T
     # A floor: a constant state would leave the covariance of the smoother singular to rounding.
     Q[4, 4] = (1e-6) ** 2 * T
-    sight = np.zeros((speed.size, 3, 5))
-    sight[:, 0, 1], sight[:, 0, 4] = 1.0, np.nan_to_num(speed)
-    sight[:, 1, 2] = sight[:, 1, 3] = 1.0
-    sight[:, 2, 0] = 1.0
+    observation = np.zeros((speed.size, 3, 5))
+    observation[:, 0, 1], observation[:, 0, 4] = 1.0, np.nan_to_num(speed)
+    observation[:, 1, 2] = observation[:, 1, 3] = 1.0
+    observation[:, 2, 0] = 1.0
     return smooth(
         transition=F,
         noise=Q,
-        sight=sight,
+        observation=observation,
         reading_noise=np.array([trust.speed, trust.acceleration, trust.position]) ** 2,
         seen=np.column_stack([speed, acceleration, along]),
         start=np.array([0.0, float(speed[np.isfinite(speed)][0]), 0.0, 0.0, 0.0]),

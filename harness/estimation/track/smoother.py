@@ -22,7 +22,14 @@ class Smoothed:
 
 
 def smooth(
-    *, transition: Array, noise: Array, sight: Array, reading_noise: Array, seen: Array, start: Array, spread: Array
+    *,
+    transition: Array,
+    noise: Array,
+    observation: Array,
+    reading_noise: Array,
+    seen: Array,
+    start: Array,
+    spread: Array,
 ) -> Smoothed:
     """Return the smoothed states of x[j+1] = F x[j] + q, y[j] = H[j] x[j] + r.
 
@@ -47,7 +54,7 @@ def smooth(
         expected_mean[j], expected[j] = m, spread_now
         there = np.isfinite(seen[j])
         if there.any():
-            H, R = sight[j][there], np.diag(reading_noise[there])
+            H, R = observation[j][there], np.diag(reading_noise[there])
             gain = np.linalg.solve(H @ spread_now @ H.T + R, H @ spread_now).T
             kept = np.eye(n) - gain @ H
             m = m + gain @ (seen[j][there] - H @ m)

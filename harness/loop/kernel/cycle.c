@@ -29,7 +29,7 @@ typedef struct {
 typedef struct {
     /* the plant */
     Cross *cross;
-    void *crossing;
+    void *set_step_get;
     double *taken;
     const double *shown;
     const long long *present;                    /* places of what is shown among all outputs */
@@ -190,7 +190,7 @@ EXPORT int cycle(Cycle *c, long long until)
 
         if (k > 0) {
             copy(c->taken, c->inputs, INPUTS);
-            c->failure = c->cross(c->crossing, SET_STEP_GET, c->start + (double)(k - 1) * c->period);
+            c->failure = c->cross(c->set_step_get, SET_STEP_GET, c->start + (double)(k - 1) * c->period);
             if (c->failure)
                 return PLANT_FAILED;
             c->crossed++;

@@ -41,7 +41,7 @@
 typedef struct {
     const fmi2CallbackFunctions *call;
     double t, v[22];
-} Mule;
+} FaultyFmu;
 
 /* A process that belongs to nobody; its number goes to a file that the test reads. */
 static void leave_one_behind(void) {
@@ -62,12 +62,12 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *call, fmi2Boolean visible, fmi2Boolean logging) {
     (void)name; (void)type; (void)guid; (void)resources; (void)visible; (void)logging;
     if (MISBEHAVIOUR == NEVER_INSTANTIATES) for (volatile int k = 0;; k = 0) { (void)k; }
-    Mule *m = call->allocateMemory(1, sizeof *m);
+    FaultyFmu *m = call->allocateMemory(1, sizeof *m);
     m->call = call;
     m->v[10] = 20;
     return m;
 }
-void fmi2FreeInstance(fmi2Component c) { if (c) ((Mule *)c)->call->freeMemory(c); }
+void fmi2FreeInstance(fmi2Component c) { if (c) ((FaultyFmu *)c)->call->freeMemory(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t, fmi2Boolean sd, fmi2Real stop) {
     (void)c; (void)td; (void)tol; (void)t; (void)sd; (void)stop;
     if (MISBEHAVIOUR == TALKS) {
@@ -77,30 +77,30 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fm
     }
     return fmi2OK;
 }
-static void show(Mule *m) {
+static void show(FaultyFmu *m) {
     for (int i = 0; i < 4; i++) { m->v[14 + i] = m->v[12] / RADIUS; m->v[18 + i] = m->v[i]; }
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    Mule *m = c;
+    FaultyFmu *m = c;
     m->v[12] = m->v[10];
     show(m);
     return MISBEHAVIOUR == NEVER_STARTS ? fmi2Error : fmi2OK;
 }
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) v[i] = ((Mule *)c)->v[vr[i]];
+    for (size_t i = 0; i < n; i++) v[i] = ((FaultyFmu *)c)->v[vr[i]];
     return fmi2OK;
 }
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real v[]) {
-    for (size_t i = 0; i < n; i++) ((Mule *)c)->v[vr[i]] = v[i];
+    for (size_t i = 0; i < n; i++) ((FaultyFmu *)c)->v[vr[i]] = v[i];
     return fmi2OK;
 }
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
-    Mule *m = c;
+    FaultyFmu *m = c;
     (void)no;
     if (t >= SOON) switch (MISBEHAVIOUR) {
         case ERROR_STATUS:
-            m->call->logger(m->call->componentEnvironment, "mule", fmi2Error, "logStatusError", "the wheel came off");
+            m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2Error, "logStatusError", "the wheel came off");
             return fmi2Error;
         case DISCARD: return fmi2Discard;
         case NEVER_RETURNS: for (volatile int k = 0;; k = 0) { (void)k; }
@@ -120,7 +120,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             int count = 0;
             while (open("/dev/null", O_RDONLY) >= 0 && count < 100000) count++;
             snprintf(text, sizeof text, "%s", count < 1000 ? "no more files" : "as many files as it likes");
-            m->call->logger(m->call->componentEnvironment, "mule", fmi2Error, "logStatusError", text);
+            m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2Error, "logStatusError", text);
             return fmi2Error;
         }
         case FORGES: {

@@ -20,7 +20,7 @@ from railgrip.loop.ports import Edge
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
 
-KERNEL: Final = files("railgrip.fmu") / "kernel" / "crossing.c"
+KERNEL: Final = files("railgrip.fmu") / "kernel" / "set_step_get.c"
 
 _SET, _STEP, _GET = 1, 2, 4
 _OUTCOMES: Final[tuple[Outcome, ...]] = ("fine", "setting", "stepping", "getting", "not finite")
@@ -33,7 +33,7 @@ class _Channel(ctypes.Structure):
     )
 
 
-class _Crossing(ctypes.Structure):
+class _SetStepGet(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_void_p) for name in ("fmu", "step", "senders", "receivers")),
         *((name, ctypes.c_longlong) for name in ("n_senders", "n_receivers", "n_outputs")),
@@ -43,7 +43,7 @@ class _Crossing(ctypes.Structure):
     )
 
 
-class Crossing:
+class SetStepGet:
     """The buffers, addresses and functions of one instance's communication step.
 
     Attributes:
@@ -72,7 +72,7 @@ class Crossing:
         ]
         to, of = (_Channel * len(senders))(*senders), (_Channel * len(receivers))(*receivers)
         self._keep += [to, of]
-        self._plan = _Crossing(
+        self._plan = _SetStepGet(
             fmu=instance.component, step=instance.address("fmi2DoStep"),
             senders=ctypes.addressof(to), receivers=ctypes.addressof(of),
             n_senders=len(senders), n_receivers=len(receivers), n_outputs=self.outputs.size,
@@ -111,7 +111,7 @@ class Crossing:
 
     @property
     def status(self) -> int:
-        """fmi2Status of the call that ended the last crossing early."""
+        """fmi2Status of the call that ended the last communication step early."""
         return self._plan.status
 
     @property
@@ -120,13 +120,13 @@ class Crossing:
         return self._plan.at
 
     def call(self, outcome: Outcome) -> str:
-        """Return the name of the FMI function that ended the last crossing early."""
+        """Return the name of the FMI function that ended the last communication step early."""
         if outcome == "stepping":
             return "fmi2DoStep"
         return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
 
     def edge(self, start: float) -> Edge:
-        """Return this crossing as C sees it, of a plant that started at a time [s]."""
+        """Return this communication step as C sees it, of a plant that started at a time [s]."""
         return Edge(
             cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
             plan=self._address.value or 0,
@@ -150,13 +150,13 @@ class Crossing:
 
 
 def outcome(number: int) -> Outcome:
-    """Return the outcome that `Crossing.step` numbers."""
+    """Return the outcome that `SetStepGet.step` numbers."""
     return _OUTCOMES[number]
 
 
 @cache
 def _library() -> ctypes.CDLL:
-    made = shared_library({"crossing.c": KERNEL.read_text(encoding="utf-8")}, "crossing")
+    made = shared_library({"set_step_get.c": KERNEL.read_text(encoding="utf-8")}, "set_step_get")
     # The interpreter lock is kept: handing it over and back would cost as much as the rest of the call.
     library = ctypes.PyDLL(str(made))
     library.cross.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]

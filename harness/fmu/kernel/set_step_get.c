@@ -1,7 +1,7 @@
 /* One communication step of a co-simulation FMU in one call: values in, the step, values out.
 
    Our vectors hold doubles in our units and order; a channel knows where its values stand there, their factors, and which
-   fmi2Set or fmi2Get carries them. The structs are mirrored in crossing.py, field by field. */
+   fmi2Set or fmi2Get carries them. The structs are mirrored in set_step_get.py, field by field. */
 
 #include <math.h>
 #include <stddef.h>
@@ -37,7 +37,7 @@ typedef struct {
     double period;
     long long looks_back;
     long long status, at;                                    /* of the call that ended it; its channel, or the output */
-} Crossing;
+} SetStepGet;
 
 /* Whether a status is neither fmi2OK nor fmi2Warning: a number that is no status at all is an error, too. */
 static int failed(long long status)
@@ -45,7 +45,7 @@ static int failed(long long status)
     return status != 0 && status != 1;
 }
 
-static int send(const Crossing *c, const Channel *to)
+static int send(const SetStepGet *c, const Channel *to)
 {
     for (long long i = 0; i < to->count; i++) {
         double value = c->inputs[to->positions[i]];
@@ -59,7 +59,7 @@ static int send(const Crossing *c, const Channel *to)
     return to->exchange(c->fmu, to->references, (size_t)to->count, to->buffer);
 }
 
-static int receive(const Crossing *c, const Channel *from)
+static int receive(const SetStepGet *c, const Channel *from)
 {
     const int status = from->exchange(c->fmu, from->references, (size_t)from->count, from->buffer);
 
@@ -72,7 +72,7 @@ static int receive(const Crossing *c, const Channel *from)
     return status;
 }
 
-EXPORT int cross(Crossing *c, int what, double time)
+EXPORT int cross(SetStepGet *c, int what, double time)
 {
     if (what & SET)
         for (long long k = 0; k < c->n_senders; k++)

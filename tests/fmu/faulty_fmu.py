@@ -1,4 +1,4 @@
-"""Makes the train FMU of mule.c, well-behaved or misbehaving in one way."""
+"""Makes the train FMU of faulty.c, well-behaved or misbehaving in one way."""
 
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from tiny_fmu import HEADERS
 from railgrip.fmus.native.toolchain import shared_library
 
 HERE = Path(__file__).parent
-SOURCES = {name: (HERE / name).read_text() for name in ("mule.c", "quiet.h")}
+SOURCES = {name: (HERE / name).read_text() for name in ("faulty.c", "quiet.h")}
 UNITS = {
     "Pa": '<BaseUnit kg="1" m="-1" s="-2"/>',
     "m": '<BaseUnit m="1"/>',
@@ -22,7 +22,7 @@ UNITS = {
 }
 
 
-def mule(
+def faulty_fmu(
     folder: Path,
     misbehaviour: str = "WELL",
     *,
@@ -37,17 +37,17 @@ def mule(
 
     Args:
         folder: Where the FMU is written.
-        misbehaviour: A name defined in mule.c.
+        misbehaviour: A name defined in faulty.c.
         speed_unit: What it says the unit of its speed is.
         platform: Folder of the binary inside the FMU.
         forged: What FORGES writes.
         names: Our name → the name it gives to that variable.
         tool: That it says it was made by.
-        defined: Names defined in mule.c with other values, as 'RADIUS=0.46'.
+        defined: Names defined in faulty.c with other values, as 'RADIUS=0.46'.
     """
     library = shared_library(
         SOURCES,
-        "_".join(["mule", misbehaviour.lower(), *(d.replace("=", "_") for d in defined)]),
+        "_".join(["faulty_fmu", misbehaviour.lower(), *(d.replace("=", "_") for d in defined)]),
         include=(HEADERS,),
         flags=tuple(
             f"-D{name}"
@@ -57,7 +57,7 @@ def mule(
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", _description(speed_unit, names, tool))
-        archive.write(library, f"binaries/{platform}/mule{fmpy.sharedLibraryExtension}")
+        archive.write(library, f"binaries/{platform}/faulty_fmu{fmpy.sharedLibraryExtension}")
     return file
 
 
@@ -82,9 +82,9 @@ def _description(speed_unit: str, names: Mapping[str, str], tool: str) -> str:
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            '<fmiModelDescription fmiVersion="2.0" modelName="Mule" guid="{mule}"',
+            '<fmiModelDescription fmiVersion="2.0" modelName="FaultyFmu" guid="{faulty_fmu}"',
             f'    generationTool="{tool}" variableNamingConvention="structured">',
-            '<CoSimulation modelIdentifier="mule" canHandleVariableCommunicationStepSize="true"/>',
+            '<CoSimulation modelIdentifier="faulty_fmu" canHandleVariableCommunicationStepSize="true"/>',
             "<UnitDefinitions>",
             *(f'<Unit name="{name}">{base}</Unit>' for name, base in UNITS.items()),
             "</UnitDefinitions>",
