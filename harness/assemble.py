@@ -181,10 +181,10 @@ def run_stop(
         ScenarioError: The scenario asks for something that its parties cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
-    if scenario.controller.kind == "ideal_bound" and own.controller is None and own.plant is None:
-        from railgrip.ideal import ideal_stop  # it needs this module to run its reference stop
+    if scenario.controller.kind in ("ideal_bound", "ideal_tracking") and own.controller is None and own.plant is None:
+        from railgrip.ideal import ideal_stop, tracking_stop  # it needs this module to run its stops
 
-        return ideal_stop(scenario, progress)
+        return (ideal_stop if scenario.controller.kind == "ideal_bound" else tracking_stop)(scenario, progress)
     with assembled(scenario, tell, own) as parts:
         ended = _run(parts, progress, engine)
     return parts.stop(ended)
@@ -1069,7 +1069,7 @@ def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Control
         ScenarioError: A parameter is wrong, or the controller is no law of ours.
     """
     table = scenario.controller
-    if isinstance(table, ControllerFmu | Custom) or table.kind == "ideal_bound":
+    if isinstance(table, ControllerFmu | Custom) or table.kind in ("ideal_bound", "ideal_tracking"):
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
     train = units_of_nominal_data(formation_of(scenario, plant_description(scenario)))
     own = {name: value for name, value in table.parameters.items() if name not in train}

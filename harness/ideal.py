@@ -10,18 +10,24 @@ peak must be found first. What is integrated is the train as a point mass; the p
 """
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip import assemble
-from railgrip.errors import ScenarioError
+from railgrip.controllers.observation import Observation
+from railgrip.errors import PlantFailed, ScenarioError
+from railgrip.loop import cycle
 from railgrip.loop.ended import Ended
 from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.signals import PLANT, SENT
 from railgrip.trace.bound import with_bound
+from railgrip.trace.contact import peak
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 from railgrip.trace.stop import Stop
@@ -121,9 +127,98 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     return assemble.judged(scenario, recorder, ended, plant, {plant.file.name: plant})
 
 
+class _Tracking:
+    """Control that is shown the truth: it holds the best slip of every group through the actuation that there is.
+
+    From the torque balance of a group, J ω̇ = F r − T, with s = 1 − rω/v, slip goes to s* at the rate κ where
+
+        T = F r + J/r (κ (s* − s) v − (1 − s) v̇),   F r at most as α_max allows
+
+    F is the true braking force, scaled by what the peak of the creep curve will be over what it is once the valves have
+    answered; s* lies a little below the slip of that peak, where a slide is still stable. No controller is shown this
+    much; one that anticipated the whole rail could still do a little better.
+    """
+
+    def __init__(self, scenario: Scenario, recorder: Recorder) -> None:
+        """Control the stop that a recorder is written of."""
+        plant = assemble.plant_description(scenario)
+        self._formation = assemble.formation_of(scenario, plant)
+        self._profile = profile_of(scenario, self._formation)
+        self._contact, self._brake = assemble.contact_of(scenario, plant), assemble.true_brake(scenario, plant)
+        self._recorder, self._period = recorder, scenario.periods.communication
+        self._limit, self._ahead = scenario.limits.alpha_max, 0.0
+        if scenario.actuation.kind == "pneumatic":
+            self._ahead = _DEAD_TIME
+        self._due, self._slip, self._change = 0.0, np.zeros(0), np.zeros(0)
+
+    def decide(self, observation: Observation) -> tuple[float, ...]:
+        """Return the demanded pressure of each group [Pa]; of the observation only the time is looked at."""
+        row, at = self._recorder.rows[round(observation.time / self._period)], self._recorder.columns
+        speed, distance = float(row[at["speed"]][0]), float(row[at["distance"]][0])
+        brake = self._brake
+        if speed < _SLOWEST:
+            return tuple(brake.p_max.tolist())
+        load = row[at["wheelset_load"]]
+        if observation.time >= self._due:
+            self._due = observation.time + _PEAK_PERIOD
+            self._look(observation.time, distance, speed, load)
+        group_load = self._formation.summed(load)
+        used = np.minimum(row[at["group_adhesion"]] * self._change, self._limit)
+        slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
+        turning = _RATE * (_BELOW * self._slip - slip) * speed - (1.0 - slip) * deceleration
+        torque = used * group_load * brake.r_wheel + brake.J / brake.r_wheel * turning
+        pad_force = torque / (brake.n_units * row[at["pad_friction"]] * brake.r_friction)
+        pressure = (pad_force / (brake.eta_rigging * brake.i_rigging) + brake.F_spring) / brake.A_piston
+        return tuple(np.clip(pressure, 0.0, brake.p_max).tolist())
+
+    def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
+        """Find the slip of the peak when the valves will have answered, and how much higher that is than now's."""
+        ahead = self._ahead
+        times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
+        friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
+        slips: list[float] = []
+        changes: list[float] = []
+        for members in self._formation.members():
+            slip, each = peak(self._contact, speeds, loads[:, members], friction[:, members])
+            now, then = np.sum(each * loads[:, members], axis=1)
+            slips.append(float(slip[1]))
+            changes.append(float(then / now))
+        self._slip, self._change = np.array(slips), np.array(changes)
+
+
+_SLOWEST = 0.5  # m/s; below, slip is a ratio of two small numbers
+_PEAK_PERIOD = 0.05  # s; friction of scenarios changes over tenths of a second
+_DEAD_TIME = 0.05  # s, that valves of the library's trains take
+_RATE = 10.0  # 1/s; valves fill and vent within some tenths of a second, and their predictor looks ahead
+_BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of its adhesion
+
+
+def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
+    """Return the stop of a controller that knows the truth, with the actuation and the broken parts of the scenario.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parties cannot do, or the plant does not show its
+            brakes.
+    """
+    changes = {
+        "sensors": {"kind": "ideal"},
+        "estimator": {"kind": "none"},
+        "controller": {"kind": "full_brake"},
+        "faults": [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY],
+    }
+    table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
+    with assemble.assembled(Scenario.model_validate(table)) as parts:
+        controller = _Tracking(scenario, parts.recorder)
+        try:
+            ended = cycle.run(controller=controller, progress=progress, **parts.parties)
+        except PlantFailed as failed:
+            ended = parts.failed(failed)
+    return replace(parts.stop(ended), scenario=scenario)
+
+
 def _full_brake(scenario: Scenario) -> Scenario:
     """Return the same train on a level rail where nothing slides, fully braked."""
-    changes = {
+    changes: dict[str, Any] = {
         "track": {},  # its force is no resistance of the train, and comes beside that
         "name": scenario.name,
         "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
@@ -132,6 +227,8 @@ def _full_brake(scenario: Scenario) -> Scenario:
         "controller": {"kind": "full_brake"},
         "faults": [],
     }
+    if scenario.truth.gradient:
+        changes["truth"] = scenario.truth.model_dump(mode="json") | {"gradient": 0.0}
     table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
     return Scenario.model_validate(table)
 

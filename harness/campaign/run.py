@@ -3,11 +3,11 @@
 import json
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from railgrip.atomic import PARTIAL, write_text
+from railgrip.atomic import PARTIAL, write_bytes, write_text
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.errors import InputError, RailgripError, RecordError
@@ -18,9 +18,10 @@ from railgrip.report.results import CAMPAIGN_FILE
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.custom import Custom
+from railgrip.scratch import scratch
 from railgrip.sources import sources_digest
 from railgrip.trace.outcome import Outcome
-from railgrip.trace.stop import read_stop
+from railgrip.trace.stop import STOP_FILE, read_stop
 
 State = Literal["found", "done", "ended_badly", "refused", "failed"]
 
@@ -54,6 +55,7 @@ def run_campaigns(
     runner: Runner,
     *,
     workers: int = 2,
+    scheduler: str | None = None,
     fresh: bool = False,
     tell: Callable[[Report], None],
     finished: Callable[[int], None] = lambda number: None,
@@ -68,6 +70,7 @@ def run_campaigns(
             for each stop.
         runner: Picklable: it runs in other processes.
         workers: Number of processes.
+        scheduler: Address of a Dask cluster that runs the stops in place of processes here; it needs no disk of ours.
         fresh: Whether to run also what is there.
         tell: Called as soon as something became of a stop.
         finished: Called with the number of a campaign when all its stops are there, while others go on.
@@ -90,7 +93,7 @@ def run_campaigns(
             else:
                 waiting.append(_Order(number, stop, folder))
     open_ = [number for number, one in enumerate(asked) if len(reports[number]) < len(one.campaign.stops)]
-    with _running(waiting, runner, workers) as running:
+    with _running(waiting, runner, workers, scheduler) as running:
         for number in range(len(asked)):
             if number not in open_:
                 finished(number)
@@ -112,12 +115,22 @@ class _Order:
 
 
 @contextmanager
-def _running(orders: Sequence[_Order], runner: Runner, workers: int) -> Generator[Iterator[tuple[_Order, Report]]]:
+def _running(
+    orders: Sequence[_Order], runner: Runner, workers: int, scheduler: str | None
+) -> Generator[Iterator[tuple[_Order, Report]]]:
     """Begin to run stops, in their order; yield what gives the report of each as it ends."""
     if not orders:
         yield iter(())
         return
     try:
+        if scheduler is not None:
+            with processes.cluster(scheduler) as pool:
+                far = {pool.submit(_perform_far, order, runner): order for order in orders}
+                yield (
+                    (order, _failed(order, kept) if isinstance(kept, RailgripError) else _fetched(order, kept))
+                    for order, kept in processes.ended(far)
+                )
+            return
         with processes.workers(min(workers, len(orders))) as pool:
             running = {pool.submit(_perform, order, runner): order for order in orders}
             yield (
@@ -139,6 +152,22 @@ def _perform(order: _Order, runner: Runner) -> Report:
     return Report(
         stop=planned, state="done" if stop.outcome is Outcome.STANDSTILL else "ended_badly", sentence=stop.reason
     )
+
+
+def _perform_far(order: _Order, runner: Runner) -> tuple[Report, dict[str, bytes]]:
+    """Run one stop on another machine; return its files beside the report."""
+    with scratch("far") as folder:
+        report = _perform(replace(order, folder=folder / order.stop.name), runner)
+        files = {path.name: path.read_bytes() for path in (folder / order.stop.name).glob("*")}
+    return report, files
+
+
+def _fetched(order: _Order, kept: tuple[Report, dict[str, bytes]]) -> Report:
+    """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
+    report, files = kept
+    for name in sorted(files, key=lambda name: name == STOP_FILE):
+        write_bytes(order.folder / name, files[name])
+    return report
 
 
 def _failed(order: _Order, problem: RailgripError) -> Report:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.controllers import tuning
-from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.campaign import PlannedStop, load_campaign
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 
@@ -35,6 +35,30 @@ _SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
 
 RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
     **{law: dict.fromkeys(product(EDGES, _SOURCES), _LEVELS) for law in ("slip_two_state", "slip_three_state")},
+    "wheel_reference": {
+        ("pneumatic", "read"): {
+            "slip_low": (0.01, 0.1),
+            "slip_high": (0.05, 0.3),
+            "deceleration": (0.8, 5.0),
+            "deceleration_max": (0.8, 3.0),
+            "rise": (0.1, 3.0),
+            "test_after": (2.0, 15.0),
+        }
+    },
+    "constant_slip": {
+        ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)},
+    },
+    "extremum_seeking": {
+        ("pneumatic", "estimated"): {
+            "slip_start": (0.01, 0.15),
+            "dither": (0.1, 0.5),
+            "frequency": (0.3, 3.0),
+            "washout_time": (0.1, 2.0),
+            "climb": (0.1, 3.0),
+            "gain": (0.05, 1.0),
+            "integral_time": (0.1, 2.0),
+        }
+    },
     "adhesion_based": {
         ("ideal", "estimated"): {
             "filter_time": (3e-3, 50e-3),
@@ -145,7 +169,9 @@ def search(
     pool: Executor,
     *,
     rails: Path = RAILS,
+    planned: Sequence[PlannedStop] | None = None,
     sets: int = _SETS,
+    budget: int | None = None,
 ) -> Found:
     """Search the parameters of one law for one kind of actuation and one way to know the slip.
 
@@ -158,11 +184,15 @@ def search(
         tell: Called after each generation with its number and the best reduction against the reference.
         pool: To run stops in.
         rails: Campaign with the axes rail and edge.
+        planned: Stops of this kind of actuation in place of its rails, each with the variant rail.
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
+        budget: Sets to be tried in all, whatever is searched; None for `sets`.
     """
     from scipy.optimize import Bounds, differential_evolution
+    from scipy.stats.qmc import Sobol
 
-    planned = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
+    if planned is None:
+        planned = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
     scenarios = [stop.scenario for stop in planned]
     ranges = RANGES[law][actuation, slip]
     stops = tuple(_under(law, slip, scenario) for scenario in scenarios)
@@ -171,7 +201,11 @@ def search(
     reference_mean = float(np.mean(np.log(reference)))
     # Sobol's points come in powers of two; twice as many as parameters are few for differential evolution, not too few.
     population = 1 << max(3, math.ceil(math.log2(2 * len(ranges))))
-    generations = max(0, math.ceil(sets * len(ranges) / population) - 1)
+    if budget is not None and budget < 2 * population:
+        population = budget  # too few to evolve: what is even over the ranges is the best that there is
+    generations = max(0, math.ceil((sets * len(ranges) if budget is None else budget) / population) - 1)
+    bounds = np.log(np.array(list(ranges.values())).T)
+    spread = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
 
     def mapped(function: Objective, points: Iterable[Vector]) -> list[float]:
@@ -184,9 +218,9 @@ def search(
 
     found = differential_evolution(
         objective,
-        Bounds(*np.log(np.array(list(ranges.values())).T)),
+        Bounds(*bounds),
         x0=point_of(ranges, tuning.searched(law, actuation, slip)),
-        init="sobol",
+        init="sobol" if budget is None else bounds[0] + spread * (bounds[1] - bounds[0]),
         popsize=population // len(ranges),
         maxiter=generations,
         tol=0.0,
@@ -207,9 +241,9 @@ def search(
     )
 
 
-def text_of(law: str, found: Mapping[tuple[str, tuning.SlipSource], Found]) -> str:
-    """Return the file of a law's parameters: what was found for each kind of actuation, and on what."""
-    lines = [f"# Parameters of {law}, written by `make tune-control`; in brackets two-state control at 10 and 15 %."]
+def text_of(law: str, found: Mapping[tuple[str, tuning.SlipSource], Found], command: str = "make tune-control") -> str:
+    """Return the file of a law's parameters: what was found for each kind of actuation, on what, by which command."""
+    lines = [f"# Parameters of {law}, written by `{command}`; in brackets two-state control at 10 and 15 %."]
     for (actuation, slip), one in found.items():
         lines += ["", f"# The best of {one.sets} sets: {100 * one.reduction:+.1f} % against slip-based control, on:"]
         for rail, distance, other in zip(one.rails, one.distances, one.reference, strict=True):

@@ -15,13 +15,16 @@ from typing import Final, ParamSpec, TypeVar
 
 import pebble
 
-from railgrip.errors import RailgripError, for_user
+from railgrip.errors import InputError, RailgripError, for_user
 from railgrip.interrupted import deaf_children
 from railgrip.scratch import scratch
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 
 _THREADS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+_ANSWER: Final = 10.0  # s
+_RETRIES: Final = 2
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -52,6 +55,40 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
             raise
         finally:
             pool.join()
+
+
+@contextmanager
+def cluster(address: str) -> Generator[Executor]:
+    """Yield the workers of a Dask cluster, such as "tcp://host:8786"; what was asked for is cancelled by an exception.
+
+    A worker that is lost has its task done by another; one that loses several of them fails the task. Workers have one
+    thread each and the same version of this program.
+
+    Raises:
+        InputError: Dask is not installed, nobody answers at the address, or a worker has more threads.
+    """
+    try:
+        from distributed import Client
+    except ImportError as problem:
+        raise InputError("--scheduler wants Dask: pip install 'railgrip[cluster]'") from problem
+    try:
+        client = Client(address, timeout=_ANSWER, set_as_default=False)
+    except (OSError, ValueError) as problem:
+        raise InputError(f"--scheduler {address}: no Dask scheduler answers there: {problem}") from problem
+    with client:
+        threads = [worker["nthreads"] for worker in client.scheduler_info(-1)["workers"].values()]
+        if any(count > 1 for count in threads):
+            raise InputError(
+                f"--scheduler {address}: a worker has {max(threads)} threads, and CasADi and FMUs want one: start "
+                "workers with `dask worker --nthreads 1`"
+            )
+        # Results of stops are results of what they are asked with: Dask would keep one for two equal ones.
+        executor = client.get_executor(pure=False, retries=_RETRIES)
+        try:
+            yield executor
+        except BaseException:
+            executor.shutdown(wait=False)
+            raise
 
 
 class _Pool(Executor):

@@ -1,6 +1,7 @@
 """Many stops: campaigns, their reports and baselines, and what is searched over them."""
 
-from collections.abc import Callable, Sequence
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -201,12 +202,23 @@ def calibrate() -> None:
 def tune_control(
     law: Annotated[list[str] | None, typer.Option(help="A law to search; all without it.")] = None,
     out: Annotated[Path, typer.Option(help="Folder of the files of parameters.")] = Path("controllers"),
+    budget: Annotated[
+        int | None,
+        typer.Option(min=5, help="Sets of parameters to try for each law; 24 for each parameter without it."),
+    ] = None,
+    cases: Annotated[
+        int | None,
+        typer.Option(min=1, max=1000, help="So many short cases like those of the type test in place of the rails."),
+    ] = None,
     workers: Workers = 2,
 ) -> None:
-    """Search the parameters of the control laws on the training rails, and write a file for each law."""
+    """Search the parameters of the control laws on the training rails, and write a file for each law.
+
+    What is not searched of a law stays in its file as it is.
+    """
     from railgrip.atomic import write_text
     from railgrip.campaign.one_stop import make_folder
-    from railgrip.campaign.tune_control import RANGES, search, text_of
+    from railgrip.campaign.tune_control import EDGES, RANGES, search, text_of
     from railgrip.campaign.workers import workers as processes
 
     unknown = sorted(set(law or ()) - RANGES.keys())
@@ -217,15 +229,40 @@ def tune_control(
     def note(name: str, number: int, best: float) -> None:
         say(f"{name}, generation {number}: {100 * best:+.2f} % against slip-based control")
 
+    planned, searched = None, frozenset(EDGES)
+    if cases is not None:
+        from railgrip.studies.type_test.entrants import training
+
+        planned, searched = training(cases), frozenset({"pneumatic"})
+    options = {"--cases": cases, "--budget": budget}
     with processes(workers) as pool:
         for each in law or RANGES:
             found: dict[tuple[str, SlipSource], Found] = {}
-            for actuation, slip in RANGES[each]:
+            for actuation, slip in (kind for kind in RANGES[each] if kind[0] in searched):
                 name = f"{each}, {actuation} actuation, {slip} slip"
                 with progress(name):
-                    found[actuation, slip] = search(each, actuation, slip, partial(note, name), pool)
+                    tell = partial(note, name)
+                    found[actuation, slip] = search(each, actuation, slip, tell, pool, planned=planned, budget=budget)
                 say(text_of(each, {(actuation, slip): found[actuation, slip]}))
-            write_text(out / f"{each}.toml", text_of(each, found))
+            command = " ".join(
+                (
+                    f"railgrip tune-control --law {each}",
+                    *(f"{name} {value}" for name, value in options.items() if value),
+                )
+            )
+            path = out / f"{each}.toml"
+            text = text_of(each, found, command if any(options.values()) else "make tune-control")
+            write_text(path, text + _others(path, found))
+
+
+def _others(path: Path, found: "Mapping[tuple[str, SlipSource], Found]") -> str:
+    """Return the tables of a file of parameters that were not searched."""
+    sets = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    lines: list[str] = []
+    for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in found):
+        values = sets[actuation][slip]
+        lines += ["", "# Not searched then.", f"[{actuation}.{slip}]", *(f"{k} = {v!r}" for k, v in values.items())]
+    return "".join(f"{line}\n" for line in lines)
 
 
 @app.command()

@@ -32,6 +32,9 @@ def type_test(
     limits: Annotated[Path | None, typer.Option(help="File of limits in place of ours.")] = None,
     out: Annotated[Path, typer.Option(help="Folder for results and report.")] = Path("build/type_test"),
     workers: Workers = 2,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
+    ] = None,
     fresh: Fresh = False,
     import_from: ImportFrom = None,
 ) -> None:
@@ -68,6 +71,7 @@ def type_test(
             [CampaignRun(planned, directory)],
             runner(import_from=import_from or ()),
             workers=workers,
+            scheduler=scheduler,
             fresh=fresh,
             tell=tell,
         )

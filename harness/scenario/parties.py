@@ -63,6 +63,7 @@ class Law(Table):
         "adhesion_literal",
         "slope_seeking",
         "ideal_bound",
+        "ideal_tracking",
     ]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
 

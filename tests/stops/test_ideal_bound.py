@@ -5,8 +5,10 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
+from railgrip.assemble import run_stop
 from railgrip.ideal import ideal_stop
-from railgrip.scenario.load import load
+from railgrip.scenario.load import load, read_toml, scenario_of
+from railgrip.scenario.merge import merged
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
@@ -30,12 +32,36 @@ def test_a_horizon_that_cuts_off_the_best_stop_is_its_outcome():
     assert stop.metrics.duration == pytest.approx(20.0, abs=0.011)
 
 
-def test_the_bound_feels_a_gradient_once():
+@pytest.mark.parametrize(
+    "change",
+    [("track.gradient=[{begin=0.0, slope=-0.02}]", "track.train_mass=84 t"), ("truth.gradient=-0.02",)],
+    ids=["of the track", "that nobody told"],
+)
+def test_the_bound_feels_a_gradient_once(change):
     """On even friction the mean deceleration falls by g times the slope."""
-    level, falling = (
-        bound("plain", "10 ms", f"track.gradient=[{{begin=0.0, slope={slope}}}]", "track.train_mass=84 t")
-        for slope in (0.0, -0.02)
-    )
+    level, falling = bound("plain", "10 ms"), bound("plain", "10 ms", *change)
     lost = level.metrics.mean_deceleration - falling.metrics.mean_deceleration
     # Friction falls with speed, and the slower stop is faster for longer.
     assert lost == pytest.approx(0.02 * 9.81, rel=0.05)
+
+
+@pytest.mark.parametrize("curve", ["dry", "soap"])
+def test_who_knows_the_truth_stops_with_valves_within_five_percent_of_the_bound(curve):
+    """The rest is what pressure takes to build up, and valves to follow; a radar that is dead does not matter."""
+    edge = Path(railgrip.scenario.__file__).parent / "edges" / "service.toml"
+    table = merged(read_toml(LIBRARY / "plain.toml"), read_toml(edge))
+    table = merged(
+        table,
+        {
+            "start": {"speed": "40 km/h"}, "adhesion": {"polach": curve}, "estimator": {"kind": "none"},
+            "faults": [{"part": "radar", "kind": "zero"}],
+        },
+    )  # fmt: skip
+    bound, tracking = (
+        run_stop(scenario_of(merged(table, {"controller": {"kind": kind}}), directory=LIBRARY, origin="test"))
+        for kind in ("ideal_bound", "ideal_tracking")
+    )
+    assert tracking.scenario.controller.kind == "ideal_tracking"
+    assert bound.metrics.distance < tracking.metrics.distance < 1.05 * bound.metrics.distance
+    assert tracking.metrics.utilisation > 0.97
+    assert max(tracking.metrics.longest_lock_fast) == 0.0

@@ -35,16 +35,34 @@ CURVES: Final = ("dry", "wet", "very_low", "low_steep", "poor_wheelset_study", "
 RAILS: Final = ("even", "patches", "random")
 LOADS: Final = MappingProxyType({"as believed": 1.0, "tare": 0.8, "laden": 1.05})
 """Masses over those that the controller knows: the VT 642 weighs 67 t empty, 88 t full, and its model 84 t."""
-RADII: Final = MappingProxyType({"as believed": (0.0,), "worn": (-0.01,), "new": (0.01,), "unequal": (0.005, -0.005)})
-"""Relative errors of the wheel radii, one group after the other."""
+RADII: Final = MappingProxyType({"as believed": (1.0,), "worn": (0.99,), "new": (1.01,), "unequal": (1.005, 0.995)})
+"""Wheel radii over those that the controller knows, one group after the other."""
+PADS: Final = MappingProxyType({"as believed": 1.0, "weak": 0.85, "strong": 1.15})
+"""Pad friction over the nominal one: lots and moisture move it by 15 %."""
 GRADIENTS: Final = MappingProxyType({"level": 0.0, "falling": -0.25, "climbing": 0.25})
 """Slopes as shares of the friction: what falls by more than the rail holds never stops."""
 STEEPEST: Final = 0.025
+
+
+def _fault(part: str, kind: str, **more: Any) -> Mapping[str, Any]:
+    return {"faults": [{"part": part, "kind": kind, **more}]}
+
+
 FAULTS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
         "none": {},
-        "radar 1 % high": {"sensors": {"speed": {"scale_offset": 0.01}}},
-        "radar 1 % low": {"sensors": {"speed": {"scale_offset": -0.01}}},
+        "radar 1 % high": _fault("radar", "scaled", value=1.01),
+        "radar 1 % low": _fault("radar", "scaled", value=0.99),
+        "radar stuck": _fault("radar", "stuck", begin="4 s", end="7 s"),
+        "radar dead": _fault("radar", "dead", begin="4 s"),
+        "wheel speed dead": _fault("speed_sensor", "dead", group=1, begin="4 s"),
+        "wheel speed zero": _fault("speed_sensor", "zero", group=1, begin="4 s"),
+        "accelerometer off": _fault("accelerometer", "biased", value="0.2 m/s**2"),
+        "pressure off": _fault("transducer", "biased", group=1, value="0.3 bar"),
+        "valve held": _fault("valve", "held", group=1, begin="4 s"),
+        "valve slow": _fault("valve", "slow", value="60 ms"),
+        "brake isolated": _fault("brake", "isolated", group=1),
+        "supply sagging": _fault("supply", "sagging", value="450 l", pressure="8 bar"),
     }
 )
 """Fault → tables of the scenario; `none` comes as often as all the others together."""
@@ -60,7 +78,7 @@ class Case:
         rail: How friction changes: a key of `RAILS`.
         friction: Mean of the maximum friction [1].
         speed: At the brake demand [m/s].
-        load, radius, gradient, fault: Keys of the tables above.
+        load, radius, pads, gradient, fault: Keys of the tables above.
         lot: Seed of sensors and rail.
     """
 
@@ -71,6 +89,7 @@ class Case:
     speed: float
     load: str
     radius: str
+    pads: str
     gradient: str
     fault: str
     lot: int
@@ -96,23 +115,19 @@ class Case:
             "gradient": f"{1000 * self.slope:+.0f} ‰" if self.slope else "level",
         }
 
-    def tables(self, parameters: Mapping[str, float]) -> dict[str, Any]:
-        """Return what it lays over the scenario of a train.
-
-        Args:
-            parameters: Of the plant, as it and the controller know them; masses and radii in it are those that change.
-        """
-        own = [name for name in parameters if name.startswith("m_wheelset[")]
-        changed = {name: LOADS[self.load] * parameters[name] for name in own}
-        wheels, errors = [name for name in parameters if name.startswith("r_wheel[")], RADII[self.radius]
-        changed |= {name: (1 + errors[i % len(errors)]) * parameters[name] for i, name in enumerate(wheels)}
-        mass = sum(changed[name] for name in own)
-        track = {"train_mass": mass, "gradient": [{"begin": 0.0, "slope": self.slope}]} if self.slope and mass else {}
+    def tables(self, groups: int) -> dict[str, Any]:
+        """Return what it lays over the scenario of a train with so many groups."""
+        radii = RADII[self.radius]
+        truth = {
+            "load": LOADS[self.load],
+            "wheel_radius": [radii[group % len(radii)] for group in range(groups)],
+            "pad_friction": PADS[self.pads],
+            "gradient": self.slope,
+        }
         return {
             "seed": self.lot,
             "start": {"speed": self.speed},
-            "vehicle": {"parameters": {name: v for name, v in changed.items() if v != parameters[name]}},
-            "track": track,
+            "truth": truth,
             "adhesion": self._adhesion(),
             "limits": {"horizon": self.horizon},
         }
@@ -141,13 +156,14 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
     from scipy.stats.qmc import Sobol
 
     faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
-    axes: tuple[Sequence[str], ...] = (CURVES, RAILS, tuple(LOADS), tuple(RADII), tuple(GRADIENTS), tuple(faults))
+    tables = (LOADS, RADII, PADS, GRADIENTS)
+    axes: tuple[Sequence[str], ...] = (CURVES, RAILS, *map(tuple, tables), tuple(faults))
     drawn = Sobol(3 + len(axes), rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())[:count]
     points = (drawn.argsort(axis=0).argsort(axis=0) + 0.5) / count
     digits = len(str(count))
     found: list[Case] = []
     for number, (slippery, fast, lot, *places) in enumerate(points, start=1):
-        curve, rail, load, radius, gradient, fault = (
+        curve, rail, load, radius, pads, gradient, fault = (
             axis[int(place * len(axis))] for axis, place in zip(axes, places, strict=True)
         )
         low, high = FRICTION
@@ -162,6 +178,7 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
                 speed=round(SPEED[0] + fast * (fastest - SPEED[0]), 2),
                 load=load,
                 radius=radius,
+                pads=pads,
                 gradient=gradient,
                 fault=fault,
                 lot=int(1e6 * lot),

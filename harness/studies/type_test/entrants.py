@@ -1,19 +1,20 @@
 """Who takes part: controllers of this project, or one of a user's own, on a train of ours or theirs."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import ConfigDict, Field, StrictBool
 
-from railgrip.assemble import parameters_of, plant_description
+from railgrip.assemble import formation_of, plant_description
 from railgrip.errors import ScenarioError
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import installed, read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
-from railgrip.studies.type_test.design import FAULTS, Case
+from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases
 from railgrip.units import cut
 
 LIBRARY = Path(__file__).parent / "library"
@@ -106,19 +107,38 @@ def train_of(written: str | None) -> dict[str, Any]:
     raise ScenarioError(f"--train {cut(written)}: is neither a scenario (.toml), an .fmu nor a recipe of this project")
 
 
+_TRAINING_SPEED = 60 / 3.6
+"""m/s. Fastest start of a stop that controllers are tuned on: what a law does shows in a short one as well."""
+
+
+def training(count: int) -> tuple[PlannedStop, ...]:
+    """Return so many stops of our train to tune controllers on, of a set of cases of their own.
+
+    The axis `rail` names the case.
+    """
+    slow = [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases(count, TRAINING_SEED)]
+    tuned = {"tuned": _own("what is tuned", {"controller": {"kind": "full_brake"}})}
+    return tuple(
+        replace(
+            stop, variants={"rail": ", ".join(value for key, value in stop.variants.items() if key != "controller")}
+        )
+        for stop in campaign_of(slow, tuned, train_of(None)).stops
+    )
+
+
 def campaign_of(
-    cases: Iterable[Case], taking_part: Mapping[str, Entrant], train: Mapping[str, Any], *, keep_traces: bool = False
+    stopped: Iterable[Case], taking_part: Mapping[str, Entrant], train: Mapping[str, Any], *, keep_traces: bool = False
 ) -> Campaign:
     """Return the stops of a type test: each case with everyone who takes part.
 
     Raises:
         ScenarioError: A combination is no scenario.
     """
-    plant = plant_description(scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train"))
-    parameters = parameters_of(plant)
+    bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
+    groups = formation_of(bare, plant_description(bare)).groups
     stops: list[PlannedStop] = []
-    for case in cases:
-        of_case = merged(train, {"name": "type-test"} | case.tables(parameters))
+    for case in stopped:
+        of_case = merged(train, {"name": "type-test"} | case.tables(groups))
         of_case = merged(of_case, FAULTS[case.fault])
         for name, entrant in taking_part.items():
             scenario = scenario_of(

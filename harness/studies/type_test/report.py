@@ -196,7 +196,8 @@ def _ratios(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     axes.set_xticks([0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "0.9", "1", "1.2", "1.5", "2", "3"])
     axes.set_xticks([], minor=True)
     style.dress(axes, x="distance over that of the best tuned baseline", y="share of the cases")
-    axes.legend(fontsize=7, loc="lower right")
+    if axes.lines[1:]:
+        axes.legend(fontsize=7, loc="lower right")
     return made
 
 
@@ -236,5 +237,6 @@ def _over_friction(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     axes.set_xticks([], minor=True)
     axes.set_ylim(0.95, 2.5)
     style.dress(axes, x="mean of the maximum friction", y="distance over the ideal bound")
-    axes.legend(fontsize=7, loc="upper right")
+    if axes.lines:
+        axes.legend(fontsize=7, loc="upper right")
     return made

@@ -1,0 +1,67 @@
+"""Stops on a Dask cluster: what a lost worker was doing is done by another, and results come back to one place."""
+
+import os
+import signal
+import time
+
+import pytest
+from distributed import LocalCluster
+from synthetic_runner import run_stop
+
+from railgrip.campaign.run import Asked, run_campaigns
+from railgrip.campaign.workers import cluster
+from railgrip.errors import InputError
+from railgrip.scenario.campaign import load_campaign
+from railgrip.trace.stop import read_stop
+
+LINES = """
+name = "few"
+scenarios = ["wet.toml"]
+[sweep]
+seed = [1, 2, 3, 4, 5, 6]
+"""
+
+
+def slowly(scenario, progress=None, tell=lambda sentence: None):
+    """Run the stop that `synthetic_runner` has, after a moment in which its worker may be killed."""
+    time.sleep(0.5)
+    return run_stop(scenario)
+
+
+@pytest.fixture
+def two_workers():
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as found:
+        yield found
+
+
+def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
+    (project / "few.toml").write_text(LINES, encoding="utf-8")
+    campaign = load_campaign(project / "few.toml")
+    killed = []
+
+    def kill(report):
+        if not killed:
+            killed.append(next(iter(two_workers.workers.values())).pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    (reports,) = run_campaigns(
+        [Asked(campaign, tmp_path / "out")], slowly, scheduler=two_workers.scheduler_address, tell=kill
+    )
+    assert killed
+    assert [report.state for report in reports] == ["done"] * 6
+    for stop in campaign.stops:
+        assert read_stop(tmp_path / "out" / stop.name).digest == stop.scenario.digest()
+    told = []
+    run_campaigns([Asked(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=told.append)
+    assert {report.state for report in told} == {"found"}  # so nobody was asked
+
+
+def test_who_does_not_answer_and_workers_with_threads_are_refused():
+    with pytest.raises(InputError, match="no Dask scheduler answers there"), cluster("tcp://127.0.0.1:1"):
+        pass
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=None) as found,
+        pytest.raises(InputError, match="a worker has 2 threads"),
+        cluster(found.scheduler_address),
+    ):
+        pass
