@@ -8,7 +8,7 @@ import pytest
 from distributed import LocalCluster
 from synthetic_runner import run_stop
 
-from railgrip.campaign.run import Asked, run_campaigns
+from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.workers import cluster
 from railgrip.errors import InputError
 from railgrip.scenario.campaign import load_campaign
@@ -45,14 +45,14 @@ def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
             os.kill(killed[0], signal.SIGKILL)
 
     (reports,) = run_campaigns(
-        [Asked(campaign, tmp_path / "out")], slowly, scheduler=two_workers.scheduler_address, tell=kill
+        [CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=two_workers.scheduler_address, tell=kill
     )
     assert killed
     assert [report.state for report in reports] == ["done"] * 6
     for stop in campaign.stops:
         assert read_stop(tmp_path / "out" / stop.name).digest == stop.scenario.digest()
     told = []
-    run_campaigns([Asked(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=told.append)
+    run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=told.append)
     assert {report.state for report in told} == {"found"}  # so nobody was asked
 
 
