@@ -230,6 +230,11 @@ def _white(scenario: Scenario, table: WhiteTable, layout: Layout) -> WhiteSensor
     def each(values: Mapping[str, float]) -> NDArray[np.float64]:
         found = np.zeros(layout.readings)
         for name, value in values.items():
+            if name not in layout.reading:
+                raise ScenarioError(
+                    f"{scenario.name}: [sensors] names '{name}', which this plant does not show; its sensors read "
+                    f"{', '.join(layout.reading)}"
+                )
             found[layout.reading[name]] = value
         return found
 

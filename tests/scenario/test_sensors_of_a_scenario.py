@@ -198,3 +198,12 @@ def test_deflections_show_the_rail_as_a_frame_answers_to_it():
 def test_wrong_sheets_end_in_a_sentence(sheet, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         service("1 ms", **sheet)
+
+
+def test_a_quantity_that_no_plant_shows_gets_a_sentence():
+    scenario = scenario_with(noise={"pad_force": "100 N"})
+    without = layout_of(TWO_PART_TRAIN, PLANT, READINGS)
+    with pytest.raises(
+        ScenarioError, match="names 'pad_force', which this plant does not show; its sensors read speed"
+    ):
+        sensors_of(scenario, without, 0.4)
