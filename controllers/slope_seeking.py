@@ -21,8 +21,8 @@ from typing import ClassVar
 import casadi as ca
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose, every
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters, within
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -167,22 +167,19 @@ def slope_seeking(groups: int) -> Formula:
 
             filtered, slip_change = logarithm("filtered_slip", slip, small)
             _, adhesion_change = logarithm("filtered_adhesion", seen.adhesion, _LEAST_ADHESION)
-            rolling = ca.logic_or(filtered < small, speed < t["speed_min"])
+            rolling = either(filtered < small, speed < t["speed_min"])
             elasticity, weight = _regression(draft, seen, t, (slip_change, adhesion_change), rolling)
 
             # The set point, as a logarithm.
             usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
             kept = draft.state(seen.named("set_point"), "1", "logarithm of the slip that is sought; 0 before the first")
             last = choose(kept < 0.0, kept, usual)
-            back = ca.fmin(ca.fmax(usual - last, -t["rise_rate"] * period), t["rise_rate"] * period)
-            climb = ca.fmin(
-                ca.fmax(t["climb_rate"] * (elasticity + t["elasticity_bias"]), -t["fall_rate"]), t["rise_rate"]
-            )
+            back = within(usual - last, -t["rise_rate"] * period, t["rise_rate"] * period)
+            climb = within(t["climb_rate"] * (elasticity + t["elasticity_bias"]), -t["fall_rate"], t["rise_rate"])
             moved = last + weight * climb * period + (1.0 - weight) * back
             present = ca.log(ca.fmax(filtered, small))
-            near = ca.fmin(ca.fmax(moved, present - _LEASH), present + _LEASH)
-            within = ca.fmin(ca.fmax(near, ca.log(small)), ca.log(t["slip_most"]))
-            set_point = choose(rolling, last, within)
+            near = within(moved, present - _LEASH, present + _LEASH)
+            set_point = choose(rolling, last, within(near, ca.log(small), ca.log(t["slip_most"])))
             draft.keep(kept, set_point)
             angle = 2.0 * pi * (phase + _TURN * seen.index)
             target = ca.exp(set_point + t["dither"] * ca.sin(angle))

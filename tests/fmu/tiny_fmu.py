@@ -9,7 +9,9 @@ from railgrip.fmus.native.toolchain import shared_library
 
 GUID = "{7d1c6f0e-tiny}"
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-SOURCES = {name: (Path(__file__).parent / name).read_text() for name in ("tiny.c", "curved.c", "quiet.h")}
+SOURCES = {
+    name: (Path(__file__).parent / name).read_text() for name in ("tiny.c", "curved.c", "quiet.h", "reals_only.h")
+}
 
 UNITS = """
   <UnitDefinitions>
@@ -135,7 +137,7 @@ CURVED_OUTPUTS = ("y[1]", "y[2]")
 def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forgets: bool = False) -> Path:
     """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there."""
     library = shared_library(
-        {"curved.c": SOURCES["curved.c"], "quiet.h": SOURCES["quiet.h"]},
+        {name: SOURCES[name] for name in ("curved.c", "quiet.h", "reals_only.h")},
         f"curved_{forgets}",
         include=(HEADERS,),
         flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),
