@@ -51,7 +51,7 @@ from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Plant
-from railgrip.loop.rail import Field, TabulatedRail
+from railgrip.loop.rail import Field, SandedRail, TabulatedRail
 from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.custom import Custom, Role
@@ -339,7 +339,18 @@ def _rail(scenario: Scenario, plant_file: Description, layout: Layout) -> Tabula
         laid = {key: changed[f"{key}_falling"] for key in ("A", "B") if f"{key}_falling" in changed}
         position_of(scenario, formation)
         field = Field(formation, adhesion.recovery, adhesion.polach.model_copy(update=laid), reach_of(scenario))
-    return TabulatedRail(layout, profile_of(scenario, formation), force_on(scenario, plant_file), field)
+    sand = None
+    if scenario.sanders:
+        assert adhesion.sand is not None  # or the scenario has been refused
+        position_of(scenario, formation)
+        for number, sander in enumerate(scenario.sanders, start=1):
+            if sander.wheelset > formation.wheelsets:
+                raise ScenarioError(
+                    f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
+                    f"{formation.wheelsets}"
+                )
+        sand = SandedRail(formation, adhesion.sand, scenario.sanders, reach_of(scenario))
+    return TabulatedRail(layout, profile_of(scenario, formation), force_on(scenario, plant_file), field, sand)
 
 
 def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) -> Driver:

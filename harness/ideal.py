@@ -50,10 +50,11 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         ScenarioError: Slip changes the rail, the plant does not show its brakes, or the iteration does not settle; it
             contracts where friction changes little with speed and place.
     """
-    if scenario.adhesion.recovery is not None:
+    changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
+    for table in (table for table, present in changes.items() if present):
         raise ScenarioError(
             f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
-            "[adhesion.recovery] what a wheelset finds depends on how those ahead have slipped: leave one of them out"
+            f"{table} what a wheelset finds depends on how those ahead have run over it: leave one of them out"
         )
     plant = assemble.plant_description(scenario)
     parameters = assemble.parameters_of(plant) | assemble.plant_parameters(scenario, plant)

@@ -1,6 +1,8 @@
 """What the track does to the train, and what slip does to the track."""
 
 import ctypes
+import math
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, Protocol
 
@@ -81,12 +83,65 @@ class Clean(Falling, Protocol):
         ...
 
 
+class Sanded(Protocol):
+    """What sand makes of the rail, as `railgrip.scenario.sanders.Sand`."""
+
+    @property
+    def mu0(self) -> float:
+        """Friction with plenty of it, at no slip speed."""
+        ...
+
+    @property
+    def density(self) -> float:
+        """Sand on a rail that closes 63 % of the gap to `mu0` [kg/m]."""
+        ...
+
+    @property
+    def left(self) -> float:
+        """Share of it that a wheelset leaves."""
+        ...
+
+
+class Sander(Protocol):
+    """Who lays sand on both rails in front of a wheelset, as `railgrip.scenario.sanders.Sander`."""
+
+    @property
+    def wheelset(self) -> int:
+        """From 1 on."""
+        ...
+
+    @property
+    def rate(self) -> float:
+        """At most, on one rail [kg/s]."""
+        ...
+
+    @property
+    def density(self) -> float | None:
+        """That is kept on a rail while the rate allows [kg/m]; None for a fixed rate."""
+        ...
+
+    @property
+    def begin(self) -> float:
+        """When it is switched on [s]."""
+        ...
+
+    @property
+    def end(self) -> float | None:
+        """When it is switched off [s]."""
+        ...
+
+    @property
+    def delay(self) -> float:
+        """From either until the rail shows it [s]."""
+        ...
+
+
 _CELL = 0.1  # m; beside patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
 
 
 @cache
-def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
-    """Return the structs `Rail` and `Recovery` of rail.h for so many wheelsets."""
+def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure], type[ctypes.Structure]]:
+    """Return the structs `Rail`, `Recovery` and `Sand` of rail.h for so many wheelsets."""
 
     class Recovery(ctypes.Structure):
         _fields_ = (
@@ -98,16 +153,32 @@ def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Struct
             *((name, ctypes.c_longlong) for name in ("cells", "begun")),
         )
 
+    class Sand(ctypes.Structure):
+        _fields_ = (
+            *((name, ctypes.c_void_p) for name in ("lying", "position", "sanders")),
+            *((name, ctypes.c_double) for name in ("origin", "length", "mu0", "density", "left")),
+            ("met", ctypes.c_double * wheelsets),
+            ("cell", ctypes.c_longlong * wheelsets),
+            *((name, ctypes.c_longlong) for name in ("count", "cells", "begun")),
+        )
+
     class Rail(ctypes.Structure):
         _fields_ = (
             *((name, ctypes.c_void_p) for name in ("friction", "begins", "forces", "rates")),
             *((name, ctypes.c_double) for name in ("grid", "force")),
             ("mu0", ctypes.c_double * wheelsets),
             *((name, ctypes.c_longlong) for name in ("points", "over_time", "sections", "section")),
-            ("recovery", ctypes.c_void_p),
+            *((name, ctypes.c_void_p) for name in ("recovery", "sand")),
         )
 
-    return Rail, Recovery
+    return Rail, Recovery, Sand
+
+
+class _Sander(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_double) for name in ("rate", "density", "begin", "end")),
+        ("wheelset", ctypes.c_longlong),
+    )
 
 
 class Field:
@@ -139,18 +210,73 @@ class Field:
             laid: How the plant's contact lets friction fall.
             reach: How far the train may get [m].
         """
-        position = formation.position
-        assert position is not None  # or the friction profile has refused it
-        _, recovery = _structs(formation.wheelsets)
-        self.origin = -float(position[-1]) - _CELL
-        self.energy = np.zeros(int((reach - self.origin) / _CELL) + 2)
+        position, self.origin, self.energy = _cells(formation, reach)
         """Of each cell, by the wheelsets that have left it, of one wheel of each [J/m]."""
         self._keep = position, np.ascontiguousarray(formation.group_of_wheelset, dtype=np.longlong)
-        self.struct: Any = recovery(
+        self.struct: Any = _structs(formation.wheelsets)[1](
             energy=self.energy.ctypes.data, position=self._keep[0].ctypes.data, group=self._keep[1].ctypes.data,
             origin=self.origin, length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
             A=laid.A, B=laid.B, cells=self.energy.size,
         )  # fmt: skip
+
+
+class SandedRail:
+    """Sand on the rail, cell by cell, and the friction that it gives.
+
+    A sander lays d = min(rate / v, density) on each metre of either rail in front of its wheelset at speed v. A
+    wheelset that meets d, laid there or left by those ahead, has the friction
+
+        mu0 + (1 − e^(−d / density)) max(mu0_sand − mu0, 0)
+
+    and leaves the share `left` of d to the next one: the rest is crushed, blown away or carried off. So each wheelset
+    behind a sander has less of it, and one that stops over its own sand has plenty.
+
+    Friction saturates with the sand on the rail, and most sand misses the contact: Lewis, Riley, Fletcher and Lewis,
+    Int. J. Railway Technology 6 (2017) 87, and Proc. IMechE F 232 (2018) 43. That the rest is a constant share, and the
+    exponential, are ours.
+
+    Attributes:
+        lying: On each cell of either rail, for the wheelsets to come [kg/m].
+        origin: Where the first cell begins, behind the last wheelset's start [m].
+
+    Limits: neither rail is wet afterwards, nor does a wheel carry sand around. Creep stiffness and the fall with slip
+    speed stay those of the rail as it lies, and sand leaves the nozzle at the rate of the present speed.
+    """
+
+    def __init__(self, formation: Formation, sand: Sanded, sanders: Sequence[Sander], reach: float) -> None:
+        """Lay a rail without sand.
+
+        Args:
+            formation: Whose wheelsets run on it; it says where they are.
+            sand: What it makes of friction.
+            sanders: Who lays it.
+            reach: How far the train may get [m].
+        """
+        position, self.origin, self.lying = _cells(formation, reach)
+        each = (_Sander * len(sanders))(
+            *(
+                _Sander(
+                    rate=sander.rate, density=math.inf if sander.density is None else sander.density,
+                    begin=sander.begin + sander.delay, wheelset=sander.wheelset - 1,
+                    end=math.inf if sander.end is None else sander.end + sander.delay,
+                )
+                for sander in sanders
+            )
+        )  # fmt: skip
+        self._keep = position, each
+        self.struct: Any = _structs(formation.wheelsets)[2](
+            lying=self.lying.ctypes.data, position=position.ctypes.data, sanders=ctypes.addressof(each),
+            origin=self.origin, length=_CELL, mu0=sand.mu0, density=sand.density, left=sand.left,
+            count=len(sanders), cells=self.lying.size,
+        )  # fmt: skip
+
+
+def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
+    """Return where wheelsets are, and the first cell begins, of a rail as far as `reach` [m]; and empty cells."""
+    position = formation.position
+    assert position is not None  # or the friction profile has refused it
+    origin = -float(position[-1]) - _CELL
+    return position, origin, np.zeros(int((reach - origin) / _CELL) + 2)
 
 
 class TabulatedRail:
@@ -160,13 +286,21 @@ class TabulatedRail:
         friction: As it lies.
         sections: Of the force.
         field: Of the energy that slip leaves; None leaves friction as it lies.
+        sand: That sanders lay; None where there are none.
         mu0: Maximum friction at each wheelset, shape (wheelsets,), where the train was last.
         struct: `Rail` of rail.h.
     """
 
-    def __init__(self, layout: Layout, friction: Profile, sections: Sections, field: Field | None = None) -> None:
+    def __init__(
+        self,
+        layout: Layout,
+        friction: Profile,
+        sections: Sections,
+        field: Field | None = None,
+        sand: SandedRail | None = None,
+    ) -> None:
         """Lay it under a vehicle of this layout, whose leading wheelset is at distance 0."""
-        self.friction, self.sections, self.field = friction, sections, field
+        self.friction, self.sections, self.field, self.sand = friction, sections, field, sand
         self._truth = np.empty(layout.outputs)
         self._roll = kernel(layout).roll
         self._needed = [layout.output[name] for name in ("adhesion", "slip", "wheelset_load")]
@@ -174,7 +308,7 @@ class TabulatedRail:
             np.ascontiguousarray(table, dtype=np.float64)
             for table in (friction.mu0_at, sections.begins, sections.forces, sections.rates)
         )
-        rail, _ = _structs(layout.formation.wheelsets)
+        rail = _structs(layout.formation.wheelsets)[0]
         self.struct: Any = rail(
             *(table.ctypes.data for table in self._keep), grid=friction.step, points=len(friction.mu0_at),
             over_time=friction.over_time, sections=len(sections.begins),
@@ -183,6 +317,8 @@ class TabulatedRail:
         self.roll(0.0, np.zeros(layout.outputs))
         if field is not None:
             self.struct.recovery = ctypes.addressof(field.struct)
+        if sand is not None:
+            self.struct.sand = ctypes.addressof(sand.struct)
 
     @property
     def force(self) -> float:

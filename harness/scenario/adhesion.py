@@ -117,9 +117,10 @@ def position_of(scenario: Scenario, formation: Formation) -> Array:
         ScenarioError: Nobody says where they are.
     """
     if formation.position is None:
-        what = "runs over distance" if scenario.runs_over_distance else "has recovery"
+        recovers = "[adhesion] has recovery" if scenario.adhesion.recovery is not None else "[[sanders]] lay sand"
+        what = "[adhesion] runs over distance" if scenario.runs_over_distance else recovers
         raise ScenarioError(
-            f"{scenario.name}: [adhesion] {what}, and the plant does not say where its wheelsets are: "
+            f"{scenario.name}: {what}, and the plant does not say where its wheelsets are: "
             "give [vehicle.formation] wheelset_position, how far each is behind the leading one"
         )
     return formation.position

@@ -8,6 +8,7 @@ from railgrip.scenario.curve import Curve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.sanders import Sand
 from railgrip.scenario.table import Friction, Length, Table, broken
 
 
@@ -74,6 +75,7 @@ class _Profile(Table):
     )
     conditioning: Conditioning | None = None
     recovery: Recovery | None = Field(default=None, exclude_if=lambda recovery: recovery is None)
+    sand: Sand | None = Field(default=None, exclude_if=lambda sand: sand is None)
     patch: tuple[Patch, ...] = Field(default=(), exclude_if=lambda patches: not patches)
 
     @model_validator(mode="after")

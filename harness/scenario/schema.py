@@ -17,6 +17,7 @@ from railgrip.scenario.faults import Fault, Truth
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
 from railgrip.scenario.profile import Adhesion, FromTable
+from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken
 from railgrip.scenario.track import Track
@@ -47,11 +48,16 @@ class Scenario(Table):
     controller: Controller
     periods: Periods
     limits: Limits
+    sanders: tuple[Sander, ...] = Field(default=(), max_length=256, exclude_if=lambda sanders: not sanders)
     faults: tuple[Fault, ...] = Field(default=(), max_length=100, exclude_if=lambda faults: not faults)
     truth: Truth = Field(default=Truth(), exclude_if=lambda truth: truth == Truth())
 
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
+        if self.sanders and self.adhesion.sand is None:
+            raise broken(
+                "[[sanders]] wants [adhesion.sand], which says what sand makes of friction: mu0, density, left"
+            )
         if self.demand is not None and self.controller.kind == "ideal_bound":
             raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
         if self.actuation.kind == "pneumatic" and self.vehicle.recipe:

@@ -178,7 +178,7 @@ def refusal(*changes, scenario="plain", run=run_stop):
 def test_what_cannot_be_is_refused_in_a_sentence():
     assert "has conditioning" in refusal(WRITTEN, scenario="trapezoid")
     assert "conditioning.fraction = 0" in refusal(WRITTEN, scenario="trapezoid")
-    assert "how those ahead have slipped" in refusal(WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none")
+    assert "how those ahead have run over it" in refusal(WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none")
     assert "recovery] rate" in refusal("adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}")
     assert "recovery" in refusal("adhesion.recovery={mu0=0.3, A=0.4, B=0.6}")
     assert "shorten" in refusal(WRITTEN, "limits.horizon=950 s")

@@ -1,4 +1,4 @@
-/* The rail of rail.h under a train; what its recovery is for is said in rail.py. */
+/* The rail of rail.h under a train; what its recovery and sand are for is said in rail.py. */
 
 #include <math.h>
 
@@ -55,6 +55,32 @@ static void recover(Recovery *its, const double *truth, double *mu0)
     its->begun = 1;
 }
 
+/* Lay sand in front of wheelsets, and raise friction by what each meets of it. */
+static void strew(Sand *its, double time, const double *truth, double *mu0)
+{
+    static const double SLOWEST = 1e-3;          /* m/s, below which the sand of a metre would have no bound */
+    const double speed = fmax(truth[OUTPUT_SPEED], SLOWEST);
+
+    for (int w = 0; w < WHEELSETS; w++) {
+        const double reached = floor((truth[OUTPUT_DISTANCE] - its->position[w] - its->origin) / its->length);
+        const long long cell = (long long)fmin(fmax(reached, 0.0), (double)(its->cells - 1));
+        double laid = 0.0;
+
+        if (!its->begun)
+            its->cell[w] = cell;
+        for (const Sander *sander = its->sanders; sander < its->sanders + its->count; sander++)
+            if (sander->wheelset == w && time >= sander->begin && time < sander->end)
+                laid += fmin(sander->rate / speed, sander->density);
+        while (its->cell[w] < cell) {
+            double *lying = its->lying + ++its->cell[w];
+            its->met[w] = *lying + laid;
+            *lying = its->left * its->met[w];
+        }
+        mu0[w] += (1.0 - exp(-its->met[w] / its->density)) * fmax(its->mu0 - mu0[w], 0.0);
+    }
+    its->begun = 1;
+}
+
 /* Friction and force at a time, with these outputs of the plant; times come in order. */
 EXPORT void roll(Rail *its, double time, const double *truth)
 {
@@ -67,6 +93,8 @@ EXPORT void roll(Rail *its, double time, const double *truth)
         its->mu0[w] = nearest[w];
     if (its->recovery)
         recover(its->recovery, truth, its->mu0);
+    if (its->sand)
+        strew(its->sand, time, truth, its->mu0);
     while (section + 1 < its->sections && its->begins[section + 1] <= distance)
         section++;
     while (section > 0 && its->begins[section] > distance)

@@ -24,12 +24,30 @@ typedef struct {
 } Recovery;
 
 typedef struct {
+    double rate, density;                        /* of one rail: the most [kg/s], and what it keeps on it if that allows [kg/m] */
+    double begin, end;                           /* while sand comes to the rail [s] */
+    long long wheelset;                          /* in front of which it lies */
+} Sander;
+
+typedef struct {
+    double *lying;                               /* of each cell: for the wheelsets to come [kg/m] */
+    const double *position;                      /* of each wheelset behind the leading one */
+    const Sander *sanders;
+    double origin, length;                       /* where the first cell begins; of a cell */
+    double mu0, density, left;                   /* friction with plenty of sand; sand that gains 63 % of it; share that a wheelset leaves */
+    double met[WHEELSETS];                       /* in the present cell [kg/m] */
+    long long cell[WHEELSETS];
+    long long count, cells, begun;               /* count: of the sanders */
+} Sand;
+
+typedef struct {
     const double *friction;                      /* as it lies, on an even grid: points x WHEELSETS */
     const double *begins, *forces, *rates;       /* of the force: straight in sections */
     double grid, force;
     double mu0[WHEELSETS];
     long long points, over_time, sections, section;   /* section: the last one */
     Recovery *recovery;                          /* null: slip leaves friction as it lies */
+    Sand *sand;                                  /* null: nobody lays any */
 } Rail;
 
 void roll(Rail *its, double time, const double *truth);

@@ -1,0 +1,49 @@
+"""The tables [[sanders]] and [adhesion.sand]: who lays sand on the rail, and what it makes of friction."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, StrictInt, model_validator
+
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Delay, Friction, Table, broken
+
+_Density = Annotated[float, Unit("kg/m", above=0, at_most=1, because="a kilogram on a metre of rail is a heap")]
+
+
+def _absent(value: object) -> bool:
+    return value is None
+
+
+class Sand(Table):
+    """What sand makes of the rail: with d on a metre of it, friction closes 1 − e^(−d/density) of its gap to `mu0`."""
+
+    mu0: Friction = Field(
+        description="maximum friction of a rail with plenty of sand; where friction is higher it stays"
+    )
+    density: _Density = Field(description="on one rail, with which 63 % of the gap are closed")
+    left: Annotated[float, Unit("1", at_least=0, at_most=1)] = Field(
+        description="share of what a wheelset meets that is still there for the next one"
+    )
+
+
+class Sander(Table):
+    """A pair of nozzles that lay sand on both rails in front of a wheelset."""
+
+    wheelset: Annotated[StrictInt, Field(ge=1, le=256)] = Field(description="in the direction of travel, from 1 on")
+    rate: Annotated[float, Unit("kg/s", above=0, at_most=1, because="sanders lay some kilograms a minute")] = Field(
+        description="on one rail; of one whose rate varies, the most"
+    )
+    density: _Density | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="that it keeps on the rail while `rate` allows; without it, `rate`",
+    )
+    begin: Delay = Field(default=0.0, description="when it is switched on, since the start of the stop")
+    end: Delay | None = Field(default=None, exclude_if=_absent, description="without it, the end of the stop")
+    delay: Delay = Field(description="that sand takes from the box to the rail, after both")
+
+    @model_validator(mode="after")
+    def _lasts(self) -> Self:
+        if self.end is not None and self.end <= self.begin:
+            raise broken(f"end {self.end:g} s is not after begin {self.begin:g} s")
+        return self

@@ -1,0 +1,161 @@
+"""Sand raises friction for the wheelset it is laid for, and less for each one behind."""
+
+from collections import namedtuple
+
+import numpy as np
+import pytest
+from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
+
+from railgrip.assemble import assembled, run_stop
+from railgrip.engine import Engine
+from railgrip.errors import ScenarioError
+from railgrip.loop.compiled_cycle import run
+from railgrip.loop.rail import SandedRail, TabulatedRail
+from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.load import load
+from railgrip.scenario.sanders import Sand, Sander
+from railgrip.trace.outcome import Outcome
+
+Sections = namedtuple("Sections", "begins forces rates")
+
+SAND = Sand(mu0=0.2, density="6 g/m", left=0.8)
+FIXED = Sander(wheelset=3, rate="2 kg/min", delay=0.0)
+VARIABLE = Sander(wheelset=3, rate="5 kg/min", density="4 g/m", delay=0.0)
+KG_PER_MIN = 1 / 60
+SPEED = 20.0
+LAW = "adhesion.sand={mu0=0.2, density='6 g/m', left=0.8}"
+WRITTEN = (LAW, "sanders=[{wheelset=2, rate='2 kg/min', delay='1 s'}]")
+LOW = ("adhesion.mu0=0.03", "adhesion.polach=low", "estimator.kind=none", "controller.kind=slip_two_state")
+
+
+def rail(*sanders, sand=SAND, mu0=0.02, reach=400.0):
+    profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
+    straight = Sections((-np.inf,), (0.0,), (0.0,))
+    return TabulatedRail(LAYOUT, profile, straight, sand=SandedRail(TWO_PART_TRAIN, sand, sanders, reach))
+
+
+def truth(distance, speed=SPEED):
+    found = np.full(LAYOUT.outputs, np.nan)
+    found[LAYOUT.output["distance"]], found[LAYOUT.output["speed"]] = distance, speed
+    return found
+
+
+def rolled(track, to, speed=SPEED, period=1e-3):
+    for time in np.arange(round(to / speed / period) + 1) * period:
+        track.roll(time, truth(speed * time, speed))
+    return track
+
+
+def law(density, mu0=0.02, sand=SAND):
+    return mu0 + (1 - np.exp(-np.asarray(density) / sand.density)) * (sand.mu0 - mu0)
+
+
+def behind(density, first):
+    """What each of six wheelsets meets of sand that is laid for one of them."""
+    return np.array([density * SAND.left ** (w - first) if w >= first else 0.0 for w in range(6)])
+
+
+def test_each_wheelset_behind_a_sander_meets_a_share_less():
+    met = behind(2 * KG_PER_MIN / SPEED, first=2)
+    assert rolled(rail(FIXED), 100.0).mu0 == pytest.approx(law(met), rel=1e-12)
+    assert met[2] == pytest.approx(1.667e-3, rel=1e-3)  # 1.7 g/m at 72 km/h
+
+
+def test_sand_of_two_sanders_adds_up():
+    met = behind(2 * KG_PER_MIN / SPEED, first=2) + behind(2 * KG_PER_MIN / SPEED, first=4)
+    track = rolled(rail(FIXED, FIXED.model_copy(update={"wheelset": 5})), 100.0)
+    assert track.mu0 == pytest.approx(law(met), rel=1e-12)
+
+
+@pytest.mark.parametrize("speed", [5.0, 15.0, 20.8, 22.0, 40.0])
+def test_a_variable_rate_keeps_sand_on_a_metre_until_it_can_no_more(speed):
+    met = behind(min(4e-3, 5 * KG_PER_MIN / speed), first=2)
+    assert rolled(rail(VARIABLE), 100.0, speed, 1e-3).mu0 == pytest.approx(law(met), rel=1e-12)
+
+
+def test_all_sand_that_left_the_nozzles_lies_on_the_rail():
+    """With all of it left, on one rail: rate times time."""
+    track = rolled(rail(FIXED, sand=SAND.model_copy(update={"left": 1.0})), 300.0)
+    cell = 0.1
+    assert cell * track.sand.lying.sum() == pytest.approx(2 * KG_PER_MIN * 300.0 / SPEED, rel=1e-3)
+
+
+def test_sand_comes_late_goes_late_and_stays_where_it_lies():
+    sander = Sander(wheelset=1, rate="2 kg/min", begin=1.0, end=2.0, delay=0.5)
+    met = behind(2 * KG_PER_MIN / SPEED, first=0)
+    track = rail(sander)
+    found = {}
+    for k in range(5000):
+        track.roll(k * 1e-3, truth(SPEED * k * 1e-3))
+        found[k] = track.mu0.copy()
+    laid, last = 1500, 2500
+    position = np.array(TWO_PART_TRAIN.wheelset_position)
+    for w in range(6):
+        arrives, leaves = (round(k + position[w] / SPEED * 1e3) for k in (laid, last))
+        a_cell = 6  # samples
+        assert found[arrives - a_cell][w] == pytest.approx(0.02)
+        assert found[arrives + a_cell][w] == pytest.approx(law(met)[w])
+        assert found[leaves - a_cell][w] == pytest.approx(law(met)[w])
+        assert found[leaves + a_cell][w] == pytest.approx(0.02)
+
+
+def test_better_friction_than_that_of_sand_stays():
+    assert rolled(rail(FIXED, mu0=0.3), 50.0).mu0 == pytest.approx(np.full(6, 0.3))
+
+
+def test_a_train_that_stands_or_leaves_the_table_keeps_finite_friction():
+    track = rolled(rail(FIXED, reach=20.0), 100.0)
+    for _ in range(10):
+        track.roll(6.0, truth(100.0, 0.0))
+    assert np.isfinite(track.mu0).all()
+
+
+def test_both_engines_lay_the_same_sand():
+    scenario = load(LIBRARY / "plain.toml", [*LOW, *WRITTEN, "limits.horizon=4 s"])
+    with assembled(scenario) as parts:
+        ended = run(controller=parts.controller, **parts.parties)
+        trace = parts.recorder.trace(ended.samples, 1e-3)
+    last = trace.mu0.values[-1]
+    assert last[0] == 0.03
+    assert np.all(np.diff(last[1:]) < 0)
+    assert last[-1] > 0.03
+    python = run_stop(scenario, engine=Engine.PYTHON).trace
+    for name in ("mu0", "adhesion", "speed"):
+        assert np.array_equal(python[name].values, trace[name].values)
+
+
+def test_sand_shortens_a_stop_and_half_the_period_changes_little():
+    changes = (*LOW, "limits.horizon=100 s", "start.speed=50 km/h")
+    plain, one, half, two = (
+        run_stop(load(LIBRARY / "plain.toml", [*changes, *more]))
+        for more in (
+            (),
+            WRITTEN,
+            (*WRITTEN, "periods.communication=0.5 ms"),
+            (LAW, "sanders=[{wheelset=2, rate='2 kg/min', delay='1 s'}, {wheelset=4, rate='2 kg/min', delay='1 s'}]"),
+        )
+    )
+    assert all(stop.outcome is Outcome.STANDSTILL for stop in (plain, one, half, two))
+    assert two.metrics.distance < one.metrics.distance < 0.8 * plain.metrics.distance
+    assert half.metrics.distance == pytest.approx(one.metrics.distance, rel=2e-3)
+    assert one.metrics.utilisation <= 1.0
+
+
+def refusal(*changes):
+    with pytest.raises(ScenarioError) as found:
+        run_stop(load(LIBRARY / "plain.toml", changes))
+    return str(found.value)
+
+
+def test_what_cannot_be_is_refused_in_a_sentence():
+    assert "[[sanders]] wants [adhesion.sand]" in refusal(WRITTEN[1])
+    assert "wheelset 9, the vehicle has 6" in refusal(LAW, "sanders=[{wheelset=9, rate='2 kg/min', delay=0}]")
+    assert "delay" in refusal(LAW, "sanders=[{wheelset=1, rate='2 kg/min'}]")
+    assert "not after begin" in refusal(LAW, "sanders=[{wheelset=1, rate=0.01, delay=0, begin=5, end=4}]")
+    assert "rate" in refusal(LAW, "sanders=[{wheelset=1, rate='2 g/m', delay=0}]")
+    assert "[[sanders]]" in refusal(*WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none")
+
+
+def test_without_sanders_a_scenario_is_what_it_was():
+    assert "sanders" not in load(LIBRARY / "plain.toml", []).resolved()
+    assert "sand" not in load(LIBRARY / "plain.toml", []).resolved()["adhesion"]
