@@ -12,6 +12,9 @@ DEV    := $(VENV)/.ready-dev
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | sort
 
+# What is imported first writes its bytecode, whatever the shell says: without it every process compiles for five seconds.
+unexport PYTHONDONTWRITEBYTECODE
+
 # Without --no-compile pip spends longer on bytecode, most of which is never imported, than on everything else.
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "railgrip needs Python 3.11 or newer; set PYTHON=/path/to/python3.11"; exit 2; }

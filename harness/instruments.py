@@ -5,7 +5,6 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import bilinear, lfilter
 
 from railgrip.errors import ScenarioError, SensorsFailed
 from railgrip.faults import missing_teeth
@@ -20,7 +19,6 @@ from railgrip.scenario.sensors import IdealSensors as IdealTable
 from railgrip.scenario.sensors import WhiteSensors as WhiteTable
 from railgrip.scenario.track import gravity_along, slope_of
 from railgrip.signals import EXTRA_READINGS, READINGS, Layout, Signal
-from railgrip.track.irregularity import realise
 
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
 
@@ -92,6 +90,8 @@ def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: 
     count = int(scenario.limits.horizon / every) + 2
     factor, random = np.full(count, fixed), generator(scenario.seed, "sensors.speed")
     if table.drift_time is not None:
+        from scipy.signal import lfilter  # half a second to load, which most scenarios need not spend
+
         keeps = math.exp(-every / table.drift_time)
         fresh = random.standard_normal(count) * np.append(1.0, np.full(count - 1, math.sqrt(1.0 - keeps**2)))
         factor += table.drift * np.asarray(lfilter([1.0], [1.0, -keeps], fresh))
@@ -144,6 +144,10 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
             f"{scenario.name}: [sensors.deflection.irregularity] wants the places of the wheelsets: give "
             "[vehicle.formation] wheelset_position"
         )
+    from scipy.signal import bilinear, lfilter
+
+    from railgrip.track.irregularity import realise
+
     position = np.array(layout.formation.wheelset_position)
     lead_in = scenario.start.speed * _LEAD_IN
     begin = -float(position.max()) - lead_in

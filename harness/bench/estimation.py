@@ -35,9 +35,9 @@ class EstimationCost:
 
 
 def _seconds(call: Callable[[], object]) -> float:
-    begun = perf_counter()
+    start = perf_counter()
     call()
-    return perf_counter() - begun
+    return perf_counter() - start
 
 
 def estimation_cost(cases: int = 5, rounds: int = 9) -> EstimationCost:

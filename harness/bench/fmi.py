@@ -100,7 +100,9 @@ def _every_real(description: Description) -> Binding:
     """Tie every Real input and output of an FMU to itself."""
 
     def signals(names: tuple[str, ...]) -> list[Signal]:
-        found = [description.variables[name] for name in names]
-        return [Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in found if v.kind == "Real"]
+        variables = [description.variables[name] for name in names]
+        return [
+            Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
+        ]
 
     return bind(description, inputs=signals(description.named("input")), outputs=signals(description.named("output")))

@@ -40,19 +40,19 @@ def rig_filter_cost(*, count: int = 20_000, rounds: int = 7, period: float = 5e-
     running = CompiledFilter(prediction, process, readings, period, settings.gate)
     mean = np.array([70.0, 33.0, 0.35, 0.05])
     first = running.start(mean, by_name("deviation", settings.start_deviation, prediction.states) ** 2)
-    held, seen = np.array([20e3]), mean[:2].copy()
+    inputs, measured = np.array([20e3]), mean[:2].copy()
     advance: list[float] = []
     step: list[float] = []
     for _ in range(rounds):
         running.hold(first)
-        running.held[:], running.seen[:] = held, seen
-        begun = perf_counter()
+        running.held[:], running.seen[:] = inputs, measured
+        start = perf_counter()
         for _ in range(count):
             running.advance()
-        advance.append((perf_counter() - begun) / count * 1e6)
+        advance.append((perf_counter() - start) / count * 1e6)
         belief = first
-        begun = perf_counter()
+        start = perf_counter()
         for _ in range(count):
-            belief = running.step(belief, held, seen)
-        step.append((perf_counter() - begun) / count * 1e6)
+            belief = running.step(belief, inputs, measured)
+        step.append((perf_counter() - start) / count * 1e6)
     return FilterCost(states=len(prediction.states), advance=min(advance), step=min(step))

@@ -45,39 +45,39 @@ def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -
     """Step both filters over a braked train with readings that fit it."""
     lowered_model = lowered(f"RailBraking.FMUs.{model}")
     prediction = CasadiPrediction(lowered_model, {v.name: v.start for v in lowered_model.parameters})
-    chosen = NOISE_SETS[noise]
-    noises = chosen.process_noise(prediction.states), chosen.reading_noise(prediction.outputs)
+    noise_set = NOISE_SETS[noise]
+    noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)
     compiled = CompiledFilter(prediction, *noises, 1e-3)
     plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
     mean = np.array([v.start for v in lowered_model.states])
-    spread = chosen.start_covariance(prediction.states)
-    held = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
-    seen = prediction.output(mean, held)
+    spread = noise_set.start_covariance(prediction.states)
+    inputs = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
+    readings = prediction.output(mean, inputs)
     first = compiled.start(mean, spread)
     took: dict[str, list[float]] = {"advance": [], "step": [], "reference": []}
     for _ in range(rounds):
         compiled.hold(first)
-        compiled.held[:], compiled.seen[:] = held, seen
+        compiled.held[:], compiled.seen[:] = inputs, readings
         took["advance"].append(_seconds(compiled.advance, count) / count * 1e6)
         belief = first
-        begun = perf_counter()
+        start = perf_counter()
         for _ in range(count):
-            belief = compiled.step(belief, held, seen)
-        took["step"].append((perf_counter() - begun) / count * 1e6)
+            belief = compiled.step(belief, inputs, readings)
+        took["step"].append((perf_counter() - start) / count * 1e6)
         belief = first
-        begun = perf_counter()
+        start = perf_counter()
         for _ in range(count // 20):
-            belief = plain.step(belief, held, seen)
-        took["reference"].append((perf_counter() - begun) / (count // 20) * 1e6)
+            belief = plain.step(belief, inputs, readings)
+        took["reference"].append((perf_counter() - start) / (count // 20) * 1e6)
     return FilterCost(states=len(prediction.states), **{way: median(times) for way, times in took.items()})
 
 
 def _seconds(call: object, count: int) -> float:
     assert callable(call)
-    begun = perf_counter()
+    start = perf_counter()
     for _ in range(count):
         call()
-    return perf_counter() - begun
+    return perf_counter() - start
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,10 +104,10 @@ def stop_costs(*overrides: str, rounds: int = 3) -> dict[Engine, StopCost]:
     cpu: dict[Engine, list[float]] = {engine: [] for engine in engines}
     for _ in range(rounds):
         for engine in engines:
-            begun, used = perf_counter(), process_time()
+            start, cpu_start = perf_counter(), process_time()
             run_stop(scenario, engine=engine)
-            wall[engine].append(perf_counter() - begun)
-            cpu[engine].append(process_time() - used)
+            wall[engine].append(perf_counter() - start)
+            cpu[engine].append(process_time() - cpu_start)
     return {
         engine: StopCost(
             simulated=simulated, wall=median(wall[engine]), cycle=median(cpu[engine]) / (simulated / 1e-3) * 1e6
@@ -122,9 +122,9 @@ def bare_cost(*overrides: str, rounds: int = 5) -> float:
     samples = run_stop(scenario).metrics.duration / scenario.periods.communication
     took: list[float] = []
     for _ in range(rounds):
-        begun = process_time()
+        start = process_time()
         braking_distance(scenario)
-        took.append((process_time() - begun) / samples * 1e6)
+        took.append((process_time() - start) / samples * 1e6)
     return median(took)
 
 
@@ -151,10 +151,10 @@ def build_cost() -> BuildCost:
     names = list(read_recipes().recipes)
     with tempfile.TemporaryDirectory() as folder, _empty_cache(Path(folder) / "cache"):
         before = _processor()
-        begun = perf_counter()
+        start = perf_counter()
         for _ in build(names, "native", Path(folder)):
             pass
-        wall = perf_counter() - begun
+        wall = perf_counter() - start
         cpu = _processor() - before
     return BuildCost(recipes=len(names), wall=wall, cpu=cpu)
 

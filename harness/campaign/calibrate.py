@@ -50,17 +50,17 @@ def calibrate(tell: Callable[[Fitted], None], *, library: Path = LIBRARY, proces
     Raises:
         ArithmeticError: No level within 0.3 … 3 gives the distance.
     """
-    found: list[Fitted] = []
+    fits: list[Fitted] = []
     with workers(processes) as pool:
-        asked = [pool.submit(fit, scenario, shape, library) for scenario in TARGETS for shape in SHAPES]
-        for answer in asked:
-            found.append(answer.result())
-            tell(found[-1])
+        futures = [pool.submit(fit, scenario, shape, library) for scenario in TARGETS for shape in SHAPES]
+        for answer in futures:
+            fits.append(answer.result())
+            tell(fits[-1])
     for scenario in TARGETS:
         path = library / f"{scenario}.toml"
-        levels = {one.shape: one.level for one in found if one.scenario == scenario}
+        levels = {one.shape: one.level for one in fits if one.scenario == scenario}
         write_text(path, with_levels(path.read_text(encoding="utf-8"), levels))
-    return found
+    return fits
 
 
 def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
@@ -94,24 +94,24 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
         under = excess(high)
     if over < 0.0 or under > 0.0:
         raise ArithmeticError(f"{scenario}, {shape}: no level between 0.3 and 3 stops in {target} m.")
-    level, missed = low, over
+    level, residual = low, over
     for _ in range(_ROUNDS):
         # Five digits are what is written; finer steps would move the distance by less than it is wanted.
         level = round(low + (high - low) * over / (over - under), 5)
-        missed = excess(level)
-        if abs(missed) < _CLOSE or high - low < 2e-5:
+        residual = excess(level)
+        if abs(residual) < _CLOSE or high - low < 2e-5:
             break
-        if missed > 0.0:
-            low, over, under = level, missed, 0.5 * under
+        if residual > 0.0:
+            low, over, under = level, residual, 0.5 * under
         else:
-            high, under, over = level, missed, 0.5 * over
-    return Fitted(scenario=scenario, shape=shape, level=level, distance=target + missed)
+            high, under, over = level, residual, 0.5 * over
+    return Fitted(scenario=scenario, shape=shape, level=level, distance=target + residual)
 
 
 def with_levels(text: str, levels: dict[str, float]) -> str:
     """Return the text of a scenario file with other calibrated levels; everything else stays as it is."""
     line = "calibrated = { " + ", ".join(f"{shape} = {level:.5f}" for shape, level in levels.items()) + " }"
-    changed, count = re.subn(r"(?m)^calibrated = .*$", line, text)
+    result, count = re.subn(r"(?m)^calibrated = .*$", line, text)
     if count != 1:
         raise ValueError("a scenario of the library has exactly one line 'calibrated = …' in [adhesion]")
-    return changed
+    return result

@@ -56,7 +56,7 @@ def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
     return replace(
         campaign,
         name=f"{campaign.name}-conditioning",
-        stops=tuple(stop for found in repeats.values() for stop in found.all()),
+        stops=tuple(stop for group in repeats.values() for stop in group.all()),
         references=(),
         panels="none",
         conditioning=None,
@@ -88,14 +88,14 @@ def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
     if choose("auto") == _OTHER or recipe is None:
         return
     path = fmu(recipe, _OTHER)
-    changed = {"plant": NamedFile(written=str(path), path=path), "trust": True}
-    yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **changed)
+    update = {"plant": NamedFile(written=str(path), path=path), "trust": True}
+    yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **update)
 
 
 def _changed(stop: PlannedStop, name: str, **vehicle: object) -> PlannedStop:
     """Return a stop whose [vehicle] differs; of its result the figures are enough."""
-    changed = stop.scenario.vehicle.model_copy(update=vehicle)
-    scenario = stop.scenario.model_copy(update={"vehicle": changed})
+    vehicle_table = stop.scenario.vehicle.model_copy(update=vehicle)
+    scenario = stop.scenario.model_copy(update={"vehicle": vehicle_table})
     return PlannedStop(name=name, variants=stop.variants, scenario=scenario, keep_trace=False)
 
 

@@ -51,9 +51,11 @@ def make_folder(directory: Path, *files: str) -> None:
         ) from problem
     if not os.access(directory, os.W_OK):
         raise RecordError(f"{directory}: results cannot be written there: no permission; name another folder by --out")
-    taken = next((directory / name for name in files if (directory / name).is_dir()), None)
-    if taken is not None:
-        raise RecordError(f"{taken}: a file is to be written there, and it is a folder; move it or name another --out")
+    obstacle = next((directory / name for name in files if (directory / name).is_dir()), None)
+    if obstacle is not None:
+        raise RecordError(
+            f"{obstacle}: a file is to be written there, and it is a folder; move it or name another --out"
+        )
 
 
 def run(

@@ -51,7 +51,7 @@ class CampaignRun:
 
 
 def run_campaigns(
-    asked: Sequence[CampaignRun],
+    campaigns: Sequence[CampaignRun],
     runner: Runner,
     *,
     workers: int = 2,
@@ -66,7 +66,7 @@ def run_campaigns(
     result that is written is whole; any exception ends the running stops and leaves the finished ones.
 
     Args:
-        asked: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
+        campaigns: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
             for each stop.
         runner: Picklable: it runs in other processes.
         workers: Number of processes.
@@ -78,13 +78,13 @@ def run_campaigns(
     Raises:
         RecordError: Results cannot be written there; nothing was run.
     """
-    for one in asked:
+    for one in campaigns:
         name = one.campaign.name
         make_folder(one.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
         write_description(one.campaign, one.directory)
-    reports: list[dict[str, Report]] = [{} for _ in asked]
+    reports: list[dict[str, Report]] = [{} for _ in campaigns]
     waiting: list[_Order] = []
-    for number, one in enumerate(asked):
+    for number, one in enumerate(campaigns):
         for stop in one.campaign.stops:
             folder = one.directory / stop.name
             if not fresh and is_there(stop, folder):
@@ -92,17 +92,20 @@ def run_campaigns(
                 tell(report)
             else:
                 waiting.append(_Order(number, stop, folder))
-    open_ = [number for number, one in enumerate(asked) if len(reports[number]) < len(one.campaign.stops)]
+    open_ = [number for number, one in enumerate(campaigns) if len(reports[number]) < len(one.campaign.stops)]
     with _running(waiting, runner, workers, scheduler) as running:
-        for number in range(len(asked)):
+        for number in range(len(campaigns)):
             if number not in open_:
                 finished(number)
         for order, report in running:
             reports[order.campaign][order.stop.name] = report
             tell(report)
-            if len(reports[order.campaign]) == len(asked[order.campaign].campaign.stops):
+            if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
                 finished(order.campaign)
-    return [[found[stop.name] for stop in one.campaign.stops] for one, found in zip(asked, reports, strict=True)]
+    return [
+        [reports_of[stop.name] for stop in one.campaign.stops]
+        for one, reports_of in zip(campaigns, reports, strict=True)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +130,8 @@ def _running(
             with processes.cluster(scheduler) as pool:
                 far = {pool.submit(_perform_far, order, runner): order for order in orders}
                 yield (
-                    (order, _failed(order, kept) if isinstance(kept, RailgripError) else _fetched(order, kept))
-                    for order, kept in processes.ended(far)
+                    (order, _failed(order, result) if isinstance(result, RailgripError) else _fetched(order, result))
+                    for order, result in processes.ended(far)
                 )
             return
         with processes.workers(min(workers, len(orders))) as pool:
@@ -145,12 +148,14 @@ def _running(
 
 def _perform(order: _Order, runner: Runner) -> Report:
     """Run one stop in this process."""
-    planned = order.stop
-    stop = processes.answer(lambda: run(planned.scenario, order.folder, runner, keep_trace=planned.keep_trace))
+    planned_stop = order.stop
+    stop = processes.answer(
+        lambda: run(planned_stop.scenario, order.folder, runner, keep_trace=planned_stop.keep_trace)
+    )
     if isinstance(stop, RailgripError):
         return _failed(order, stop)
     return Report(
-        stop=planned, state="done" if stop.outcome is Outcome.STANDSTILL else "ended_badly", sentence=stop.reason
+        stop=planned_stop, state="done" if stop.outcome is Outcome.STANDSTILL else "ended_badly", sentence=stop.reason
     )
 
 
@@ -162,9 +167,9 @@ def _perform_far(order: _Order, runner: Runner) -> tuple[Report, dict[str, bytes
     return report, files
 
 
-def _fetched(order: _Order, kept: tuple[Report, dict[str, bytes]]) -> Report:
+def _fetched(order: _Order, result: tuple[Report, dict[str, bytes]]) -> Report:
     """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
-    report, files = kept
+    report, files = result
     for name in sorted(files, key=lambda name: name == STOP_FILE):
         write_bytes(order.folder / name, files[name])
     return report
@@ -200,7 +205,7 @@ def write_description(campaign: Campaign, directory: Path) -> None:
     Raises:
         ScenarioError: The campaign names a file of conditioning that cannot be read.
     """
-    repeated = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
+    conditioning = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
     content = {
         "name": campaign.name,
         "description": campaign.description,
@@ -210,7 +215,7 @@ def write_description(campaign: Campaign, directory: Path) -> None:
                 "variants": dict(stop.variants),
                 "scenario_digest": stop.scenario.digest(),
                 "paper_distance_m": reference.distance if (reference := campaign.reference_for(stop)) else None,
-                "conditioning": repeated[stop.name].model_dump(mode="json") if stop.name in repeated else None,
+                "conditioning": conditioning[stop.name].model_dump(mode="json") if stop.name in conditioning else None,
             }
             for stop in campaign.stops
         ],

@@ -72,9 +72,9 @@ class Sweep:
             name: (tuple(self.axes), np.array([getattr(result, name) for result in self.results]).reshape(shape))
             for name in ("outcome", "reason")
         }
-        known = [result.metrics.to_plain() for result in self.results if result.metrics]
+        metrics = [result.metrics.to_plain() for result in self.results if result.metrics]
         for name, (unit, meaning) in meanings().items():
-            sample = next((plain[name] for plain in known if plain[name] is not None), None)
+            sample = next((plain[name] for plain in metrics if plain[name] is not None), None)
             if sample is None:
                 continue
             one = np.asarray(sample, dtype=np.float64)
@@ -95,7 +95,7 @@ class Sweep:
 
 def swept(
     name: str,
-    changed: Callable[[Mapping[str, Any]], Scenario],
+    variant: Callable[[Mapping[str, Any]], Scenario],
     axes: Mapping[str, Sequence[Any]],
     own: OwnParties,
     workers: int,
@@ -104,7 +104,7 @@ def swept(
 
     Args:
         name: Of the scenario, for the progress.
-        changed: Returns the scenario with values laid over it by key.
+        variant: Returns the scenario with values laid over it by key.
         axes: Key → values.
         own: The user's objects; each stop has a copy.
         workers: Processes.
@@ -117,13 +117,13 @@ def swept(
         raise ScenarioError(f"sweep: the axis '{empty}' has no value")
     if workers < 1:
         raise ScenarioError(f"sweep: workers is 1 or more, got {workers}")
-    scenarios = [changed(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
+    scenarios = [variant(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
     results: dict[int, Result] = {}
-    with progress(name, len(scenarios), counted=True) as shown:
-        found = _in_processes(scenarios, own, workers) if workers > 1 and _portable(own) else _here(scenarios, own)
-        for number, result in found:
+    with progress(name, len(scenarios), counted=True) as bar:
+        finished = _in_processes(scenarios, own, workers) if workers > 1 and _portable(own) else _here(scenarios, own)
+        for number, result in finished:
             results[number] = result
-            shown.advance()
+            bar.advance()
     return Sweep(
         {axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(scenarios)))
     )

@@ -129,10 +129,10 @@ def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
 
 def point_of(ranges: Ranges, values: Mapping[str, float]) -> Vector:
     """Return the logarithms of what is searched for parameters of a law, inside their ranges."""
-    known = dict(values)  # one that the file lacks starts in the middle
+    start = dict(values)  # one that the file lacks starts in the middle
     if "high_over_low" in ranges:
-        known["high_over_low"] = known["high"] / known["low"]
-    point = [math.log(known.get(name, math.sqrt(low * high))) for name, (low, high) in ranges.items()]
+        start["high_over_low"] = start["high"] / start["low"]
+    point = [math.log(start.get(name, math.sqrt(low * high))) for name, (low, high) in ranges.items()]
     return np.clip(point, *np.log(np.array(list(ranges.values())).T))
 
 
@@ -216,7 +216,7 @@ def search(
         generation += 1
         tell(generation, math.expm1(intermediate_result.fun - reference_mean))
 
-    found = differential_evolution(
+    optimum = differential_evolution(
         objective,
         Bounds(*bounds),
         x0=point_of(ranges, tuning.searched(law, actuation, slip)),
@@ -230,7 +230,7 @@ def search(
         workers=cast("Any", mapped),  # the stubs want a number, the function takes a map, too
         callback=note,
     )
-    values = parameters_of(tuple(ranges), found.x)
+    values = parameters_of(tuple(ranges), optimum.x)
     distances = list(pool.map(_distance, [_with(values, stop) for stop in stops]))
     return Found(
         values=values,
@@ -241,10 +241,12 @@ def search(
     )
 
 
-def text_of(law: str, found: Mapping[tuple[str, tuning.SlipSource], Found], command: str = "make tune-control") -> str:
+def text_of(
+    law: str, results: Mapping[tuple[str, tuning.SlipSource], Found], command: str = "make tune-control"
+) -> str:
     """Return the file of a law's parameters: what was found for each kind of actuation, on what, by which command."""
     lines = [f"# Parameters of {law}, written by `{command}`; in brackets two-state control at 10 and 15 %."]
-    for (actuation, slip), one in found.items():
+    for (actuation, slip), one in results.items():
         lines += ["", f"# The best of {one.sets} sets: {100 * one.reduction:+.1f} % against slip-based control, on:"]
         for rail, distance, other in zip(one.rails, one.distances, one.reference, strict=True):
             lines.append(f"#   {rail}: {distance:.1f} m ({other:.1f} m)")

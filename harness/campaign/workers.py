@@ -128,13 +128,13 @@ def answer(call: Callable[[], T]) -> T | RailgripError:
 def _without_main() -> Generator[None]:
     """Hide where the main module comes from: a spawned process would run it, and a script without a guard for ever."""
     main = sys.modules["__main__"]
-    hidden = {name: vars(main)[name] for name in ("__spec__", "__file__") if name in vars(main)}
+    attributes = {name: vars(main)[name] for name in ("__spec__", "__file__") if name in vars(main)}
     main.__spec__ = None
     vars(main).pop("__file__", None)
     try:
         yield
     finally:
-        vars(main).update(hidden)
+        vars(main).update(attributes)
 
 
 @contextmanager

@@ -62,15 +62,15 @@ def judge(
     """
     error = errors(recording, estimates, state)
     sd = estimates["sd"].sel(state=state).values
-    chosen = (np.arange(error.size) > 0) if where is None else where
-    chosen = chosen & np.isfinite(error)
-    if not chosen.any():
+    mask = (np.arange(error.size) > 0) if where is None else where
+    mask = mask & np.isfinite(error)
+    if not mask.any():
         raise EstimationError(f"judge: no sample of {state} is left to judge.")
-    e, s = error[chosen], sd[chosen]
+    e, s = error[mask], sd[mask]
     return Judgement(
-        samples=int(chosen.sum()),
+        samples=int(mask.sum()),
         rmse=float(np.sqrt(np.mean(e**2))),
-        constant=float(np.std(truth_of(recording, state)[chosen])),
+        constant=float(np.std(truth_of(recording, state)[mask])),
         bias=float(np.mean(e)),
         largest=float(np.max(np.abs(e))),
         nees=float(np.mean((e / s) ** 2)),

@@ -53,7 +53,7 @@ class Observed:
 def observe(
     specification: Specification,
     recording: xarray.Dataset,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> Observed:
     """Return what a recording can tell about the states, at their true values where known.
 
@@ -73,14 +73,14 @@ def observe(
     settings = settings_for(specification, period)
     states = _states(recording, prediction)
     inputs = samples(recording, prediction.inputs)
-    gated: list[int] = []
+    gates: list[int] = []
     if settings.gate is not None:
-        gated = [prediction.inputs.index(name) for name in settings.gate.inputs]
-        inputs[:, gated] = np.where(inputs[:, gated] < settings.gate.threshold, 0.0, inputs[:, gated])
+        gates = [prediction.inputs.index(name) for name in settings.gate.inputs]
+        inputs[:, gates] = np.where(inputs[:, gates] < settings.gate.threshold, 0.0, inputs[:, gates])
     scale = by_name("[observability] scale", table.scale, prediction.states)
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
     return Observed(
-        points=_points(recording, prediction, states, inputs, gated, scale),
+        points=_points(recording, prediction, states, inputs, gates, scale),
         windows=_windows(recording, prediction, states, inputs, period, noise, scale, table, progress),
     )
 
@@ -91,12 +91,12 @@ def with_estimates_as_truth(specification: Specification, recording: xarray.Data
     Raises:
         EstimationError: The filter diverged, and there is no trajectory.
     """
-    told = estimate_of(specification, recording)
-    if told.attrs["ended"]:
-        raise EstimationError(f"{specification.name}: {told.attrs['ended']} There is no trajectory to ask along.")
+    estimates = estimate_of(specification, recording)
+    if estimates.attrs["ended"]:
+        raise EstimationError(f"{specification.name}: {estimates.attrs['ended']} There is no trajectory to ask along.")
     units = units_of(specification.model.class_)
-    states = [str(state) for state in told["state"].values]
-    return with_signals(recording, truth={s: (told["mean"].sel(state=s).values, units[s]) for s in states})
+    states = [str(state) for state in estimates["state"].values]
+    return with_signals(recording, truth={s: (estimates["mean"].sel(state=s).values, units[s]) for s in states})
 
 
 def _states(recording: xarray.Dataset, prediction: CasadiPrediction) -> Matrix:
@@ -114,25 +114,25 @@ def _points(
     prediction: CasadiPrediction,
     states: Matrix,
     inputs: Matrix,
-    gated: list[int],
+    gates: list[int],
     scale: Matrix,
 ) -> tuple[Point, ...]:
     time = recording["time"].values
-    deciding = gated or list(range(inputs.shape[1]))
+    deciding = gates or list(range(inputs.shape[1]))
     most = int(np.argmax(np.min(inputs[:, deciding], axis=1))) if deciding else 0
-    wanted = [("inputs at their largest together", most, inputs[most])]
+    instants = [("inputs at their largest together", most, inputs[most])]
     for place in deciding:
         without = inputs[most].copy()
         without[place] = 0.0
-        wanted.append((f"the same, but no {prediction.inputs[place]}", most, without))
+        instants.append((f"the same, but no {prediction.inputs[place]}", most, without))
     return tuple(
         Point(
             what=what,
             time=float(time[k]),
-            inputs=dict(zip(prediction.inputs, held.tolist(), strict=True)),
-            found=observability(prediction, states[k], held, scale),
+            inputs=dict(zip(prediction.inputs, inputs_at.tolist(), strict=True)),
+            found=observability(prediction, states[k], inputs_at, scale),
         )
-        for what, k, held in wanted
+        for what, k, inputs_at in instants
     )
 
 
@@ -152,13 +152,13 @@ def _windows(
         raise EstimationError(
             f"[observability] window is {table.window:g} s, the recording has {len(states) * period:g} s; shorten it."
         )
-    found = along(prediction, states, inputs, period, noise, scale, window, stride, progress)
+    windows = along(prediction, states, inputs, period, noise, scale, window, stride, progress)
     return xarray.Dataset(
         {
-            "smallest": (("time",), found.smallest, {"units": "1"}),
-            "deviation": (("time", "state"), found.deviation),
-            "singular": (("time", "state"), (scale / found.deviation) ** 2, {"units": "1"}),
+            "smallest": (("time",), windows.smallest, {"units": "1"}),
+            "deviation": (("time", "state"), windows.deviation),
+            "singular": (("time", "state"), (scale / windows.deviation) ** 2, {"units": "1"}),
         },
-        coords={"time": recording["time"].values[found.start], "state": list(prediction.states)},
+        coords={"time": recording["time"].values[windows.start], "state": list(prediction.states)},
         attrs={"window": table.window, "name": recording.attrs.get("name", "")},
     )

@@ -51,27 +51,29 @@ FEW: Final = 0.01
 
 def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str]:
     """Return a sentence for each signal that is beyond its bounds in more than `FEW` of its samples."""
-    found: list[str] = []
+    sentences: list[str] = []
     for name in names:
         bounds, values = SIGNALS.get(_family(name)), reading_of(recording, name)
         if bounds is not None:
             beyond = ~((values >= bounds.low) & (values <= bounds.high)) & ~np.isnan(values)
             unit = unit_of(recording, name)
-            found += _sentences(f"{name} is", "wrong unit, sign or column?", values, beyond, recording, bounds, unit)
-    return found
+            sentences += _sentences(
+                f"{name} is", "wrong unit, sign or column?", values, beyond, recording, bounds, unit
+            )
+    return sentences
 
 
 def strange_estimates(estimates: xarray.Dataset) -> list[str]:
     """Return a sentence for each state that is beyond its bounds by 2σ in more than `FEW` of its samples."""
-    found: list[str] = []
+    sentences: list[str] = []
     for state in map(str, estimates["state"].values):
         bounds = STATES.get(_family(state))
         if bounds is not None:
             mean, sd = (estimates[what].sel(state=state).values for what in ("mean", "sd"))
             beyond = (mean + 2.0 * sd < bounds.low) | (mean - 2.0 * sd > bounds.high)
             what = f"the filter believes in {state} of"
-            found += _sentences(what, "readings and model do not fit.", mean, beyond, estimates, bounds, "")
-    return found
+            sentences += _sentences(what, "readings and model do not fit.", mean, beyond, estimates, bounds, "")
+    return sentences
 
 
 def _sentences(

@@ -77,13 +77,13 @@ def prediction_of(model: str, parameters: Mapping[str, float] | None = None) -> 
         EstimationError: There is no such parameter.
         railgrip.errors.InputError: There is no such class.
     """
-    lowered = model_of(model)
-    given = dict(parameters or {})
-    known = {variable.name: variable.start for variable in lowered.parameters}
-    strange = [name for name in given if name not in known]
+    source = model_of(model)
+    values = dict(parameters or {})
+    defaults = {variable.name: variable.start for variable in source.parameters}
+    strange = [name for name in values if name not in defaults]
     if strange:
-        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(known)}.")
-    return CasadiPrediction(lowered, known | given)
+        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(defaults)}.")
+    return CasadiPrediction(source, defaults | values)
 
 
 @cache
@@ -94,8 +94,8 @@ def model_of(model: str) -> Model:
 
 def units_of(model: str) -> dict[str, str]:
     """Return the unit of every state, input and output of a prediction."""
-    lowered = model_of(model)
-    return {v.name: v.unit for v in (*lowered.states, *lowered.inputs, *lowered.outputs)}
+    source = model_of(model)
+    return {v.name: v.unit for v in (*source.states, *source.inputs, *source.outputs)}
 
 
 def estimate(
@@ -106,7 +106,7 @@ def estimate(
     units: Mapping[str, str] | None = None,
     compiled: bool = True,
     covariance: bool = False,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> xarray.Dataset:
     """Return what a filter believes at every sample of a recording.
 
@@ -131,41 +131,41 @@ def estimate(
         EstimatorError: Noises or start do not fit the model.
     """
     states, outputs = prediction.states, prediction.outputs
-    known = dict(units or {})
+    unit_of_name = dict(units or {})
     period = period_of(recording)
-    inputs = _inputs(recording, prediction, known, settings.between)
-    seen = samples(recording, outputs, [known.get(name) for name in outputs])
+    inputs = _inputs(recording, prediction, unit_of_name, settings.between)
+    measured = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
     process = by_name("process", settings.process, states)
     readings = by_name("readings", settings.readings, outputs)
     parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
     filter_ = CompiledFilter(*parts) if compiled else ExtendedKalmanFilter(*parts)
     belief = filter_.start(
-        _start(settings.start, states, outputs, seen),
+        _start(settings.start, states, outputs, measured),
         by_name("start_deviation", settings.start_deviation, states) ** 2,
     )
     if isinstance(filter_, CompiledFilter) and not covariance:
-        told = _followed(filter_, belief, inputs, seen, progress)
+        result = _followed(filter_, belief, inputs, measured, progress)
     else:
-        told = _stepped(filter_, belief, inputs, seen, covariance, progress)
-    mean = told.mean
-    innovation = seen - (
-        _expected(prediction, mean, inputs, period, settings.gate) if told.expected is None else told.expected
+        result = _stepped(filter_, belief, inputs, measured, covariance, progress)
+    mean = result.mean
+    innovation = measured - (
+        _expected(prediction, mean, inputs, period, settings.gate) if result.expected is None else result.expected
     )
-    ratio = nis_ratio(told.nis[: told.done], told.used[: told.done])
+    ratio = nis_ratio(result.nis[: result.done], result.used[: result.done])
     variables: dict[str, tuple[tuple[str, ...], Matrix]] = {
         "mean": (("time", "state"), mean),
-        "sd": (("time", "state"), told.sd),
+        "sd": (("time", "state"), result.sd),
         "innovation": (("time", "output"), innovation),
-        "nis": (("time",), told.nis),
-        "readings": (("time",), told.used),
+        "nis": (("time",), result.nis),
+        "readings": (("time",), result.used),
     }
-    if told.covariance is not None:
-        variables["covariance"] = (("time", "state", "state_"), told.covariance)
+    if result.covariance is not None:
+        variables["covariance"] = (("time", "state", "state_"), result.covariance)
     return xarray.Dataset(
         variables,
         coords={"time": recording["time"], "state": list(states), "output": list(outputs)},
         attrs={
-            "ended": _end(told, seen, recording["time"].values),
+            "ended": _end(result, measured, recording["time"].values),
             "period": period,
             "name": recording.attrs.get("name", ""),
             "nis_ratio": np.nan if ratio is None else ratio,
@@ -173,16 +173,18 @@ def estimate(
     )
 
 
-def _end(told: "_Told", seen: Matrix, time: Matrix) -> str:
+def _end(result: "_Told", readings: Matrix, time: Matrix) -> str:
     """Return since when the beliefs mean nothing, in a sentence, or nothing."""
     # The first sample is the start: it was read, but no step used it.
-    lost = lost_at(told.nis[1 : told.done], told.used[1 : told.done], np.isfinite(seen[1 : told.done]).sum(axis=1))
-    if lost is not None:
+    divergence = lost_at(
+        result.nis[1 : result.done], result.used[1 : result.done], np.isfinite(readings[1 : result.done]).sum(axis=1)
+    )
+    if divergence is not None:
         return (
             f"Filter: lost; its innovations are more than {FAR:g} times what it claims, or it leaves out most of what "
-            f"it reads. At {time[lost + 1]:.3f} s."
+            f"it reads. At {time[divergence + 1]:.3f} s."
         )
-    return f"{told.problem} At {time[told.done]:.3f} s." if told.problem else ""
+    return f"{result.problem} At {time[result.done]:.3f} s." if result.problem else ""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -212,7 +214,7 @@ class _Told:
     @classmethod
     def of(cls, first: Estimate, count: int, readings: int | None, covariance: bool) -> "_Told":
         n = first.mean.size
-        told = cls(
+        result = cls(
             mean=np.full((count, n), np.nan),
             sd=np.full((count, n), np.nan),
             nis=np.full(count, np.nan),
@@ -221,8 +223,8 @@ class _Told:
             covariance=np.full((count, n, n), np.nan) if covariance else None,
             done=0,
         )
-        told.take(first)
-        return told
+        result.take(first)
+        return result
 
     def take(self, belief: Estimate) -> None:
         k = self.done
@@ -233,73 +235,73 @@ class _Told:
 
 
 def _followed(
-    filter_: CompiledFilter, belief: Estimate, inputs: Matrix, seen: Matrix, progress: Callable[[int, int], None]
+    filter_: CompiledFilter, belief: Estimate, inputs: Matrix, readings: Matrix, progress: Callable[[int, int], None]
 ) -> _Told:
     """Run a compiled filter in calls of many samples each."""
-    count = len(seen)
-    told = _Told.of(belief, count, seen.shape[1], covariance=False)
-    assert told.expected is not None
+    count = len(readings)
+    result = _Told.of(belief, count, readings.shape[1], covariance=False)
+    assert result.expected is not None
     end = count
-    while told.done < end:
-        rows = slice(told.done, min(told.done + AT_ONCE, end))
+    while result.done < end:
+        rows = slice(result.done, min(result.done + AT_ONCE, end))
         try:
-            found = filter_.follow(belief, inputs[rows], seen[rows])
+            block = filter_.follow(belief, inputs[rows], readings[rows])
         except FilterDiverged as problem:
             # Up to there its beliefs are good, and worth having.
-            end, told.problem = told.done + problem.after, problem.why
+            end, result.problem = result.done + problem.after, problem.why
             continue
-        told.mean[rows], told.sd[rows], told.expected[rows] = found.mean, np.sqrt(found.variance), found.expected
-        told.nis[rows], told.used[rows] = found.squared, found.used
-        told.done = rows.stop
+        result.mean[rows], result.sd[rows], result.expected[rows] = block.mean, np.sqrt(block.variance), block.expected
+        result.nis[rows], result.used[rows] = block.squared, block.used
+        result.done = rows.stop
         belief = Estimate(mean=filter_.mean.copy(), covariance=filter_.covariance.copy())
-        progress(told.done, count)
-    return told
+        progress(result.done, count)
+    return result
 
 
 def _stepped(
     filter_: CompiledFilter | ExtendedKalmanFilter,
     belief: Estimate,
     inputs: Matrix,
-    seen: Matrix,
+    readings: Matrix,
     covariance: bool,
     progress: Callable[[int, int], None],
 ) -> _Told:
     """Run a filter sample by sample."""
-    count = len(seen)
-    told = _Told.of(belief, count, None, covariance)
+    count = len(readings)
+    result = _Told.of(belief, count, None, covariance)
     running = (
         filter_
         if isinstance(filter_, CompiledFilter)
-        else (Running(filter_, belief, inputs=inputs.shape[1], outputs=seen.shape[1]))
+        else (Running(filter_, belief, inputs=inputs.shape[1], outputs=readings.shape[1]))
     )
     for k in range(1, count):
-        running.held[:], running.seen[:] = inputs[k], seen[k]
+        running.held[:], running.seen[:] = inputs[k], readings[k]
         try:
             running.advance()
         except FilterDiverged as problem:
-            told.problem = str(problem)
+            result.problem = str(problem)
             break
-        told.nis[k], told.used[k] = running.squared_innovation, running.used.sum()
-        told.take(Estimate(mean=running.mean.copy(), covariance=running.covariance.copy()))
+        result.nis[k], result.used[k] = running.squared_innovation, running.used.sum()
+        result.take(Estimate(mean=running.mean.copy(), covariance=running.covariance.copy()))
         if k % AT_ONCE == 0:
             progress(k, count)
     progress(count, count)
-    return told
+    return result
 
 
 def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:
     """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
     names = prediction.inputs
-    found = samples(recording, names, [units.get(name) for name in names])
-    for name, values in zip(names, found.T, strict=True):
+    columns = samples(recording, names, [units.get(name) for name in names])
+    for name, values in zip(names, columns.T, strict=True):
         if np.isnan(values).any():
             at = recording["time"].values[int(np.argmax(np.isnan(values)))]
             raise EstimationError(
                 f"recording: input {name} is not a number at {at:.3f} s; a filter must know its inputs, "
                 "fill or cut the gap."
             )
-    earlier = np.vstack([found[:1], found[:-1]])
-    return 0.5 * (earlier + found) if between == "mean" else earlier
+    earlier = np.vstack([columns[:1], columns[:-1]])
+    return 0.5 * (earlier + columns) if between == "mean" else earlier
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
@@ -311,27 +313,27 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     if missing:
         raise EstimationError(f"settings: {what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}.")
-    known = {*names, *(name.partition("[")[0] for name in names)}
-    strange = [name for name in values if name not in known]
+    allowed = {*names, *(name.partition("[")[0] for name in names)}
+    strange = [name for name in values if name not in allowed]
     if strange:
         raise EstimationError(f"settings: {what} has {', '.join(strange)}, the model has {', '.join(names)}.")
     return np.array([values.get(name, values.get(name.partition("[")[0], np.nan)) for name in names])
 
 
-def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], seen: Matrix) -> Matrix:
+def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], readings: Matrix) -> Matrix:
     """Return the mean at the first sample."""
     from_readings: dict[str, float] = {}
     for state in states:
         base, bracket, index = state.partition("[")
         reading = SHOWN.get(base, "") + bracket + index
         if reading in outputs:
-            column = seen[:, outputs.index(reading)]
+            column = readings[:, outputs.index(reading)]
             finite = np.flatnonzero(np.isfinite(column))
             if finite.size:
                 from_readings[state] = float(column[finite[0]])
     # An element that the user names goes before the reading; so does the name of its array.
-    named = {state for state in states if state in start or state.partition("[")[0] in start}
-    return by_name("start", {**{s: x for s, x in from_readings.items() if s not in named}, **start}, states)
+    given_states = {state for state in states if state in start or state.partition("[")[0] in start}
+    return by_name("start", {**{s: x for s, x in from_readings.items() if s not in given_states}, **start}, states)
 
 
 def _expected(prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period: float, gate: Gate | None) -> Matrix:
@@ -352,11 +354,11 @@ def _expected(prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period
     count = len(mean)
     moving = np.ones((count, len(prediction.states)))
     if gate is not None:
-        for state, held in zip(gate.states, gate.inputs, strict=True):
-            shut = inputs[:, prediction.inputs.index(held)] < gate.threshold
-            moving[shut, prediction.states.index(state)] = 0.0
+        for state, gate_input in zip(gate.states, gate.inputs, strict=True):
+            closed = inputs[:, prediction.inputs.index(gate_input)] < gate.threshold
+            moving[closed, prediction.states.index(state)] = 0.0
     before = np.vstack([mean[:1], mean[:-1]])
-    found = expected.map(count)(before.T, inputs.T, np.tile(prediction.parameters[:, None], count), moving.T)
-    told = np.array(found, dtype=np.float64).T
-    told[0] = np.nan
-    return told
+    rates = expected.map(count)(before.T, inputs.T, np.tile(prediction.parameters[:, None], count), moving.T)
+    increments = np.array(rates, dtype=np.float64).T
+    increments[0] = np.nan
+    return increments

@@ -25,15 +25,15 @@ def prediction_seeing(
     """
     whole = model_of(model)
     names = [variable.name for variable in whole.outputs]
-    places = [i for wanted in outputs for i, name in enumerate(names) if wanted in (name, name.partition("[")[0])]
-    lost = [wanted for wanted in outputs if not any(wanted in (n, n.partition("[")[0]) for n in names)]
-    if lost:
-        raise EstimationError(f"{model} has no output {', '.join(lost)}; it has {', '.join(names)}.")
-    given = [ca.SX.sym(f"a{i}", *whole.output.size_in(i)) for i in range(whole.output.n_in())]
-    shown = ca.Function("output", given, [ca.densify(whole.output(*given))[places]])
-    known = {variable.name: variable.start for variable in whole.parameters}
-    strange = [name for name in parameters or {} if name not in known]
+    places = [i for output in outputs for i, name in enumerate(names) if output in (name, name.partition("[")[0])]
+    missing = [output for output in outputs if not any(output in (n, n.partition("[")[0]) for n in names)]
+    if missing:
+        raise EstimationError(f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}.")
+    arguments = [ca.SX.sym(f"a{i}", *whole.output.size_in(i)) for i in range(whole.output.n_in())]
+    selection = ca.Function("output", arguments, [ca.densify(whole.output(*arguments))[places]])
+    defaults = {variable.name: variable.start for variable in whole.parameters}
+    strange = [name for name in parameters or {} if name not in defaults]
     if strange:
-        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(known)}.")
-    seeing = replace(whole, outputs=tuple(whole.outputs[i] for i in places), output=shown)
-    return CasadiPrediction(seeing, known | dict(parameters or {}))
+        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(defaults)}.")
+    seeing = replace(whole, outputs=tuple(whole.outputs[i] for i in places), output=selection)
+    return CasadiPrediction(seeing, defaults | dict(parameters or {}))

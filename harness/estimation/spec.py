@@ -192,10 +192,10 @@ def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
     if set(noise) != {"file"} or not isinstance(noise["file"], str):
         raise EstimationError(f"{path.name}: [noise] file stands for the whole table; write nothing beside its name.")
     other = path.parent / noise["file"]
-    found = read_toml(other)
-    if "noise" not in found:
+    table = read_toml(other)
+    if "noise" not in table:
         raise EstimationError(f"{other}: has no [noise], which {path.name} takes from there.")
-    return found["noise"]
+    return table["noise"]
 
 
 def prediction_for(specification: Specification) -> CasadiPrediction:
@@ -227,8 +227,8 @@ def check_mass(specification: Specification) -> None:
     Raises:
         EstimationError: They are of two trains.
     """
-    known = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
-    parts = [value for name, value in known.items() if name.partition("[")[0] == "m_wheelset"]
+    values = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
+    parts = [value for name, value in values.items() if name.partition("[")[0] == "m_wheelset"]
     if specification.course is None or not parts:
         return
     mass, whole = specification.course.mass, sum(parts)

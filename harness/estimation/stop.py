@@ -47,8 +47,10 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
     trace = stop_read(question)
     if not noise:
         return trace
-    shown = {str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()}
-    deviations = in_units(f"{question.name}: [source.noise]", noise, shown)
+    unit_of_signal = {
+        str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()
+    }
+    deviations = in_units(f"{question.name}: [source.noise]", noise, unit_of_signal)
     read: dict[str, tuple[Vector, str]] = {}
     for name, deviation in deviations.items():
         for key, (values, unit) in _elements(trace, name, name).items():
@@ -56,7 +58,7 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
             white = generator(question.seed, f"instruments.{key}").standard_normal(values.size)
             read[key] = values + deviation * white, unit
     read |= _elements(trace, "track_force", "track_force")
-    if "resistance_torque" in shown:
+    if "resistance_torque" in unit_of_signal:
         torques = _elements(trace, "resistance_torque", "wheel_torque")
         read |= {key: (-values, unit) for key, (values, unit) in torques.items()}
     loads, forces = trace["wheelset_load"].values, (trace["adhesion"] * trace["wheelset_load"]).values

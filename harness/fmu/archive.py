@@ -54,15 +54,15 @@ def members(path: Path, limits: FmuLimits) -> frozenset[str]:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
             _require_harmless(path, entries, limits)
-            broken = archive.testzip()
+            corrupt = archive.testzip()
     except (zipfile.BadZipFile, OSError, NotImplementedError, RuntimeError) as error:
         raise FmuError(f"{path}: not an FMU: it is not a zip archive ({error}).") from error
-    if broken is not None:
-        raise FmuError(f"{path}: the archive is damaged, '{broken}' does not match its checksum.")
-    found = frozenset(entry.filename for entry in entries if not entry.is_dir())
-    if DESCRIPTION not in found:
+    if corrupt is not None:
+        raise FmuError(f"{path}: the archive is damaged, '{corrupt}' does not match its checksum.")
+    names = frozenset(entry.filename for entry in entries if not entry.is_dir())
+    if DESCRIPTION not in names:
         raise FmuError(f"{path}: not an FMU: the archive has no {DESCRIPTION}.")
-    return found
+    return names
 
 
 def _require_harmless(path: Path, entries: list[zipfile.ZipInfo], limits: FmuLimits) -> None:
@@ -142,7 +142,7 @@ def _mib(size: int) -> str:
     return f"{size / MIB:.0f} MiB"
 
 
-def _beyond(path: Path, found: str, limits: FmuLimits, key: str) -> FmuError:
+def _beyond(path: Path, excess: str, limits: FmuLimits, key: str) -> FmuError:
     return FmuError(
-        f"{path}: {found}, allowed are {getattr(limits, key)}; raise {key} under [limits.fmu] if you trust it."
+        f"{path}: {excess}, allowed are {getattr(limits, key)}; raise {key} under [limits.fmu] if you trust it."
     )

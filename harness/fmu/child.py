@@ -62,20 +62,20 @@ def receive(line: socket.socket) -> tuple[int, bytes]:
         ValueError: What it sends is no message.
         TimeoutError: The line has a timeout and nothing came.
     """
-    got = b""
-    wanted = _HEAD.size
-    while len(got) < wanted:
+    buffer = b""
+    size = _HEAD.size
+    while len(buffer) < size:
         more = line.recv(_CHUNK)
         if not more:
             raise ConnectionError("the other end of the line is gone")
-        got += more
-        if len(got) >= _HEAD.size:
-            wanted = _HEAD.size + _HEAD.unpack_from(got)[1]
-        if max(wanted, len(got)) > _LONGEST:
+        buffer += more
+        if len(buffer) >= _HEAD.size:
+            size = _HEAD.size + _HEAD.unpack_from(buffer)[1]
+        if max(size, len(buffer)) > _LONGEST:
             raise ValueError("no message is that long")
-    if len(got) != wanted:
+    if len(buffer) != size:
         raise ValueError("more than a message")
-    return _HEAD.unpack_from(got)[0], got[_HEAD.size :]
+    return _HEAD.unpack_from(buffer)[0], buffer[_HEAD.size :]
 
 
 def serve(line: socket.socket) -> None:
@@ -96,9 +96,9 @@ def serve(line: socket.socket) -> None:
                 elif plant is None:
                     raise RuntimeError("the first request opens the plant")
                 elif request == "snapshot":
-                    kept = plant.snapshot()
-                    snapshots[kept.handle] = kept
-                    answer = SNAPSHOT.pack(kept.sample, kept.handle)
+                    state = plant.snapshot()
+                    snapshots[state.handle] = state
+                    answer = SNAPSHOT.pack(state.sample, state.handle)
                 elif request == "restore":
                     answer = plant.restore(snapshots[SNAPSHOT.unpack(payload)[1]]).tobytes()
                 elif request == "start":

@@ -53,7 +53,7 @@ def seconds_of_fmpy(
     description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
 ) -> tuple[float, Vector]:
     """Return the time of `count` steps through FMPy's FMU2Slave, and the last outputs."""
-    sent, seen = _only_real(description, binding)
+    channels_in, channels_out = _only_real(description, binding)
     with unpacked(description) as folder:
         slave: Any = FMU2Slave(
             guid=description.guid,
@@ -64,10 +64,10 @@ def seconds_of_fmpy(
         slave.instantiate()
         slave.setupExperiment(startTime=0.0)
         slave.enterInitializationMode()
-        to, start = sent.references.tolist(), inputs.tolist()
+        to, start = channels_in.references.tolist(), inputs.tolist()
         slave.setReal(to, start)
         slave.exitInitializationMode()
-        references = seen.references.tolist()
+        references = channels_out.references.tolist()
         last: list[float] = []
         begin = time.perf_counter()
         for k in range(count):
@@ -87,10 +87,10 @@ def seconds_of_simulate_fmu(
 
     Its instantiation is inside, as its interface demands; over a thousand steps that is little.
     """
-    sent, seen = _only_real(description, binding)
+    channels_in, channels_out = _only_real(description, binding)
     model = fmpy.read_model_description(str(description.file))
-    held = np.array(
-        [(0.0, *inputs), (count * period, *inputs)], dtype=[("time", "f8"), *((v, "f8") for v in sent.variables)]
+    series = np.array(
+        [(0.0, *inputs), (count * period, *inputs)], dtype=[("time", "f8"), *((v, "f8") for v in channels_in.variables)]
     )
     with unpacked(description) as folder:
         begin = time.perf_counter()
@@ -102,11 +102,11 @@ def seconds_of_simulate_fmu(
             stop_time=count * period,
             step_size=period,
             output_interval=period,
-            input=held,
-            output=list(seen.variables),
+            input=series,
+            output=list(channels_out.variables),
         )
         took = time.perf_counter() - begin
-    return took, np.array([result[name][-1] for name in seen.variables])
+    return took, np.array([result[name][-1] for name in channels_out.variables])
 
 
 def seconds_in_c(
@@ -121,9 +121,9 @@ def seconds_in_c(
         period: Communication step [s].
         count: Number of steps.
     """
-    sent, seen = _only_real(description, binding)
+    channels_in, channels_out = _only_real(description, binding)
     library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))
-    u, y = inputs.astype(float), np.zeros(len(seen.references))
+    u, y = inputs.astype(float), np.zeros(len(channels_out.references))
     with unpacked(description) as folder:
         fmu = Instance(description, "co-simulation", folder, name="c")
         try:
@@ -132,9 +132,9 @@ def seconds_in_c(
             arguments = [
                 *(fmu.address(name) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
                 ctypes.c_void_p(fmu.component),
-                *_pointer_and_size(sent.references),
+                *_pointer_and_size(channels_in.references),
                 ctypes.c_void_p(u.ctypes.data),
-                *_pointer_and_size(seen.references),
+                *_pointer_and_size(channels_out.references),
                 ctypes.c_void_p(y.ctypes.data),
                 ctypes.c_double(period),
                 ctypes.c_int(count),

@@ -173,9 +173,9 @@ class CoSimulation:
             raise self._not_ready()
         set_step_get = self._set_step_get
         set_step_get.inputs[:] = inputs
-        ended = set_step_get.step(self._start_time + self._sample * self._period)
-        if ended:
-            self.crossed(0, ended)
+        failure = set_step_get.step(self._start_time + self._sample * self._period)
+        if failure:
+            self.crossed(0, failure)
         self._sample += 1
         return set_step_get.outputs.copy() if self._present is None else self._spread()
 
@@ -185,15 +185,15 @@ class CoSimulation:
             raise self._not_ready()
         return self._set_step_get.edge(self._start_time)
 
-    def crossed(self, steps: int, ended: int) -> None:
+    def crossed(self, steps: int, code: int) -> None:
         """Take note of steps done by `edge`, and of the number of the outcome that ended them, 0 for none.
 
         Raises:
             PlantFailed: They ended early.
         """
         self._sample += steps
-        if ended:
-            what = outcome(ended)
+        if code:
+            what = outcome(code)
             self._sample += what in ("getting", "not finite")  # the step itself succeeded
             self._fail_step(what)
 
@@ -288,14 +288,14 @@ class CoSimulation:
 
     def _send(self, inputs: Vector) -> None:
         self._set_step_get.inputs[:] = inputs
-        ended = self._set_step_get.send()
-        if ended != "fine":
-            self._fail_step(ended)
+        failure = self._set_step_get.send()
+        if failure != "fine":
+            self._fail_step(failure)
 
     def _receive(self) -> Vector:
-        ended = self._set_step_get.receive()
-        if ended != "fine":
-            self._fail_step(ended)
+        failure = self._set_step_get.receive()
+        if failure != "fine":
+            self._fail_step(failure)
         return self._spread()
 
     def _spread(self) -> Vector:
@@ -306,13 +306,13 @@ class CoSimulation:
         everything[self._present] = self._set_step_get.outputs
         return everything
 
-    def _fail_step(self, ended: Outcome) -> None:
+    def _fail_step(self, outcome: Outcome) -> None:
         """Raise the failure that ended a communication step early."""
         set_step_get = self._set_step_get
-        if ended == "not finite":
+        if outcome == "not finite":
             self._not_finite(set_step_get.outputs[set_step_get.worst])
-        doing = {"setting": "setting inputs", "getting": "reading outputs"}.get(ended, "")
-        self._fail(set_step_get.call(ended), set_step_get.status, self.time, doing)
+        doing = {"setting": "setting inputs", "getting": "reading outputs"}.get(outcome, "")
+        self._fail(set_step_get.call(outcome), set_step_get.status, self.time, doing)
 
     def _fail(self, call: str, status: int, time: float, doing: str) -> None:
         """Raise the failure behind a bad status."""

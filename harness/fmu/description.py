@@ -110,9 +110,9 @@ class Description:
         Raises:
             FmuError: There is none; the sentence names the nearest ones.
         """
-        found = self.variables.get(name)
-        if found is not None:
-            return found
+        variable = self.variables.get(name)
+        if variable is not None:
+            return variable
         near = get_close_matches(name, self.variables, n=3, cutoff=0.5)
         hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else "."
         raise FmuError(f"{wanted_by}: {self.file.name} has no variable '{name}'{hint}")
@@ -145,8 +145,8 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     inside = members(path, limits)
     first = outline(path, limits)
     if first.version != "2.0":
-        found = f"FMI {first.version}" if first.version else "no fmiVersion"
-        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {found}; export it again as FMI 2.0.")
+        version = f"FMI {first.version}" if first.version else "no fmiVersion"
+        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {version}; export it again as FMI 2.0.")
     for number, line in first.indices:
         if not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
             raise FmuError(
@@ -179,9 +179,9 @@ def _leniently(path: Path, problems: list[str]) -> tuple[str, ModelDescription]:
     refusal = f"{path}: {clause}. Correct it or ask the tool that made the FMU."
     try:
         read = read_model_description(str(path), validate=False)
-        known: Any = read
-        names = [v.name for v in known.modelVariables]
-        complete = known.guid and all(names) and len(set(names)) == len(names)
+        xml: Any = read
+        names = [v.name for v in xml.modelVariables]
+        complete = xml.guid and all(names) and len(set(names)) == len(names)
     except Exception as error:  # without its schema FMPy stumbles in as many ways as there are mistakes
         raise FmuError(refusal) from error
     if not complete:
@@ -196,25 +196,26 @@ def _require_binary(description: Description, inside: frozenset[str]) -> None:
     for interface in (description.co_simulation, description.model_exchange):
         if interface is None:
             continue
-        wanted = f"binaries/{here}/{interface.identifier}{suffix}"
-        if wanted not in inside:
+        binary = f"binaries/{here}/{interface.identifier}{suffix}"
+        if binary not in inside:
             # Files: folders, which may be empty, are not among them.
             others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
-            found = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
+            platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
             raise FmuError(
-                f"{description.file}: no binary for this platform, {wanted} is missing; {found}. Export it for {here}."
+                f"{description.file}: no binary for this platform, {binary} is missing; {platforms}. "
+                f"Export it for {here}."
             )
 
 
 def _description(
     path: Path, digest: str, read: ModelDescription, relative: frozenset[str], blemishes: str
 ) -> Description:
-    known: Any = read  # FMPy's classes annotate their fields loosely
-    units = {u.name: _unit(path, u) for u in known.unitDefinitions}
+    xml: Any = read  # FMPy's classes annotate their fields loosely
+    units = {u.name: _unit(path, u) for u in xml.unitDefinitions}
     variables: dict[str, Variable] = {}
-    for found in known.modelVariables:
-        variables[found.name] = _variable(found, units, relative)
-    derivatives = tuple(unknown.variable for unknown in known.derivatives)
+    for entry in xml.modelVariables:
+        variables[entry.name] = _variable(entry, units, relative)
+    derivatives = tuple(unknown.variable for unknown in xml.derivatives)
     for d in derivatives:
         if d.derivative is None:
             raise FmuError(
@@ -223,22 +224,22 @@ def _description(
     return Description(
         file=path,
         digest=digest,
-        model=known.modelName,
-        guid=known.guid,
-        generator=known.generationTool or "an unnamed tool",
+        model=xml.modelName,
+        guid=xml.guid,
+        generator=xml.generationTool or "an unnamed tool",
         variables=MappingProxyType(variables),
         states=tuple(d.derivative.name for d in derivatives),
         derivatives=tuple(d.name for d in derivatives),
-        event_indicators=int(known.numberOfEventIndicators or 0),
-        log_categories=tuple(c.name for c in known.logCategories),
-        co_simulation=_interface(known.coSimulation),
-        model_exchange=_interface(known.modelExchange),
+        event_indicators=int(xml.numberOfEventIndicators or 0),
+        log_categories=tuple(c.name for c in xml.logCategories),
+        co_simulation=_interface(xml.coSimulation),
+        model_exchange=_interface(xml.modelExchange),
         blemishes=blemishes,
     )
 
 
-def _unit(path: Path, found: Any) -> Unit | None:
-    base = found.baseUnit
+def _unit(path: Path, element: Any) -> Unit | None:
+    base = element.baseUnit
     if base is None:
         return None
     kg, m, s, a, k, mol, cd, rad = (int(getattr(base, b) or 0) for b in BASE)
@@ -246,12 +247,12 @@ def _unit(path: Path, found: Any) -> Unit | None:
     factor = 1.0 if base.factor is None else float(base.factor)
     offset = 0.0 if base.offset is None else float(base.offset)
     try:
-        return _with_angle(Unit(name=found.name, exponents=exponents, factor=factor, offset=offset))
+        return _with_angle(Unit(name=element.name, exponents=exponents, factor=factor, offset=offset))
     except UnitError as error:
         raise FmuError(f"{path}: UnitDefinitions: {error}") from error
 
 
-def _with_angle(defined: Unit) -> Unit:
+def _with_angle(angle_unit: Unit) -> Unit:
     """Return a unit with the radian that its name has and its definition leaves out.
 
     To FMI the radian is a base unit, to SI it is one: OpenModelica writes "rad/s" as one over the second. The name
@@ -259,40 +260,40 @@ def _with_angle(defined: Unit) -> Unit:
     name that counts revolutions or degrees where the definition has the factor of the radian, or of the count.
     """
     try:
-        named = unit(defined.name)
+        registry_unit = unit(angle_unit.name)
     except UnitError:
-        return defined
-    return named if not defined.offset and defined.leaves_the_angle_out_of(named) else defined
+        return angle_unit
+    return registry_unit if not angle_unit.offset and angle_unit.leaves_the_angle_out_of(registry_unit) else angle_unit
 
 
-def _variable(found: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
-    declared = found.declaredType
-    unit_name = found.unit or (declared.unit if declared is not None else None) or ""
-    least = found.min if found.min is not None or declared is None else declared.min
-    most = found.max if found.max is not None or declared is None else declared.max
-    relative = found.name in relatives or bool(declared is not None and declared.relativeQuantity)
+def _variable(element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
+    declaration = element.declaredType
+    unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""
+    least = element.min if element.min is not None or declaration is None else declaration.min
+    most = element.max if element.max is not None or declaration is None else declaration.max
+    relative = element.name in relatives or bool(declaration is not None and declaration.relativeQuantity)
     return Variable(
-        name=found.name,
-        reference=int(found.valueReference),
-        kind=found.type,
-        causality=found.causality,
+        name=element.name,
+        reference=int(element.valueReference),
+        kind=element.type,
+        causality=element.causality,
         # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never.
-        settable=found.initial in ("exact", "approx") and found.variability != "constant",
+        settable=element.initial in ("exact", "approx") and element.variability != "constant",
         unit=units.get(unit_name),
         unit_name=unit_name,
         relative=relative,
-        start=found.start,
+        start=element.start,
         minimum=None if least is None else float(least),
         maximum=None if most is None else float(most),
-        description=found.description or "",
+        description=element.description or "",
     )
 
 
-def _interface(found: Any) -> Interface | None:
-    if found is None:
+def _interface(element: Any) -> Interface | None:
+    if element is None:
         return None
     return Interface(
-        identifier=found.modelIdentifier,
-        can_save_state=bool(found.canGetAndSetFMUstate),
-        directional_derivatives=bool(found.providesDirectionalDerivative),
+        identifier=element.modelIdentifier,
+        can_save_state=bool(element.canGetAndSetFMUstate),
+        directional_derivatives=bool(element.providesDirectionalDerivative),
     )

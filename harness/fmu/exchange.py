@@ -209,15 +209,15 @@ class ModelExchange:
         """
         n = x.size
         columns = np.zeros((n, n + len(self._outputs)))
-        moved = np.array(x, dtype=float)
+        shifted_state = np.array(x, dtype=float)
         for j in range(n):
             step = _RELATIVE_STEP * max(abs(x[j]), self._nominal[j])
             above, below = x[j] + step, x[j] - step
-            moved[j] = above
-            ahead = np.concatenate([self.derivative(moved, u), self.output(moved, u)])
-            moved[j] = below
-            behind = np.concatenate([self.derivative(moved, u), self.output(moved, u)])
-            moved[j] = x[j]
+            shifted_state[j] = above
+            ahead = np.concatenate([self.derivative(shifted_state, u), self.output(shifted_state, u)])
+            shifted_state[j] = below
+            behind = np.concatenate([self.derivative(shifted_state, u), self.output(shifted_state, u)])
+            shifted_state[j] = x[j]
             # The difference of the rounded points, not twice the step that was meant.
             columns[j] = (ahead - behind) / (above - below)
         return self._parted(columns)
@@ -310,8 +310,8 @@ class FmuPrediction:
             )
         for name in (*states, *inputs, *outputs):
             _require_si(description, description.variable(name, "prediction"))
-        offered = description.model_exchange is not None and description.model_exchange.directional_derivatives
-        if differentiation == "directional" and not offered:
+        has_derivatives = description.model_exchange is not None and description.model_exchange.directional_derivatives
+        if differentiation == "directional" and not has_derivatives:
             raise FmuError(
                 f"{description.file}: does not offer directional derivatives; use central differences or "
                 "export it with providesDirectionalDerivative."
@@ -319,7 +319,7 @@ class FmuPrediction:
         self.states = tuple(states)
         self.inputs = tuple(inputs)
         self.outputs = tuple(outputs)
-        self._directional = offered and differentiation != "central"
+        self._directional = has_derivatives and differentiation != "central"
         self._model = ModelExchange(description, parameters=parameters, inputs=inputs, outputs=outputs, folder=folder)
         # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
         self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
@@ -396,19 +396,19 @@ def _settle(instance: Instance) -> None:
 
 
 def _real(description: Description, name: str, causality: Literal["input", "output"]) -> Variable:
-    found = description.variable(name, "prediction")
-    if found.kind != "Real":
-        raise FmuError(f"{description.file}: '{name}' is {found.kind}, a prediction is made of Real variables.")
-    if causality == "input" and found.causality != "input":
-        raise FmuError(f"{description.file}: '{name}' is not an input but {found.causality}.")
-    return found
+    variable = description.variable(name, "prediction")
+    if variable.kind != "Real":
+        raise FmuError(f"{description.file}: '{name}' is {variable.kind}, a prediction is made of Real variables.")
+    if causality == "input" and variable.causality != "input":
+        raise FmuError(f"{description.file}: '{name}' is not an input but {variable.causality}.")
+    return variable
 
 
 def _require_si(description: Description, variable: Variable) -> None:
-    found = variable.unit
-    if found is not None and (found.factor != 1.0 or found.offset != 0.0):
+    stated_unit = variable.unit
+    if stated_unit is not None and (stated_unit.factor != 1.0 or stated_unit.offset != 0.0):
         raise FmuError(
-            f"{description.file}: '{variable.name}' of a prediction is in '{found.name}', SI is wanted; "
+            f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', SI is wanted; "
             "correct the model."
         )
 

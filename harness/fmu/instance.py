@@ -112,19 +112,19 @@ def _without_solver_lines(description: Description) -> Generator[None]:
         yield
         return
     libc = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
-    with tempfile.TemporaryFile() as printed:
+    with tempfile.TemporaryFile() as file:
         sys.stdout.flush()
         libc.fflush(None)
         before = os.dup(1)
-        os.dup2(printed.fileno(), 1)
+        os.dup2(file.fileno(), 1)
         try:
             yield
         finally:
             libc.fflush(None)
             os.dup2(before, 1)
             os.close(before)
-            printed.seek(0)
-            os.write(1, _SOLVER_LINES.sub(b"", printed.read()))
+            file.seek(0)
+            os.write(1, _SOLVER_LINES.sub(b"", file.read()))
 
 
 class Instance:
@@ -152,7 +152,7 @@ class Instance:
         try:
             # FMPy loads from the folder of the library, and stays there when loading fails.
             with chdir(Path.cwd()):
-                loaded = maker(
+                instance = maker(
                     guid=description.guid,
                     unzipDirectory=str(folder),
                     modelIdentifier=interface.identifier,
@@ -163,7 +163,7 @@ class Instance:
                 f"{description.file}: its binary does not load on this machine: {error}. "
                 "Export the FMU again for this platform, with all functions of FMI 2.0."
             ) from error
-        self._library: Any = loaded.dll
+        self._library: Any = instance.dll
         self._environment = next(_environments)
         self._log: Log = deque(maxlen=50)
         _logs[self._environment] = self._log
@@ -190,13 +190,13 @@ class Instance:
 
     def _hear_only_problems(self) -> None:
         """Switch debug chatter off, keep the categories that say why a call failed."""
-        wanted = [c for c in self.description.log_categories if c in _PROBLEMS]
-        names = (ctypes.c_char_p * max(len(wanted), 1))(*(w.encode() for w in wanted))
+        categories = [c for c in self.description.log_categories if c in _PROBLEMS]
+        names = (ctypes.c_char_p * max(len(categories), 1))(*(w.encode() for w in categories))
         # The status is of no interest: an FMU without such logging still works.
         self._library.fmi2SetDebugLogging(
             self.component,
-            int(bool(wanted)),
-            len(wanted),
+            int(bool(categories)),
+            len(categories),
             ctypes.cast(names, ctypes.POINTER(ctypes.c_char_p)),
         )
 
@@ -253,16 +253,16 @@ class Instance:
 
     def _discarded(self, failure: Failure) -> Failure:
         """Ask a slave that discarded a step how far it came and whether it wanted to end."""
-        ended, reached = ctypes.c_int(0), ctypes.c_double(0.0)
-        knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(ended))
-        knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(reached))
+        terminated, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
+        knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(terminated))
+        knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_time))
         return Failure(
             file=failure.file,
             time=failure.time,
-            reason="ended" if knows_end in OK_OR_WARNING and ended.value else "discard",
+            reason="ended" if knows_end in OK_OR_WARNING and terminated.value else "discard",
             call=failure.call,
             detail=failure.detail,
-            reached=reached.value if knows_time in OK_OR_WARNING else None,
+            reached=last_time.value if knows_time in OK_OR_WARNING else None,
             log=failure.log,
         )
 
@@ -278,8 +278,8 @@ class Instance:
             n = len(a.references)
             values = [v.encode() if isinstance(v, str) else v for v in a.values]
             references = (ctypes.c_uint * n)(*a.references)
-            carried = (types[a.carrier] * n)(*values)
-            self.call(f"fmi2Set{a.carrier}", references, n, carried, time=time, doing="setting parameters")
+            buffer = (types[a.carrier] * n)(*values)
+            self.call(f"fmi2Set{a.carrier}", references, n, buffer, time=time, doing="setting parameters")
 
     def enter_initialization(self, start: float, tolerance: float | None) -> None:
         """Set the experiment up and enter initialisation mode."""
@@ -316,12 +316,10 @@ _PROBLEMS: Final = frozenset(
 
 
 def _interface(description: Description, way: Way) -> Interface:
-    chosen = description.co_simulation if way == "co-simulation" else description.model_exchange
-    if chosen is None:
+    interface = description.co_simulation if way == "co-simulation" else description.model_exchange
+    if interface is None:
         other = "Model Exchange" if way == "co-simulation" else "Co-Simulation"
-        wanted = "Co-Simulation" if way == "co-simulation" else "Model Exchange"
+        kind = "Co-Simulation" if way == "co-simulation" else "Model Exchange"
         role = "a plant is stepped" if way == "co-simulation" else "a prediction is evaluated"
-        raise FmuError(
-            f"{description.file}: {role} through {wanted}, this FMU offers only {other}; export it as {wanted}."
-        )
-    return chosen
+        raise FmuError(f"{description.file}: {role} through {kind}, this FMU offers only {other}; export it as {kind}.")
+    return interface

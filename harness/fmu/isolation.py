@@ -231,15 +231,15 @@ class IsolatedCoSimulation:
             send(line, request, payload)
         return self._receive(request, self._patience)
 
-    def _receive(self, request: str, allowed: float) -> bytes:
+    def _receive(self, request: str, timeout: float) -> bytes:
         line = self._line
         assert line is not None
-        if line.gettimeout() != allowed:  # changing it is a call to the system, twice for each step
-            line.settimeout(allowed)
+        if line.gettimeout() != timeout:  # changing it is a call to the system, twice for each step
+            line.settimeout(timeout)
         try:
             kind, answer = receive(line)
         except TimeoutError:
-            raise self._gone("timeout", f"within {allowed:g} s of real time, it was stopped") from None
+            raise self._gone("timeout", f"within {timeout:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line
             raise self._gone("crash", self._last_words()) from None
         except ValueError:
@@ -284,18 +284,20 @@ class IsolatedCoSimulation:
         if code >= 0:
             return f"it ended its process with code {code}"
         name = signal.Signals(-code).name if -code in {each.value for each in signal.Signals} else f"signal {-code}"
-        ended = f"its process was ended by {name}"
+        sentence = f"its process was ended by {name}"
         if most < self._limits.memory_mib / 2 * 1024:
-            return ended
-        return f"{ended} when it had {most / 1024:.0f} MiB; memory_mib under [limits.fmu] is {self._limits.memory_mib}"
+            return sentence
+        return (
+            f"{sentence} when it had {most / 1024:.0f} MiB; memory_mib under [limits.fmu] is {self._limits.memory_mib}"
+        )
 
 
 def _sweep(token: str) -> None:
     """End every process that an FMU left behind, known by its environment; on Linux only."""
-    wanted = f"{_TOKEN}={token}".encode()
+    mark = f"{_TOKEN}={token}".encode()
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            if wanted in (process / "environ").read_bytes().split(b"\0"):
+            if mark in (process / "environ").read_bytes().split(b"\0"):
                 os.kill(int(process.name), signal.SIGKILL)
 
 

@@ -29,23 +29,23 @@ def main() -> None:
     line, life, how = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
     if _LINUX:
         ctypes.CDLL(None).prctl(_CHILD_SUBREAPER, 1)
-    woken, wake = os.pipe()
+    wakeup, wake = os.pipe()
     os.set_blocking(wake, False)
-    os.set_blocking(woken, False)
+    os.set_blocking(wakeup, False)
     signal.set_wakeup_fd(wake)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)
     server = os.fork()
     if server == 0:
-        for number in (life, woken, wake):
+        for number in (life, wakeup, wake):
             os.close(number)
         _serve(line, how)
     os.close(line)
-    ended = _watched(server, life, woken)
+    parent_gone = _watched(server, life, wakeup)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(server, signal.SIGKILL)  # its session, at one stroke
     _, status, usage = os.wait4(server, 0)
     _end_the_rest()
-    if ended:
+    if parent_gone:
         with suppress(OSError):
             os.write(life, REPORT.pack(status, usage.ru_maxrss))
 
@@ -68,7 +68,7 @@ def _serve(line: int, how: dict[str, Any]) -> None:
 def _limit(limits: dict[str, int]) -> None:
     import resource
 
-    for what, wanted in (
+    for what, limit in (
         (resource.RLIMIT_AS, limits["memory_mib"] << 20),
         (resource.RLIMIT_NOFILE, limits["open_files"]),
         # Of all the user's processes and threads, so that those there are already are added.
@@ -76,7 +76,7 @@ def _limit(limits: dict[str, int]) -> None:
         (resource.RLIMIT_CORE, 0),
     ):
         _, most = resource.getrlimit(what)
-        value = wanted if most == resource.RLIM_INFINITY else min(wanted, most)
+        value = limit if most == resource.RLIM_INFINITY else min(limit, most)
         with suppress(OSError, ValueError):  # a system that does not know this limit
             resource.setrlimit(what, (value, value))
 
@@ -91,17 +91,17 @@ def _tasks() -> int:
     return count
 
 
-def _watched(server: int, life: int, woken: int) -> bool:
+def _watched(server: int, life: int, wakeup: int) -> bool:
     """Wait until the FMU's process has ended, or the program wants an end; return whether it was the former."""
     while True:
-        ready, _, _ = select.select([life, woken], [], [])
+        ready, _, _ = select.select([life, wakeup], [], [])
         with suppress(BlockingIOError):
-            os.read(woken, 512)
+            os.read(wakeup, 512)
         # Looked at before it is reaped: until then nobody else can be given its number.
-        while ended := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT):
-            if ended.si_pid == server:
+        while status := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            if status.si_pid == server:
                 return True
-            os.waitpid(ended.si_pid, 0)
+            os.waitpid(status.si_pid, 0)
         if life in ready:
             return False
 
@@ -117,13 +117,13 @@ def _end_the_rest() -> None:
 
 
 def _children() -> list[int]:
-    found: list[int] = []
+    children: list[int] = []
     for process in Path("/proc").glob("[0-9]*") if _LINUX else ():
         with suppress(OSError):
             # pid (name) state parent …; a name may hold blanks and brackets.
             if int((process / "stat").read_bytes().rpartition(b")")[2].split()[1]) == os.getpid():
-                found.append(int(process.name))
-    return found
+                children.append(int(process.name))
+    return children
 
 
 if __name__ == "__main__":

@@ -122,11 +122,11 @@ class Binding:
         Args:
             values: By our scalar names, SI; all of them among `parameters`.
         """
-        translated: dict[str, float] = {}
+        result: dict[str, float] = {}
         for name, value in values.items():
             theirs, gain, shift = self.parameters[name]
-            translated[theirs] = gain * value + shift
-        return translated
+            result[theirs] = gain * value + shift
+        return result
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,25 +162,25 @@ def bind(
             wrong dimension, or a needed signal is missing.
     """
     entries = dict(table or {})
-    known = {s.name for s in (*inputs, *outputs, *parameters)}
+    our_names = {s.name for s in (*inputs, *outputs, *parameters)}
     for name in entries:
-        if name not in known:
-            raise FmuError(f"{where} has no signal '{name}'{_near(name, sorted(known))}")
+        if name not in our_names:
+            raise FmuError(f"{where} has no signal '{name}'{_near(name, sorted(our_names))}")
     for group in (inputs, outputs):
         names = [s.name for s in group]
         if len(set(names)) != len(names):
             raise FmuError(f"{where}: a signal is listed twice among {', '.join(names)}.")
-    tied = _side(description, inputs, entries, where, "input", into_fmu=True)
-    seen = _side(description, outputs, entries, where, "output", into_fmu=False)
-    driven = {v for channel in tied.channels for v in channel.variables}
-    if sum(len(c.variables) for c in tied.channels) != len(driven):
-        twice = [v for c in tied.channels for v in c.variables]
+    sources = _side(description, inputs, entries, where, "input", into_fmu=True)
+    sinks = _side(description, outputs, entries, where, "output", into_fmu=False)
+    variables = {v for channel in sources.channels for v in channel.variables}
+    if sum(len(c.variables) for c in sources.channels) != len(variables):
+        twice = [v for c in sources.channels for v in c.variables]
         again = sorted({v for v in twice if twice.count(v) > 1})
         raise FmuError(f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}.")
     return Binding(
-        inputs=tied,
-        outputs=seen,
-        unused=tuple(v for v in description.named("input") if v not in driven),
+        inputs=sources,
+        outputs=sinks,
+        unused=tuple(v for v in description.named("input") if v not in variables),
         parameters=_parameters(description, parameters, entries, where),
     )
 
@@ -223,38 +223,38 @@ def _side(
         layout=layout,
         elements=tuple(elements),
         absent=tuple(absent),
-        channels=tuple(_channel(carrier, tied) for carrier, tied in rows.items() if tied),
+        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items() if ties),
     )
 
 
-def _channel(carrier: Carrier, tied: Sequence[tuple[int, Variable, float, float]]) -> Channel:
+def _channel(carrier: Carrier, ties: Sequence[tuple[int, Variable, float, float]]) -> Channel:
     return Channel(
         carrier=carrier,
-        references=np.array([v.reference for _, v, _, _ in tied], dtype=np.uint32),
-        positions=np.array([position for position, _, _, _ in tied], dtype=np.intp),
-        gain=np.array([gain for _, _, gain, _ in tied]),
-        shift=np.array([shift for _, _, _, shift in tied]),
-        variables=tuple(v.name for _, v, _, _ in tied),
+        references=np.array([v.reference for _, v, _, _ in ties], dtype=np.uint32),
+        positions=np.array([position for position, _, _, _ in ties], dtype=np.intp),
+        gain=np.array([gain for _, _, gain, _ in ties]),
+        shift=np.array([shift for _, _, _, shift in ties]),
+        variables=tuple(v.name for _, v, _, _ in ties),
     )
 
 
 def _parameters(
     description: Description, signals: Sequence[Signal], entries: Mapping[str, object], where: str
 ) -> dict[str, tuple[str, float, float]]:
-    tied: dict[str, tuple[str, float, float]] = {}
+    ties: dict[str, tuple[str, float, float]] = {}
     missing: list[str] = []
     for signal in signals:
         targets = _targets(signal, entries, where)
-        gone = [t.variable for t in targets if t.variable not in description.variables]
-        if gone and signal.name not in entries:
-            missing += gone if signal.needed else []
+        absent = [t.variable for t in targets if t.variable not in description.variables]
+        if absent and signal.name not in entries:
+            missing += absent if signal.needed else []
             continue
         for element, target in zip(signal.elements, targets, strict=True):
-            found, gain, shift = _tie(description, signal, element, target, where, "parameter", into_fmu=True)
-            tied[element] = (found.name, gain, shift)
+            variable, gain, shift = _tie(description, signal, element, target, where, "parameter", into_fmu=True)
+            ties[element] = (variable.name, gain, shift)
     if missing:
         raise FmuError(_all_missing(description, missing, "parameter", where))
-    return tied
+    return ties
 
 
 def _tie(
@@ -268,70 +268,73 @@ def _tie(
     into_fmu: bool,
 ) -> tuple[Variable, float, float]:
     """Return the variable of one element, with gain and shift in the direction of travel."""
-    found = description.variable(target.variable, f"{where} {element}")
+    variable = description.variable(target.variable, f"{where} {element}")
     file = description.file.name
-    readable = causality == "output" and found.causality in (
+    readable = causality == "output" and variable.causality in (
         "output",
         "local",
         "input",
         "calculatedParameter",
     )
-    changeable = causality == "parameter" and found.settable and found.causality != "input"
-    if not (found.causality == causality or readable or changeable):
+    changeable = causality == "parameter" and variable.settable and variable.causality != "input"
+    if not (variable.causality == causality or readable or changeable):
         raise FmuError(
-            f"{where} {element}: '{found.name}' of {file} is {_article(found.causality)}, "
+            f"{where} {element}: '{variable.name}' of {file} is {_article(variable.causality)}, "
             f"{_article(causality)} is wanted; map '{signal.name}' to another variable."
         )
-    if found.kind == "String":
-        raise FmuError(f"{where} {element}: '{found.name}' of {file} is a String, a number is wanted.")
+    if variable.kind == "String":
+        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a String, a number is wanted.")
     ours = unit(signal.unit)
-    theirs = _unit_of(found, target, ours, file, f"{where} {element}")
+    theirs = _unit_of(variable, target, ours, file, f"{where} {element}")
     try:
         # ours = scale · (theirs in our unit) + shift; into the FMU the same line is solved for theirs.
-        gain, shift = conversion(theirs, ours, difference=found.relative)
+        gain, shift = conversion(theirs, ours, difference=variable.relative)
     except UnitError as error:
         way = "sends" if into_fmu else "reads"
         turning = turning_of(theirs, ours)
         remedy = (
-            f'say in {where} what turns: {{ variable = "{found.name}", unit = "rev/{turning}" }}, or rad/{turning}'
+            f'say in {where} what turns: {{ variable = "{variable.name}", unit = "rev/{turning}" }}, or rad/{turning}'
             if turning
             else f"correct the FMU or {where}"
         )
         raise FmuError(
-            f"{file}: {causality} '{found.name}' is in '{theirs.name}', the harness {way} '{signal.name}' in "
+            f"{file}: {causality} '{variable.name}' is in '{theirs.name}', the harness {way} '{signal.name}' in "
             f"'{signal.unit}'; {theirs.dimension} is not {ours.dimension}; {remedy}."
         ) from error
     gain, shift = target.scale * gain, target.scale * shift
-    return (found, 1.0 / gain, -shift / gain) if into_fmu else (found, gain, shift)
+    return (variable, 1.0 / gain, -shift / gain) if into_fmu else (variable, gain, shift)
 
 
-def _unit_of(found: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
+def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
     """Return the unit of an FMU's variable: as defined, as named, or as stated in the mapping."""
-    given = found.unit
+    unit_of_variable = variable.unit
     if target.stated_unit is not None:
         try:
-            stated = unit(target.stated_unit)
+            stated_unit = unit(target.stated_unit)
         except UnitError as error:
             raise FmuError(f"{who}: {error}") from error
-        if found.unit_name and not (given is not None and given.leaves_the_angle_out_of(stated)):
+        if variable.unit_name and not (
+            unit_of_variable is not None and unit_of_variable.leaves_the_angle_out_of(stated_unit)
+        ):
             raise FmuError(
-                f"{who}: unit = '{target.stated_unit}' is stated for '{found.name}', but {file} already "
-                f"gives '{found.unit_name}'; leave it out, or use scale if the FMU is wrong."
+                f"{who}: unit = '{target.stated_unit}' is stated for '{variable.name}', but {file} already "
+                f"gives '{variable.unit_name}'; leave it out, or use scale if the FMU is wrong."
             )
-        return stated
-    if given is not None:
-        return given
-    if found.unit_name:
+        return stated_unit
+    if unit_of_variable is not None:
+        return unit_of_variable
+    if variable.unit_name:
         try:
-            return unit(found.unit_name)
+            return unit(variable.unit_name)
         except UnitError as error:
             raise FmuError(
-                f"{who}: {file} gives '{found.name}' the unit '{found.unit_name}' without defining it, and {error}"
+                f"{who}: {file} gives '{variable.name}' the unit '{variable.unit_name}' without defining it, "
+                f"and {error}"
             ) from error
     if ours.dimension == "1":  # a number, an index or a truth value needs no unit
         return unit("1")
     raise FmuError(
-        f"{who}: {file} does not say the unit of '{found.name}'; state it in the mapping, "
+        f"{who}: {file} does not say the unit of '{variable.name}'; state it in the mapping, "
         f'{{ variable = "{target.variable}", unit = "{ours.name}" }}.'
     )
 
@@ -354,19 +357,19 @@ def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple
 
 def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool = False) -> _Target:
     scale: object = 1.0
-    stated: object = None
+    unit_entry: object = None
     name: object = item
     if isinstance(item, Mapping):
         fields = dict(cast(Mapping[str, object], item))
-        name, scale, stated = fields.pop("variable", None), fields.pop("scale", 1.0), fields.pop("unit", None)
+        name, scale, unit_entry = fields.pop("variable", None), fields.pop("scale", 1.0), fields.pop("unit", None)
         if fields:
             raise FmuError(f"{who} has no key '{next(iter(fields))}'; it has variable, scale and unit.")
     if not isinstance(name, str) or not name.strip("- "):
         raise FmuError(f"{who}: the name of an FMU variable is wanted, got {name!r}.")
     if isinstance(scale, bool) or not isinstance(scale, int | float) or not np.isfinite(scale) or scale == 0:
         raise FmuError(f"{who}: scale is a finite number other than 0, got {scale!r}.")
-    if stated is not None and not isinstance(stated, str):
-        raise FmuError(f"{who}: unit is a text as 'bar', got {stated!r}.")
+    if unit_entry is not None and not isinstance(unit_entry, str):
+        raise FmuError(f"{who}: unit is a text as 'bar', got {unit_entry!r}.")
     if pattern and "{i}" not in name:
         raise FmuError(
             f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', or by a list of {signal.size}."
@@ -375,33 +378,33 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
     return _Target(
         variable=name.removeprefix("-").strip().replace("{i}", str(index)),
         scale=sign * float(scale),
-        stated_unit=stated,
+        stated_unit=unit_entry,
     )
 
 
-def _carrier(found: Variable) -> Carrier:
-    if found.kind == "Real" or found.kind == "Boolean":
-        return found.kind
+def _carrier(variable: Variable) -> Carrier:
+    if variable.kind == "Real" or variable.kind == "Boolean":
+        return variable.kind
     return "Integer"
 
 
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
     """Return the sentence that lists everything missing at once, so that one correction suffices."""
-    offered = description.named(causality)
-    lines = [f"'{name}'{_near(name, offered, end='')}" for name in missing[:8]]
+    candidates = description.named(causality)
+    lines = [f"'{name}'{_near(name, candidates, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""
-    has = f"it has {', '.join(offered[:12])}{', …' if len(offered) > 12 else ''}" if offered else "it has none"
+    has = f"it has {', '.join(candidates[:12])}{', …' if len(candidates) > 12 else ''}" if candidates else "it has none"
     return (
         f"{description.file}: no {causality} {', '.join(lines)}{rest}; {has}. "
         f"Name the variables it uses instead under {where}."
     )
 
 
-def _near(name: str, offered: Sequence[str], end: str = ".") -> str:
-    near = get_close_matches(name, offered, n=1, cutoff=0.6)
+def _near(name: str, candidates: Sequence[str], end: str = ".") -> str:
+    near = get_close_matches(name, candidates, n=1, cutoff=0.6)
     if near:
         return f" (did you mean '{near[0]}'?)" if not end else f"; did you mean '{near[0]}'?"
-    return "" if not end else f"; it has {', '.join(offered)}."
+    return "" if not end else f"; it has {', '.join(candidates)}."
 
 
 def _article(causality: Causality) -> str:

@@ -33,21 +33,21 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
         FmuError: A name that the FMU does not have, a variable that cannot be set, a value of the wrong type
             or outside its bounds.
     """
-    sorted_: dict[Literal["Real", "Integer", "Boolean", "String"], list[tuple[int, Scalar]]] = {}
+    by_type: dict[Literal["Real", "Integer", "Boolean", "String"], list[tuple[int, Scalar]]] = {}
     for name, value in _flat(values):
-        found = description.variable(name, "parameters")
-        if not found.settable or found.causality == "input":
+        variable = description.variable(name, "parameters")
+        if not variable.settable or variable.causality == "input":
             raise FmuError(
                 f"parameters: '{name}' of {description.file.name} cannot be set, it is "
-                f"{'an input' if found.causality == 'input' else 'calculated or constant'}; "
+                f"{'an input' if variable.causality == 'input' else 'calculated or constant'}; "
                 f"leave it out. Its parameters: {_some(description)}."
             )
-        checked = _checked(found, value, description.file.name)
-        carrier = "Integer" if found.kind == "Enumeration" else found.kind
-        sorted_.setdefault(carrier, []).append((found.reference, checked))
+        scalar = _checked(variable, value, description.file.name)
+        carrier = "Integer" if variable.kind == "Enumeration" else variable.kind
+        by_type.setdefault(carrier, []).append((variable.reference, scalar))
     return tuple(
         Assignment(carrier=carrier, references=tuple(r for r, _ in rows), values=tuple(v for _, v in rows))
-        for carrier, rows in sorted_.items()
+        for carrier, rows in by_type.items()
     )
 
 
@@ -68,14 +68,14 @@ def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Itera
             yield f"{name}[{','.join(map(str, here))}]", value
 
 
-def _checked(found: Variable, value: object, file: str) -> Scalar:
+def _checked(variable: Variable, value: object, file: str) -> Scalar:
     """Return the value in the FMU's type."""
-    who = f"parameters: '{found.name}' of {file}"
-    if found.kind == "String":
+    who = f"parameters: '{variable.name}' of {file}"
+    if variable.kind == "String":
         if not isinstance(value, str):
             raise FmuError(f"{who} is a text, got {value!r}.")
         return value
-    if found.kind == "Boolean":
+    if variable.kind == "Boolean":
         if not isinstance(value, bool):
             raise FmuError(f"{who} is true or false, got {value!r}.")
         return value
@@ -83,14 +83,14 @@ def _checked(found: Variable, value: object, file: str) -> Scalar:
         raise FmuError(f"{who} is a number, got {value!r}.")
     if not math.isfinite(value):
         raise FmuError(f"{who} is a finite number, got {value!r}.")
-    if found.kind != "Real" and value != int(value):
+    if variable.kind != "Real" and value != int(value):
         raise FmuError(f"{who} is a whole number, got {value!r}.")
-    unit = f" {found.unit_name}" if found.unit_name not in ("", "1") else ""
-    if found.minimum is not None and value < found.minimum:
-        raise FmuError(f"{who} is at least {found.minimum:g}{unit}, got {value:g}{unit}.")
-    if found.maximum is not None and value > found.maximum:
-        raise FmuError(f"{who} is at most {found.maximum:g}{unit}, got {value:g}{unit}.")
-    return float(value) if found.kind == "Real" else int(value)
+    unit = f" {variable.unit_name}" if variable.unit_name not in ("", "1") else ""
+    if variable.minimum is not None and value < variable.minimum:
+        raise FmuError(f"{who} is at least {variable.minimum:g}{unit}, got {value:g}{unit}.")
+    if variable.maximum is not None and value > variable.maximum:
+        raise FmuError(f"{who} is at most {variable.maximum:g}{unit}, got {value:g}{unit}.")
+    return float(value) if variable.kind == "Real" else int(value)
 
 
 def _some(description: Description) -> str:

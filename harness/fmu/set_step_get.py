@@ -86,15 +86,15 @@ class SetStepGet:
         whole = channel.carrier != "Real"
         buffer = np.zeros(len(channel.references), dtype=np.intc if whole else np.float64)
         places = np.ascontiguousarray(positions, dtype=np.longlong)
-        converted = bool(np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0))
+        has_conversion = bool(np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0))
         gain, shift = (np.ascontiguousarray(factor) for factor in (channel.gain, channel.shift))
         self._keep += [buffer, places, gain, shift, channel.references]
         return _Channel(
             exchange=instance.address(f"fmi2{verb}{channel.carrier}"),
             references=channel.references.ctypes.data,
             positions=places.ctypes.data,
-            gain=gain.ctypes.data if converted else None,
-            shift=shift.ctypes.data if converted else None,
+            gain=gain.ctypes.data if has_conversion else None,
+            shift=shift.ctypes.data if has_conversion else None,
             buffer=buffer.ctypes.data,
             count=buffer.size,
             whole=whole,
@@ -156,9 +156,9 @@ def outcome(number: int) -> Outcome:
 
 @cache
 def _library() -> ctypes.CDLL:
-    made = shared_library({"set_step_get.c": KERNEL.read_text(encoding="utf-8")}, "set_step_get")
+    path = shared_library({"set_step_get.c": KERNEL.read_text(encoding="utf-8")}, "set_step_get")
     # The interpreter lock is kept: handing it over and back would cost as much as the rest of the call.
-    library = ctypes.PyDLL(str(made))
+    library = ctypes.PyDLL(str(path))
     library.cross.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]
     library.cross.restype = ctypes.c_int
     return library

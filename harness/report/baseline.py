@@ -233,12 +233,12 @@ def findings_of(results: Results) -> Findings:
 
 
 def _finding(result: Result, row: Row) -> Finding:
-    repeated = result.conditioning
+    conditioning = result.conditioning
     return Finding(
         name=result.name,
         value=row.distance_m,
         unit="m",
-        repeated=repeated if repeated and repeated.belongs(result.record.digest, row.distance_m) else None,
+        repeated=conditioning if conditioning and conditioning.belongs(result.record.digest, row.distance_m) else None,
         longest_lock=row.longest_lock_s,
         valve_strokes=row.valve_strokes,
     )
@@ -266,15 +266,15 @@ def read_findings(directory: Path) -> Findings:
 
 def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
     """Return every number of baseline and findings, those that need attention first."""
-    found = {finding.name: finding for finding in findings.found}
+    current = {finding.name: finding for finding in findings.found}
     comparisons = [
         Comparison(
             name=name,
-            state=_state(baseline.accepted.get(name), found.get(name), of_stops=baseline.campaign is not None),
+            state=_state(baseline.accepted.get(name), current.get(name), of_stops=baseline.campaign is not None),
             accepted=baseline.accepted.get(name),
-            found=found.get(name),
+            found=current.get(name),
         )
-        for name in dict.fromkeys([*found, *baseline.accepted])
+        for name in dict.fromkeys([*current, *baseline.accepted])
     ]
     return tuple(sorted(comparisons, key=lambda comparison: comparison.state == "kept"))
 
@@ -293,52 +293,54 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     stops: dict[str, Accepted] = {}
     figures: dict[str, AcceptedFigure] = {}
     for comparison in compare(baseline, findings):
-        name, before, found = comparison.name, comparison.accepted, comparison.found
-        if found is None:
+        name, before, finding = comparison.name, comparison.accepted, comparison.found
+        if finding is None:
             if name in findings.missing:
                 raise ScenarioError(f"accept: {name} has no result; run the campaign first")
             continue
-        if found.value is None:
+        if finding.value is None:
             if baseline.campaign is not None:
                 raise ScenarioError(f"accept: {name} did not come to a standstill; a baseline is a distance")
             raise ScenarioError(f"accept: {name} has no value; a baseline is a number")
-        kept = before if comparison.state == "kept" else None
+        unchanged = before if comparison.state == "kept" else None
         if baseline.campaign is not None:
             # A number that turns out to be a range, or no longer to be one, is accepted anew.
-            spreads = found.repeated is not None and found.repeated.spreads
+            spreads = finding.repeated is not None and finding.repeated.spreads
             stop = (
-                kept
-                if isinstance(kept, Accepted) and (kept.is_range == spreads or found.repeated is None)
-                else _accepted_stop(found, found.value, before, reason)
+                unchanged
+                if isinstance(unchanged, Accepted) and (unchanged.is_range == spreads or finding.repeated is None)
+                else _accepted_stop(finding, finding.value, before, reason)
             )
             beside = {
-                "longest_lock": None if found.longest_lock is None else round(found.longest_lock, 3),
-                "valve_strokes": found.valve_strokes,
+                "longest_lock": None if finding.longest_lock is None else round(finding.longest_lock, 3),
+                "valve_strokes": finding.valve_strokes,
             }
             stops[name] = stop.model_copy(update=beside)
         else:
-            tolerance = found.tolerance or TOLERANCE * abs(found.value)
+            tolerance = finding.tolerance or TOLERANCE * abs(finding.value)
             figures[name] = (
-                kept
-                if isinstance(kept, AcceptedFigure)
+                unchanged
+                if isinstance(unchanged, AcceptedFigure)
                 else AcceptedFigure(
-                    value=_digits(found.value, 4),
+                    value=_digits(finding.value, 4),
                     tolerance=_digits(tolerance, 2),
-                    unit=found.unit,
+                    unit=finding.unit,
                     reason=reason.strip(),
                 )
             )
     return baseline.model_copy(update={"stops": stops, "figures": figures})
 
 
-def _accepted_stop(found: Finding, distance: float, before: Accepted | AcceptedFigure | None, reason: str) -> Accepted:
+def _accepted_stop(
+    finding: Finding, distance: float, before: Accepted | AcceptedFigure | None, reason: str
+) -> Accepted:
     compilers = before.compilers if isinstance(before, Accepted) else {}
-    if found.repeated is not None and found.repeated.spreads:
+    if finding.repeated is not None and finding.repeated.spreads:
         return Accepted(
-            distance=round(found.repeated.median, 3),
-            tolerance=_digits(found.repeated.margin, 2),
-            lowest=found.repeated.lowest,
-            highest=found.repeated.highest,
+            distance=round(finding.repeated.median, 3),
+            tolerance=_digits(finding.repeated.margin, 2),
+            lowest=finding.repeated.lowest,
+            highest=finding.repeated.highest,
             reason=reason.strip(),
             compilers=compilers,
         )
@@ -413,15 +415,15 @@ def _spelled(before: Accepted | AcceptedFigure | None, form: str) -> str:
     return form.format(before.value) + range_
 
 
-def _state(before: Accepted | AcceptedFigure | None, found: Finding | None, *, of_stops: bool) -> State:
-    if found is None:
+def _state(before: Accepted | AcceptedFigure | None, finding: Finding | None, *, of_stops: bool) -> State:
+    if finding is None:
         return "gone"
-    if found.value is None:
+    if finding.value is None:
         return "no standstill" if of_stops else "no value"
     if before is None:
         return "new"
     lowest, highest = before.ends
-    return "kept" if lowest - before.tolerance <= found.value <= highest + before.tolerance else "moved"
+    return "kept" if lowest - before.tolerance <= finding.value <= highest + before.tolerance else "moved"
 
 
 def _inline(table: Mapping[str, float]) -> str:

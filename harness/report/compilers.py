@@ -16,9 +16,9 @@ def makers(versions: Mapping[str, str]) -> dict[str, str]:
 
 def from_elsewhere(stops: Sequence[Result]) -> list[str]:
     """Return a sentence for each FMU that another compiler than ours made; none when all are ours."""
-    found = Counter(pair for stop in stops for pair in makers(stop.record.versions).items())
+    counts = Counter(pair for stop in stops for pair in makers(stop.record.versions).items())
     return [
         f"{name} was made by {tool or 'an unnamed tool'} in {count} of {len(stops)} stops."
-        for (name, tool), count in sorted(found.items())
+        for (name, tool), count in sorted(counts.items())
         if not tool.startswith(OURS)
     ]

@@ -30,9 +30,9 @@ def rows_of(results: Results) -> tuple[Row, ...]:
     """Return the rows of a campaign, in its order."""
     published = {_conditions(stop): stop for stop in results.stops if is_published(_law(stop))}
     tuned = {_conditions(stop): stop for stop in _best_tuned(results.stops)}
-    hidden = _hidden_axes(results.stops)
+    constant = _hidden_axes(results.stops)
     return tuple(
-        _row(stop, published.get(_conditions(stop)), tuned.get(_conditions(stop)), hidden) for stop in results.stops
+        _row(stop, published.get(_conditions(stop)), tuned.get(_conditions(stop)), constant) for stop in results.stops
     )
 
 
@@ -42,7 +42,7 @@ def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
     content = {
         "campaign": results.name,
         "rows": [asdict(row) for row in rows],
-        "distributions": [asdict(found) for found in distributions_of(rows)],
+        "distributions": [asdict(distribution) for distribution in distributions_of(rows)],
         "missing": list(results.missing),
         "fmus": {stop.name: makers(stop.record.versions) for stop in results.stops},
     }
@@ -109,13 +109,13 @@ _FORMS: Mapping[str, Form] = {
 }
 
 
-def _row(result: Result, sbc: Result | None, tuned: Result | None, hidden: Sequence[str]) -> Row:
+def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Sequence[str]) -> Row:
     record = result.record
     metrics = record.metrics
     stands = record.outcome is Outcome.STANDSTILL
     return Row(
         scenario=record.scenario["name"],
-        case=", ".join(f"{axis} {result.variants[axis]}" for axis in hidden),
+        case=", ".join(f"{axis} {result.variants[axis]}" for axis in constant),
         polach=_polach(result),
         actuation=record.scenario["actuation"]["kind"],
         sensors=record.scenario["sensors"]["kind"],
@@ -150,8 +150,8 @@ def _best_tuned(stops: Sequence[Result]) -> list[Result]:
     for stop in stops:
         if is_tuned(_law(stop)):
             settings.setdefault(_setting(stop), []).append(stop)
-    chosen = (best(here, lambda stop: law_of(stop.record.scenario), _distance) for here in settings.values())
-    return [stop for here in chosen for stop in here]
+    candidates = (best(here, lambda stop: law_of(stop.record.scenario), _distance) for here in settings.values())
+    return [stop for here in candidates for stop in here]
 
 
 def _setting(result: Result) -> tuple[str, ...]:

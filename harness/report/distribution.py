@@ -187,7 +187,7 @@ def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | Non
     both = [draw for draw in distances if draw in others]
     if not both:
         return None
-    own, reference = (np.array([found[draw] for draw in both]) for found in (distances, others))
+    own, reference = (np.array([side[draw] for draw in both]) for side in (distances, others))
     changes = _changes(own, reference)
     count = int(np.count_nonzero(own < reference))
     # scipy's stubs do not know what its own documentation promises here.

@@ -25,12 +25,12 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
     settings = list(dict.fromkeys(map(_setting, distributions)))
     sides: list[tuple[str, _Against]] = []
     for title, against in (("published", _vs_sbc), ("best tuned", _vs_tuned)):
-        label = next((found.label for one in distributions if (found := against(one))), None)
+        label = next((reference.label for one in distributions if (reference := against(one))), None)
         if label is not None:
             sides.append((f"change against the {title} SBC [%]", against))
     most = max(sum(_setting(one) == setting for one in distributions) for setting in settings)
-    made = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
-    grid = made.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
+    drawing = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
+    grid = drawing.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
     for panels, setting in zip(grid, settings, strict=True):
         here = [one for one in distributions if _setting(one) == setting]
         for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
@@ -64,8 +64,8 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
     keys = [(f"a {of}", style.SKY, "."), ("median", style.VERMILION, "|"), (f"5 to 95 % of the {of}s", style.BLUE, "_")]
     keys += [("right: 95 % interval of the median", style.BLUE, "_")] if sides else []
     marks = [Line2D([], [], color=colour, marker=mark, markersize=9, linestyle="") for _, colour, mark in keys]
-    made.legend(marks, [name for name, _, _ in keys], ncols=4, fontsize=8, loc="outside lower right", frameon=False)
-    return made
+    drawing.legend(marks, [name for name, _, _ in keys], ncols=4, fontsize=8, loc="outside lower right", frameon=False)
+    return drawing
 
 
 def _points(panel: style.Axes, line: int, values: Sequence[float]) -> None:

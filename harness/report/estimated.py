@@ -34,56 +34,58 @@ _SETTLED = 0.02
 """Share of the time after which a state's values decide its scale: the first beliefs are as wide as one likes."""
 
 
-def estimated(recording: xarray.Dataset, told: xarray.Dataset, inputs: Sequence[str], path: Path) -> Path:
+def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str], path: Path) -> Path:
     """Draw inputs, states ± 2 standard deviations with their truth (dashed), and the consistency of innovations.
 
     Args:
         recording: What the filter was given.
-        told: What it believes, see `railgrip.estimation.run.estimate`.
+        estimates: What it believes, see `railgrip.estimation.run.estimate`.
         inputs: Of its model.
         path: Of the figure.
     """
-    states = _families([str(state) for state in told["state"].values])
-    given = _families(inputs)
-    made = figure(10, 1.9 * (len(given) + len(states) + 1))
-    panels = list(np.atleast_1d(made.subplots(len(given) + len(states) + 1, 1, sharex=True)))
-    time = told["time"].values
-    for panel, (family, names) in zip(panels, given.items(), strict=False):
+    states = _families([str(state) for state in estimates["state"].values])
+    families = _families(inputs)
+    drawing = figure(10, 1.9 * (len(families) + len(states) + 1))
+    panels = list(np.atleast_1d(drawing.subplots(len(families) + len(states) + 1, 1, sharex=True)))
+    time = estimates["time"].values
+    for panel, (family, names) in zip(panels, families.items(), strict=False):
         factor, unit = readable(unit_of(recording, names[0]))
         for name, colour in zip(names, _COLOURS, strict=False):
             panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_element(name))
         dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
         _legend(panel, len(names))
     settled = time >= time[0] + _SETTLED * (time[-1] - time[0])
-    for panel, (family, names) in zip(panels[len(given) :], states.items(), strict=False):
-        shown: list[np.ndarray] = []
+    for panel, (family, names) in zip(panels[len(families) :], states.items(), strict=False):
+        bands: list[np.ndarray] = []
         for name, colour in zip(names, _COLOURS, strict=False):
-            mean, sd = (told[what].sel(state=name).values for what in ("mean", "sd"))
+            mean, sd = (estimates[what].sel(state=name).values for what in ("mean", "sd"))
             panel.fill_between(time, mean - 2 * sd, mean + 2 * sd, color=colour, alpha=0.15, lw=0)
             panel.plot(time, mean, color=colour, lw=1.0, label=_element(name))
-            shown.append(mean[settled])
+            bands.append(mean[settled])
             if knows(recording, name):
                 panel.plot(time, truth_of(recording, name), color=colour, lw=1.0, ls="--")
-                shown.append(truth_of(recording, name)[settled])
+                bands.append(truth_of(recording, name)[settled])
         dress(panel, y=_WORDS.get(family, family))
-        panel.set_ylim(*_reach(np.concatenate(shown)))
+        panel.set_ylim(*_reach(np.concatenate(bands)))
         _legend(panel, len(names))
     last = panels[-1]
-    last.semilogy(time, told["nis"].values / np.maximum(told["readings"].values, 1.0), ".", color=GREY, ms=1.5)
+    last.semilogy(
+        time, estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0), ".", color=GREY, ms=1.5
+    )
     last.axhline(1.0, color=BLACK, lw=0.8, ls=":")
     last.set_ylim(1e-2, 1e2)
     dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
-    truth = "; dashed: truth" if any(knows(recording, str(state)) for state in told["state"].values) else ""
-    nis = f"; median NIS {told.attrs['nis_ratio']:.2g} of the expected one"
-    made.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}{nis}", fontsize=10)
-    return save(made, path)
+    truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
+    nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"
+    drawing.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}{nis}", fontsize=10)
+    return save(drawing, path)
 
 
 def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
-    found: dict[str, list[str]] = {}
+    families: dict[str, list[str]] = {}
     for name in names:
-        found.setdefault(name.partition("[")[0], []).append(name)
-    return found
+        families.setdefault(name.partition("[")[0], []).append(name)
+    return families
 
 
 def _element(name: str) -> str:

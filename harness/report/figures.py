@@ -44,8 +44,8 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
 
     Source of the form: Schwarz, Posielek and Goetjes, Fig. 3.
     """
-    made = style.figure(9, 2.4 * len(stops))
-    panels = made.subplots(len(stops), 1, sharex=True, squeeze=False)[:, 0]
+    drawing = style.figure(9, 2.4 * len(stops))
+    panels = drawing.subplots(len(stops), 1, sharex=True, squeeze=False)[:, 0]
     for panel, stop in zip(panels, stops, strict=True):
         trace = stop.record.trace()
         mu0, time = trace["mu0"].values, trace["time"].values
@@ -58,7 +58,7 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
         panel.set_xlim(0, None)
     panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
     panels[-1].set_xlabel("time since the brake demand [s]")
-    return made
+    return drawing
 
 
 def adhesion_figure(sbc: Result, abc: Result) -> Figure:
@@ -68,8 +68,8 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     rail and speed, before the operator's limit, which is a line of its own.
     """
     slide, seek = sbc.record.trace(), abc.record.trace()
-    made = style.figure(10, 4.8)
-    panel = made.subplots()
+    drawing = style.figure(10, 4.8)
+    panel = drawing.subplots()
     time = seek["time"].values
     panel.plot(
         slide["time"].values, slide["adhesion"].values[:, 0], color=style.BLUE, linewidth=0.9, label="SBC, two-state"
@@ -98,7 +98,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     panel.set_xlim(0, None)
     panel.set_ylim(0, None)
     panel.legend(ncols=5, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), frameon=False)
-    return made
+    return drawing
 
 
 def distance_figure(rows: Sequence[Row]) -> Figure:
@@ -111,8 +111,8 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
     scenarios = list(dict.fromkeys(row.label for row in rows))
     colours = _bar_colours(rows)
-    made = style.figure(max(10.0, 0.42 * len(scenarios) * len(colours)), 3.2 * len(settings))
-    panels = made.subplots(len(settings), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    drawing = style.figure(max(10.0, 0.42 * len(scenarios) * len(colours)), 3.2 * len(settings))
+    panels = drawing.subplots(len(settings), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     width = 0.8 / len(colours)
     for panel, setting in zip(panels, settings, strict=True):
         here = {
@@ -121,11 +121,11 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
             if (row.actuation, row.sensors, row.polach) == setting and row.distance_m is not None
         }
         for number, (controller, colour) in enumerate(colours.items()):
-            found = [(k, here[name, controller]) for k, name in enumerate(scenarios) if (name, controller) in here]
-            places = [k + (number - (len(colours) - 1) / 2) * width for k, _ in found]
-            lengths = [row.distance_m or 0.0 for _, row in found]
+            bars = [(k, here[name, controller]) for k, name in enumerate(scenarios) if (name, controller) in here]
+            places = [k + (number - (len(colours) - 1) / 2) * width for k, _ in bars]
+            lengths = [row.distance_m or 0.0 for _, row in bars]
             panel.bar(places, lengths, 0.92 * width, color=colour, label=controller)
-            for place, length, (_, row) in zip(places, lengths, found, strict=True):
+            for place, length, (_, row) in zip(places, lengths, bars, strict=True):
                 panel.annotate(
                     f"{length:.0f}", (place, length), ha="center", va="top", fontsize=8, xytext=(0, -3),
                     textcoords="offset points", color="white" if colour in style.DARK else style.BLACK,
@@ -145,7 +145,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
     panels[0].legend(ncols=4, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
-    return made
+    return drawing
 
 
 def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
@@ -174,7 +174,7 @@ def stop_figure(stop: Result) -> Figure:
         quantity: draw for quantity, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[quantity])
     }
     outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
-    made, panels = _columns(trace.sizes["group"], len(rows))
+    drawing, panels = _columns(trace.sizes["group"], len(rows))
     for row, (quantity, draw) in zip(panels, rows.items(), strict=True):
         for group, panel in enumerate(row):
             draw(panel, time, trace, group)
@@ -199,13 +199,13 @@ def stop_figure(stop: Result) -> Figure:
     scenario = stop.record.scenario
     used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
-    made.suptitle(
+    drawing.suptitle(
         f"{_title(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
         f"{metrics.duration:.1f} s{used}{consistency}",
-        x=0.01, y=1 - 0.22 / made.get_figheight(), ha="left", fontsize=11,
+        x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
     )  # fmt: skip
-    return made
+    return drawing
 
 
 def _wide(groups: int) -> int:
@@ -218,16 +218,18 @@ def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
     wide = _wide(groups)
     above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches
     height = above + bands * block + (bands - 1) * between + below
-    made = style.figure(14, height, _STOP_MARGINS)
+    drawing = style.figure(14, height, _STOP_MARGINS)
     parts: list[np.ndarray] = []
     for band in range(bands):
         top = above + band * (block + between)
-        grid = made.add_gridspec(rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS)
+        grid = drawing.add_gridspec(
+            rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS
+        )
         panels = grid.subplots(sharex=True, sharey="row", squeeze=False)
         for unused in panels[:, groups - band * wide :].flat:
             unused.remove()
         parts.append(panels[:, : groups - band * wide])
-    return made, np.hstack(parts)
+    return drawing, np.hstack(parts)
 
 
 def _title(stop: Result) -> str:

@@ -76,16 +76,16 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
     scenarios = _longest_of_each_scenario([stop for stop in results.stops if stop.record.has_trace])
     if scenarios:
         add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
-    shown = [stop for stop in results.stops if DRAW not in stop.variants]
-    pairs = _pairs(shown) if panels is not Panels.NONE else []
-    pictured = {stop.name for stop in shown} if panels is Panels.ALL else {abc.name for _, abc in pairs}
+    single_stops = [stop for stop in results.stops if DRAW not in stop.variants]
+    pairs = _pairs(single_stops) if panels is not Panels.NONE else []
+    with_panels = {stop.name for stop in single_stops} if panels is Panels.ALL else {abc.name for _, abc in pairs}
     for sbc, abc in pairs:
         name = f"adhesion-{abc.name}"
         add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))
     stops: list[dict[str, Any]] = []
-    for stop in shown:
+    for stop in single_stops:
         signals = None
-        if stop.name in pictured:
+        if stop.name in with_panels:
             tell(stop.name)
             signals = style.save(stop_figure(stop), directory / "figures" / f"stop-{stop.name}.png")
         stops.append(_shown(stop, signals))

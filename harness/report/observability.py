@@ -17,8 +17,8 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
 
     Windows that tell nothing of a state have no point on the logarithmic axis: the line is broken there.
     """
-    made = figure(10, 6.5)
-    above, below = made.subplots(2, 1, sharex=True, height_ratios=(1, 2))
+    drawing = figure(10, 6.5)
+    above, below = drawing.subplots(2, 1, sharex=True, height_ratios=(1, 2))
     for name, color in zip(inputs, (ORANGE, BLUE), strict=False):
         factor, unit = readable(unit_of(recording, name))
         above.plot(
@@ -48,4 +48,4 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     below.axhline(1.0, color=BLACK, lw=0.7, ls=":")
     dress(below, x="time [s]", y="(typical size / deviation)²")
     below.legend(fontsize=8, frameon=False, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
-    return save(made, path)
+    return save(drawing, path)

@@ -68,8 +68,8 @@ def _published_rows(
     rows: list[Mapping[str, str]] = []
     before: dict[str, float] = {}
     for stops in lines.values():
-        found = {name: campaign.reference_for(stop) for name, stop in stops.items()}
-        distances = {name: reference.distance for name, reference in found.items() if reference is not None}
+        references = {name: campaign.reference_for(stop) for name, stop in stops.items()}
+        distances = {name: reference.distance for name, reference in references.items() if reference is not None}
         if distances:
             before = before or distances  # the first is the paper's SBC
             row = {_FIRST: f"*paper: {_label(next(iter(stops.values())))}*"}
@@ -118,9 +118,9 @@ def _name(
     return own if labels.count(own) == 1 else f"{own}, {first.variants['controller'].replace('_', ' ')}"
 
 
-def _references(stops: Sequence[PlannedStop], chosen: Sequence[PlannedStop]) -> dict[str, str]:
+def _references(stops: Sequence[PlannedStop], selection: Sequence[PlannedStop]) -> dict[str, str]:
     """Return name of each stop → name of the chosen one in the same scenario and edge."""
-    at = {(stop.variants["scenario"], stop.variants["edge"]): stop.name for stop in chosen}
+    at = {(stop.variants["scenario"], stop.variants["edge"]): stop.name for stop in selection}
     places = {stop.name: (stop.variants["scenario"], stop.variants["edge"]) for stop in stops}
     return {name: at[place] for name, place in places.items() if place in at}
 

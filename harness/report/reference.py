@@ -53,8 +53,8 @@ def is_published(controller: Mapping[str, Any]) -> bool:
 
 def is_tuned(controller: Mapping[str, Any]) -> bool:
     """Return whether this is SBC with thresholds of its own."""
-    kind, searched = controller["kind"], _is_searched(controller)
-    return kind in _SLIP_BASED and (searched or _thresholds(controller) != PUBLISHED)
+    kind, is_searched = controller["kind"], _is_searched(controller)
+    return kind in _SLIP_BASED and (is_searched or _thresholds(controller) != PUBLISHED)
 
 
 def controller_of(scenario: Mapping[str, Any]) -> str:
@@ -75,8 +75,8 @@ def best(stops: Sequence[_Stop], law: Callable[[_Stop], str], distance: Callable
     for stop in stops:
         laws.setdefault(law(stop), []).append(stop)
 
-    def mean(found: Iterable[_Stop]) -> float:
-        logarithms = [math.inf if (own := distance(stop)) is None else math.log(own) for stop in found]
+    def mean(stops: Iterable[_Stop]) -> float:
+        logarithms = [math.inf if (own := distance(stop)) is None else math.log(own) for stop in stops]
         return sum(logarithms) / len(logarithms)
 
     return min(laws.values(), key=mean, default=[])
@@ -92,10 +92,10 @@ def _is_searched(controller: Mapping[str, Any]) -> bool:
 
 
 def _thresholds(controller: Mapping[str, Any]) -> tuple[float, float]:
-    written = controller.get("parameters", {})
-    low, high = (written.get(name, value) for name, value in zip(("low", "high"), PUBLISHED, strict=True))
+    parameters = controller.get("parameters", {})
+    low, high = (parameters.get(name, value) for name, value in zip(("low", "high"), PUBLISHED, strict=True))
     return _ratio(low), _ratio(high)
 
 
-def _ratio(written: float | str) -> float:
-    return to_si(written, "1") if isinstance(written, str) else float(written)
+def _ratio(value: float | str) -> float:
+    return to_si(value, "1") if isinstance(value, str) else float(value)

@@ -55,7 +55,7 @@ def read_results(directory: Path) -> Results:
     path = directory / CAMPAIGN_FILE
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        planned = [
+        plan = [
             (stop["name"], stop["variants"], stop["scenario_digest"], stop["paper_distance_m"], _repeated(stop))
             for stop in content["stops"]
         ]
@@ -64,9 +64,9 @@ def read_results(directory: Path) -> Results:
         raise RecordError(f"{path}: there is no such file; `railgrip campaign FILE --out DIR` makes one") from problem
     except (OSError, ValueError, KeyError, TypeError) as problem:
         raise RecordError(f"{path}: is not the description of a campaign ({problem})") from problem
-    found: list[Result] = []
+    results: list[Result] = []
     missing: list[str] = []
-    for stop, variants, digest, paper, repeated in planned:
+    for stop, variants, digest, paper, conditioning in plan:
         if not (directory / stop / STOP_FILE).exists():
             missing.append(stop)
             continue
@@ -74,8 +74,10 @@ def read_results(directory: Path) -> Results:
         if record.digest != digest:
             missing.append(stop)
             continue
-        found.append(Result(name=stop, variants=variants, record=record, paper_distance=paper, conditioning=repeated))
-    return Results(name=name, description=description, stops=tuple(found), missing=tuple(missing))
+        results.append(
+            Result(name=stop, variants=variants, record=record, paper_distance=paper, conditioning=conditioning)
+        )
+    return Results(name=name, description=description, stops=tuple(results), missing=tuple(missing))
 
 
 def _repeated(stop: Mapping[str, Any]) -> Repeated | None:

@@ -52,11 +52,11 @@ def figure(width: float, height: float, margins: Mapping[str, float] | None = No
     Its parts are laid out to fit, or within `margins`, shares of the figure as `Figure.subplots_adjust` takes them: to
     fit twenty panels takes longer than to draw them.
     """
-    made = Figure(figsize=(width, height), layout=None if margins else "constrained")
+    drawing = Figure(figsize=(width, height), layout=None if margins else "constrained")
     if margins:
-        made.subplots_adjust(**margins)
-    FigureCanvasAgg(made)
-    return made
+        drawing.subplots_adjust(**margins)
+    FigureCanvasAgg(drawing)
+    return drawing
 
 
 def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
@@ -69,10 +69,10 @@ def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def save(made: Figure, path: Path) -> Path:
+def save(drawing: Figure, path: Path) -> Path:
     """Write a figure as PNG, whole or not at all; the same figure gives the same bytes."""
     with replacing(path) as partial:
-        made.savefig(partial, format="png", dpi=150, metadata={"Software": None})
+        drawing.savefig(partial, format="png", dpi=150, metadata={"Software": None})
     return path
 
 
@@ -80,11 +80,11 @@ def alike(columns: Sequence[Any]) -> list[list[int]]:
     """Return the numbers of equal columns together, so that a line drawn once can be labelled for all."""
     groups: list[list[int]] = []
     for number, column in enumerate(columns):
-        known = next((group for group in groups if (columns[group[0]] == column).all()), None)
-        if known is None:
+        match = next((group for group in groups if (columns[group[0]] == column).all()), None)
+        if match is None:
             groups.append([number])
         else:
-            known.append(number)
+            match.append(number)
     return groups
 
 

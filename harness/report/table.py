@@ -44,8 +44,8 @@ class Table:
         cls, columns: Sequence[str], rows: Iterable[Sequence[Any]], form: Form = "{}", *, left: int = 1, title: str = ""
     ) -> Self:
         """Return a table of rows as sequences, one form for all numbers; the `left` first columns are texts."""
-        named = [dict(zip(columns, row, strict=True)) for row in rows]
-        return cls(named, dict.fromkeys(columns, form), list(columns)[:left], title)
+        records = [dict(zip(columns, row, strict=True)) for row in rows]
+        return cls(records, dict.fromkeys(columns, form), list(columns)[:left], title)
 
     @property
     def columns(self) -> list[str]:
@@ -83,8 +83,8 @@ class Table:
         return f"<table>{self._html_row('th', head)}{''.join(self._html_row('td', row) for row in self.texts)}</table>"
 
     def _html_row(self, tag: str, row: Mapping[str, str]) -> str:
-        opened = {column: f'<{tag} class="text">' if column in self.left else f"<{tag}>" for column in row}
-        return f"<tr>{''.join(f'{opened[column]}{html.escape(cell)}</{tag}>' for column, cell in row.items())}</tr>"
+        tags = {column: f'<{tag} class="text">' if column in self.left else f"<{tag}>" for column in row}
+        return f"<tr>{''.join(f'{tags[column]}{html.escape(cell)}</{tag}>' for column, cell in row.items())}</tr>"
 
     def write_csv(self, path: Path) -> None:
         """Write the values, not their texts, whole or not at all."""

@@ -38,7 +38,7 @@ def rig(tell: Tell) -> list[Finding]:
     from railgrip.scenario.load import load
     from railgrip.studies.roller_rig.study import FILTERS, SCENARIOS, recording_of_rig, row_of
 
-    found: list[Finding] = []
+    findings: list[Finding] = []
     for name in SCENARIOS:
         tell(f"rig, {name}")
         scenario = load(Path(name))
@@ -47,7 +47,7 @@ def rig(tell: Tell) -> list[Finding]:
             specification = load_specification(LIBRARY / f"{file}.toml")
             row = row_of(scenario, file, recording, estimate_of(specification, recording))
             who = f"{scenario.name}, {specification.name}"
-            found += [
+            findings += [
                 _extreme(f"{who}: adhesion error outside protection events", row.alpha_outside),
                 Finding(
                     name=f"{who}: longest adhesion error above 0.02",
@@ -58,7 +58,7 @@ def rig(tell: Tell) -> list[Finding]:
                 _mean(f"{who}: adhesion RMSE", row.alpha_rmse),
                 _mean(f"{who}: pad friction RMSE", row.mu_b_rmse),
             ]
-    return found
+    return findings
 
 
 def field(tell: Tell) -> list[Finding]:
@@ -69,9 +69,9 @@ def field(tell: Tell) -> list[Finding]:
     from railgrip.studies.field_test.score import score, track_score
 
     tell(f"field test, case {TEST}")
-    driven = run(cases()[TEST], TEST)
-    track = track_score(driven)
-    found = [
+    test_run = run(cases()[TEST], TEST)
+    track = track_score(test_run)
+    findings = [
         # Of the smoothed motion; 1e-5 are 1 cm over the run.
         Finding(name=f"field {TEST}: distance, relative error", value=track.distance, unit="1", tolerance=1e-5),
         _mean(f"field {TEST}: curvature RMSE", track.curvature, "1/m"),
@@ -79,21 +79,21 @@ def field(tell: Tell) -> list[Finding]:
         _mean(f"field {TEST}: track force RMSE", track.force, "N"),
     ]
     model = prediction()
-    task = task_of(driven.braking, model)
+    task = task_of(test_run.braking, model)
     filter_ = filter_of(model, task.period)
     noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in ("paper", "consistent")} | {"physical": PHYSICAL}
     scores = {name: score(task, follow(task, filter_, noise)) for name, noise in noises.items()}
-    for name, told in scores.items():
+    for name, result in scores.items():
         who = f"field {TEST}, noises '{name}'"
-        found += [
-            Finding(name=f"{who}: braking distance, relative error", value=told.distance, unit="1", tolerance=5e-5),
-            _mean(f"{who}: adhesion RMSE", told.adhesion),
-            _mean(f"{who}: pad friction RMSE", told.pad_friction),
-            _mean(f"{who}: mean pad friction RMSE", told.mean_pad_friction),
+        findings += [
+            Finding(name=f"{who}: braking distance, relative error", value=result.distance, unit="1", tolerance=5e-5),
+            _mean(f"{who}: adhesion RMSE", result.adhesion),
+            _mean(f"{who}: pad friction RMSE", result.pad_friction),
+            _mean(f"{who}: mean pad friction RMSE", result.mean_pad_friction),
         ]
     best, who = scores["physical"], f"field {TEST}, the best constant"
     return [
-        *found,
+        *findings,
         _mean(f"{who}: adhesion RMSE", best.adhesion_constant),
         _mean(f"{who}: pad friction RMSE", best.pad_friction_constant),
         _mean(f"{who}: mean pad friction RMSE", best.mean_pad_friction_constant),

@@ -73,14 +73,14 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
     groups = formation.group_of_wheelset
     period = time[1] - time[0] if len(time) > 1 else _STRIDE
     # The last sample is always among them, so that nothing is extrapolated.
-    chosen = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
+    instants = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
 
     peak_slip, peak_each = np.empty((len(time), formation.groups)), np.empty(load.shape)
     for group, members in enumerate(formation.members()):
-        slip, each = peak(contact, speed[chosen], load[chosen, members], mu0[chosen, members])
-        peak_slip[:, group] = np.interp(time, time[chosen], slip)
+        slip, each = peak(contact, speed[instants], load[instants, members], mu0[instants, members])
+        peak_slip[:, group] = np.interp(time, time[instants], slip)
         for number, member in enumerate(range(members.start, members.stop)):
-            peak_each[:, member] = np.interp(time, time[chosen], each[:, number])
+            peak_each[:, member] = np.interp(time, time[instants], each[:, number])
 
     group_load = formation.summed(load)
     peak_adhesion = formation.summed(peak_each * load) / group_load
@@ -89,7 +89,7 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
         "driver_demand" in trace
     ):  # a row holds what was demanded until then: what is demanded now stands in the next one
         demanded = trace["driver_demand"].values[np.minimum(np.arange(len(time)) + 1, len(time) - 1)]
-    drawn = "full" if demanded is None else "the demanded"
+    force = "full" if demanded is None else "the demanded"
     limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values, demanded)
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
@@ -105,7 +105,7 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
         brake_limit=(
             ("time", "group"),
             limit,
-            ratio | {"long_name": f"adhesion that {drawn} brake pressure draws"},
+            ratio | {"long_name": f"adhesion that {force} brake pressure draws"},
         ),
         ideal_adhesion=(("time", "group"), ideal, ratio | {"long_name": "adhesion of the ideal bound"}),
         ideal_share=(("time", "wheelset"), share, ratio | {"long_name": "share in the ideal bound"}),

@@ -74,14 +74,14 @@ def cleaned(signal: str, time: Vector, values: Vector, treatment: Treatment) -> 
 
 def standing(time: Vector, values: Vector, longest: float) -> NDArray[np.bool_]:
     """Return where a signal repeats itself exactly for longer than `longest` [s], shape (k,)."""
-    found = np.zeros(values.size, dtype=np.bool_)
+    flags = np.zeros(values.size, dtype=np.bool_)
     if values.size < 2:
-        return found
+        return flags
     repeats = np.concatenate([[False], np.diff(values) == 0.0])
     for first, last in intervals(repeats):
         if time[last] - time[first - 1] > longest:
-            found[first - 1 : last + 1] = True
-    return found
+            flags[first - 1 : last + 1] = True
+    return flags
 
 
 def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]:
@@ -100,23 +100,23 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
         values: Shape (k,), finite.
         deviations: Of the noise, that make a spike.
     """
-    found = np.zeros(values.size, dtype=np.bool_)
+    flags = np.zeros(values.size, dtype=np.bool_)
     if values.size < _NEIGHBOURS:
-        return found
+        return flags
     # A second difference of white noise has the variance 1 + 4 + 1.
     bend = np.abs(np.diff(values, 2, prepend=values[0], append=values[-1])) * (_GAUSSIAN / np.sqrt(6.0))
     nearby = median_filter(bend, min(_SURROUNDINGS, values.size), mode="mirror")
     scale = np.maximum(nearby, max(float(np.median(bend)), _resolution(values)))
     # Two spikes with a sample between them leave that one where the others are.
     apart = np.abs(values - median_filter(values, _NEIGHBOURS, mode="mirror")) > deviations * scale
-    padded = np.pad(values, _BESIDE, mode="reflect")
-    steps = np.abs(np.diff(padded))
+    extended = np.pad(values, _BESIDE, mode="reflect")
+    steps = np.abs(np.diff(extended))
     period = float(np.median(np.diff(time)))
     for length in range(1, _LONGEST + 1):
         if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
             break
         first = np.arange(1, values.size - length)
-        before, after = padded[first + _BESIDE - 1], padded[first + _BESIDE + length]
+        before, after = extended[first + _BESIDE - 1], extended[first + _BESIDE + length]
         inside = first[:, None] + np.arange(length)
         line = before[:, None] + (after - before)[:, None] * np.arange(1, length + 1) / (length + 1)
         off = np.abs(values[inside] - line)
@@ -124,8 +124,8 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
         beside = np.sort(np.stack([steps[first + k] for k in (0, 1, 3 + length, 4 + length)]), axis=0)[1]
         moving = np.maximum(beside, np.abs(after - before))
         spike = apart[inside] & (off > deviations * scale[inside]) & (off > _JUMP * moving[:, None])
-        found[inside[spike.all(axis=1)]] = True
-    return found
+        flags[inside[spike.all(axis=1)]] = True
+    return flags
 
 
 def _resolution(values: Vector) -> float:

@@ -63,12 +63,12 @@ def peak(contact: Contact, speed: Array, load: Array, mu0: Array) -> tuple[Array
         )
     middle = (low + high) / 2
     vertex = _vertex((left, middle, right), (force_left, force(middle), force_right))
-    refined = np.clip(vertex, low, high)
+    fine = np.clip(vertex, low, high)
     # A maximum at the edge of the grid is not inside the bracket: never return less than the grid had.
-    reached = force(refined)
-    chosen = np.where(reached >= highest, refined, grid[best])
-    chosen = np.where(coarse[-1] > np.maximum(reached, highest), grid[last], chosen)
-    return np.exp(chosen), adhesion(chosen)
+    force_there = force(fine)
+    place = np.where(force_there >= highest, fine, grid[best])
+    place = np.where(coarse[-1] > np.maximum(force_there, highest), grid[last], place)
+    return np.exp(place), adhesion(place)
 
 
 def _vertex(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array]) -> Array:

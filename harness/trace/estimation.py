@@ -73,8 +73,8 @@ def _delay(truth: Array, estimate: Array, period: float) -> Array:
     step = max(1, round(_DELAY_STEP / period))
     longest = min(round(_LONGEST_DELAY / period), len(truth) // 2)
     shifts = np.arange(0, longest + 1, step)
-    judged = len(truth) - longest
-    squares = np.stack([np.mean((estimate[s : s + judged] - truth[:judged]) ** 2, axis=0) for s in shifts])
+    count = len(truth) - longest
+    squares = np.stack([np.mean((estimate[s : s + count] - truth[:count]) ** 2, axis=0) for s in shifts])
     return np.asarray(shifts[np.argmin(squares, axis=0)] * period, dtype=np.float64)
 
 
@@ -114,8 +114,8 @@ def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
     if "estimate_nis" not in trace:
         return None, None
     nis, used = trace["estimate_nis"].values, trace["estimate_readings"].values
-    lost = lost_at(nis, used)
-    return nis_ratio(nis, used), None if lost is None else float(trace["time"].values[lost])
+    divergence = lost_at(nis, used)
+    return nis_ratio(nis, used), None if divergence is None else float(trace["time"].values[divergence])
 
 
 def _row(values: Array) -> tuple[float, ...]:

@@ -50,16 +50,16 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     """
     if not is_file(path):
         raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
-    asked = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
+    columns = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
     match path.suffix.lower():
         case ".csv":
-            return _of_frame(path, _csv(path, table), table, asked)
+            return _of_frame(path, _csv(path, table), table, columns)
         case ".parquet":
-            return _of_frame(path, _parquet(path, [table.time.column, *asked]), table, asked)
+            return _of_frame(path, _parquet(path, [table.time.column, *columns]), table, columns)
         case ".mat":
-            return _of_frame(path, _mat(path), table, asked)
+            return _of_frame(path, _mat(path), table, columns)
         case ".mf4":
-            return _mf4(path, asked)
+            return _mf4(path, columns)
         case suffix:
             raise EstimationError(
                 f"{path.name}: '{suffix}' is no format that is read here; there is {', '.join(FORMATS)}."
@@ -77,7 +77,7 @@ def _csv(path: Path, table: DataTable) -> Mapping[str, Any]:
     return {str(name).strip(): frame[name].to_numpy() for name in frame.columns}
 
 
-def _parquet(path: Path, asked: Sequence[str]) -> Mapping[str, Any]:
+def _parquet(path: Path, columns: Sequence[str]) -> Mapping[str, Any]:
     try:
         import pyarrow.parquet as parquet
     except ModuleNotFoundError as problem:
@@ -86,8 +86,8 @@ def _parquet(path: Path, asked: Sequence[str]) -> Mapping[str, Any]:
         ) from problem
     try:
         schema = parquet.read_schema(path)
-        _all_there(path, asked, schema.names)
-        frame = parquet.read_table(path, columns=list(dict.fromkeys(asked))).to_pandas()
+        _all_there(path, columns, schema.names)
+        frame = parquet.read_table(path, columns=list(dict.fromkeys(columns))).to_pandas()
     except EstimationError:
         raise
     except Exception as problem:
@@ -100,14 +100,14 @@ def _mat(path: Path) -> Mapping[str, Any]:
     import h5py
     from scipy.io import loadmat
 
-    found: dict[str, Any] = {}
+    variables: dict[str, Any] = {}
 
     def collect(name: str, value: Any) -> None:
         if isinstance(value, dict):
             for key, element in value.items():
                 collect(f"{name}.{key}", element)
         elif isinstance(value, np.ndarray) and max(value.shape, default=0) == value.size:
-            found[name] = value.ravel()
+            variables[name] = value.ravel()
 
     try:
         if h5py.is_hdf5(path):  # MATLAB 7.3 writes HDF5
@@ -124,29 +124,29 @@ def _mat(path: Path) -> Mapping[str, Any]:
                     collect(name, value)
     except Exception as problem:
         raise EstimationError(f"{path.name}: is not a MATLAB file: {cut(str(problem))}") from problem
-    return found
+    return variables
 
 
-def _of_frame(path: Path, frame: Mapping[str, Any], table: DataTable, asked: Sequence[str]) -> dict[str, Series]:
+def _of_frame(path: Path, frame: Mapping[str, Any], table: DataTable, columns: Sequence[str]) -> dict[str, Series]:
     """Return the columns of a table, all on its column of time."""
-    _all_there(path, [table.time.column, *asked], list(frame))
+    _all_there(path, [table.time.column, *columns], list(frame))
     time = _instants(path, frame[table.time.column], table)
     series: dict[str, Series] = {}
-    for name in asked:
+    for name in columns:
         values = _numbers(path, name, frame[name], table)
         if values.shape != time.shape:
             raise EstimationError(
                 f"{path.name}: column '{name}' has {values.size} samples, its time '{table.time.column}' {time.size}."
             )
-        told = _UNIT_IN_NAME.fullmatch(name)
+        match = _UNIT_IN_NAME.fullmatch(name)
         # "left[1]" is the first of several, not a signal without dimension.
-        unit = told.group(1) if told and not told.group(1).isdigit() else None
+        unit = match.group(1) if match and not match.group(1).isdigit() else None
         series[name] = Series(time=time, values=values, unit=unit)
     return series
 
 
-def _all_there(path: Path, asked: Sequence[str], there: Sequence[str]) -> None:
-    missing = [name for name in asked if name not in there]
+def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None:
+    missing = [name for name in columns if name not in there]
     if not missing:
         return
     near = get_close_matches(missing[0], there, n=1)
@@ -159,30 +159,29 @@ def _all_there(path: Path, asked: Sequence[str], there: Sequence[str]) -> None:
     raise EstimationError(f"{path.name}: has no column {', '.join(short(name) for name in missing)}; {hint}{only}")
 
 
-def _numbers(path: Path, name: str, found: Any, table: DataTable) -> Vector:
+def _numbers(path: Path, name: str, raw: Any, table: DataTable) -> Vector:
     """Return a column as floats; empty cells are NaN."""
-    values = np.asarray(found)
+    values = np.asarray(raw)
     if values.ndim != 1 or values.dtype.kind == "c":
         raise EstimationError(f"{path.name}: column '{name}' wants one real number a sample.")
     if values.dtype.kind in "fiub":
         return values.astype(np.float64)
-    read: Any = pd.to_numeric(pd.Series(found), errors="coerce")
-    wrong = read.isna().to_numpy() & ~pd.isna(pd.Series(found)).to_numpy()
+    read: Any = pd.to_numeric(pd.Series(raw), errors="coerce")
+    wrong = read.isna().to_numpy() & ~pd.isna(pd.Series(raw)).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
-        why = " Is its decimal sign another one?" if "," in str(found[row]) and table.decimal == "." else ""
+        why = " Is its decimal sign another one?" if "," in str(raw[row]) and table.decimal == "." else ""
         raise EstimationError(
-            f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is "
-            f"{short(found[row])}.{why}"
+            f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is {short(raw[row])}.{why}"
         )
     return np.asarray(read, dtype=np.float64)
 
 
-def _instants(path: Path, found: Any, table: DataTable) -> Vector:
+def _instants(path: Path, values: Any, table: DataTable) -> Vector:
     """Return a column of time in seconds; time stamps count from the first."""
     if table.time.unit == "timestamp":
         try:
-            stamps: Any = pd.to_datetime(pd.Series(found), utc=True)
+            stamps: Any = pd.to_datetime(pd.Series(values), utc=True)
         except (ValueError, TypeError, OverflowError) as problem:
             raise EstimationError(
                 f"{path.name}: column '{table.time.column}' has no time stamps: {cut(str(problem))}"
@@ -195,15 +194,15 @@ def _instants(path: Path, found: Any, table: DataTable) -> Vector:
         gain, _ = conversion(unit(table.time.unit), unit("s"))
     except UnitError as problem:
         raise EstimationError(f"[data.time] unit: {problem} Time stamps have the unit 'timestamp'.") from problem
-    if np.asarray(found).dtype.kind == "M":
+    if np.asarray(values).dtype.kind == "M":
         raise EstimationError(f"{path.name}: column '{table.time.column}' holds time stamps; write unit = 'timestamp'.")
-    return _numbers(path, table.time.column, found, table) * gain
+    return _numbers(path, table.time.column, values, table) * gain
 
 
 # ---- measurement data format ------------------------------------------------------------------------------------
 
 
-def _mf4(path: Path, asked: Sequence[str]) -> dict[str, Series]:
+def _mf4(path: Path, columns: Sequence[str]) -> dict[str, Series]:
     try:
         from asammdf import MDF
     except ModuleNotFoundError as problem:
@@ -216,8 +215,8 @@ def _mf4(path: Path, asked: Sequence[str]) -> dict[str, Series]:
         raise EstimationError(f"{path.name}: is not an MDF file: {cut(str(problem))}") from problem
     series: dict[str, Series] = {}
     try:
-        _all_there(path, asked, list(file.channels_db))
-        for name in asked:
+        _all_there(path, columns, list(file.channels_db))
+        for name in columns:
             places = file.channels_db[name]
             if len(places) > 1:
                 raise EstimationError(

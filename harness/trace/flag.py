@@ -68,12 +68,15 @@ def summary(flags: Sequence[Flag], most: int = 5) -> list[str]:
     groups: dict[tuple[str, Kind], list[Flag]] = {}
     for flag in flags:
         groups.setdefault((flag.signal, flag.kind), []).append(flag)
-    told: list[str] = []
-    for (signal, kind), found in groups.items():
-        told += [str(flag) for flag in found[:most]]
-        if len(found) > most:
+    sentences: list[str] = []
+    for (signal, kind), flags_here in groups.items():
+        sentences += [str(flag) for flag in flags_here[:most]]
+        if len(flags_here) > most:
             # A gap has no samples, it has a length.
-            samples, length = sum(flag.samples for flag in found), sum(flag.end - flag.begin for flag in found)
+            samples, length = (
+                sum(flag.samples for flag in flags_here),
+                sum(flag.end - flag.begin for flag in flags_here),
+            )
             extent = f"{samples} samples" if samples else f"{length:.3g} s"
-            told.append(f"{signal}: {len(found) - most} more like these ({kind}), {extent} in all.")
-    return told
+            sentences.append(f"{signal}: {len(flags_here) - most} more like these ({kind}), {extent} in all.")
+    return sentences

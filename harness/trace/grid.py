@@ -25,10 +25,10 @@ def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: flo
     spacing = float(np.median(np.diff(time)))
     flags: list[Flag] = []
     if spacing > 1.5 * period:
-        placed = np.full(grid.size, np.nan)
+        result = np.full(grid.size, np.nan)
         nearest = np.rint((time - grid[0]) / period).astype(np.int64)
         inside = (nearest >= 0) & (nearest < grid.size)
-        placed[nearest[inside]] = values[inside]
+        result[nearest[inside]] = values[inside]
         off = float(np.max(np.abs(time[inside] - grid[nearest[inside]]), initial=0.0))
         if off > 0.01 * period:
             flags.append(
@@ -41,7 +41,7 @@ def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: flo
                     remark=f"by up to {1e3 * off:.3g} ms",
                 )
             )
-        return placed, flags
+        return result, flags
     if spacing <= 0.5 * period:
         return _averaged(time, values, grid, period), flags
     return bridged(time, values, grid, 1.5 * max(spacing, period)), flags
@@ -58,23 +58,23 @@ def input_on_grid(
     """
     spacing = float(np.median(np.diff(time)))
     longest = max(longest_gap, 1.5 * spacing)
-    placed = bridged(time, values, grid, longest)
+    interpolated = bridged(time, values, grid, longest)
     if spacing <= 0.5 * period:
-        averaged = _averaged(time, values, grid, period)
-        placed = np.where(np.isfinite(averaged), averaged, placed)
-    return placed, [
+        means = _averaged(time, values, grid, period)
+        interpolated = np.where(np.isfinite(means), means, interpolated)
+    return interpolated, [
         f for f in gaps_of(signal, time, grid, 1.5 * max(spacing, period), "bridged") if f.end - f.begin <= longest
     ]
 
 
 def bridged(time: Vector, values: Vector, grid: Vector, longest_gap: float) -> Vector:
     """Return a signal interpolated at every instant of `grid`; NaN in longer gaps and beyond the ends."""
-    placed = np.interp(grid, time, values, left=np.nan, right=np.nan)
+    interpolated = np.interp(grid, time, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(time, grid, side="left"), 1, time.size - 1)
     apart = time[after] - time[after - 1]
     # An instant that has a sample needs no bridge, however far the next one is.
     exact = (np.abs(time[after] - grid) < 1e-9) | (np.abs(time[after - 1] - grid) < 1e-9)
-    return np.where((apart > longest_gap) & ~exact, np.nan, placed)
+    return np.where((apart > longest_gap) & ~exact, np.nan, interpolated)
 
 
 def _averaged(time: Vector, values: Vector, grid: Vector, period: float) -> Vector:

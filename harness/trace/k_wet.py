@@ -75,15 +75,15 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     variances: list[float] = []
     freedom: list[int] = []
     for name, distances in (("dry", dry), ("wet", wet)):
-        braked = np.asarray(distances, dtype=np.float64) - speed * time
-        if len(braked) < 2 or not np.isfinite(braked).all() or braked.min() <= 0:
+        braking_distance = np.asarray(distances, dtype=np.float64) - speed * time
+        if len(braking_distance) < 2 or not np.isfinite(braking_distance).all() or braking_distance.min() <= 0:
             raise ValueError(
                 f"K_wet wants two {name} stops or more, each longer than the {speed * time:.4g} m of the equivalent "
                 f"time, got {list(distances)}"
             )
-        means.append(float(braked.mean()))
-        variances.append(float(braked.var(ddof=1)) / len(braked) / means[-1] ** 2)
-        freedom.append(len(braked) - 1)
+        means.append(float(braking_distance.mean()))
+        variances.append(float(braking_distance.var(ddof=1)) / len(braking_distance) / means[-1] ** 2)
+        freedom.append(len(braking_distance) - 1)
     both = sum(variances)
     value = log(means[0] / means[1])
     half = 0.0

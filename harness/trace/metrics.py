@@ -91,25 +91,25 @@ class Metrics:
         A stop under a filter that errs is still a stop, with its distance: the train did brake so. So this is no
         outcome; `diverged` is the outcome of a belief with which no controller can go on.
         """
-        found: list[str] = []
+        sentences: list[str] = []
         if self.estimator_lost is not None:
-            found.append(
+            sentences.append(
                 f"The estimator is lost from {self.estimator_lost:.2f} s on: its innovations are more than "
                 f"{FAR:g} times what it claims."
             )
         elif self.nis_ratio is not None and self.nis_ratio > OVERCONFIDENT:
-            found.append(
+            sentences.append(
                 "The estimator is surer than its readings allow: its median squared innovation is "
                 f"{self.nis_ratio:.1f} times the expected one."
             )
         for what, shares in (("adhesion", self.adhesion_outside), ("pad friction", self.pad_friction_outside)):
-            strayed = [f"{g + 1} ({share:.0%})" for g, share in enumerate(shares or ()) if share > MOSTLY]
-            if strayed:
-                found.append(
+            groups = [f"{g + 1} ({share:.0%})" for g, share in enumerate(shares or ()) if share > MOSTLY]
+            if groups:
+                sentences.append(
                     f"The estimator is surer than it is right: the true {what} is outside ±2σ most of the time in "
-                    f"group {', '.join(strayed)}; 5 % is expected."
+                    f"group {', '.join(groups)}; 5 % is expected."
                 )
-        return tuple(found)
+        return tuple(sentences)
 
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
@@ -150,7 +150,7 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
     jerk_mean, jerk_rms = motion.jerk(trace)
     used, used_each = adhesion_use.utilisation(trace)
     errors = estimation.adhesion_errors(trace)
-    nis_ratio, lost = estimation.innovations(trace)
+    nis_ratio, divergence = estimation.innovations(trace)
     return Metrics(
         distance=motion.braking_distance(trace),
         duration=motion.duration(trace),
@@ -180,7 +180,7 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
         adhesion_outside=errors.outside if errors else None,
         pad_friction_outside=estimation.outside(trace, "estimate_pad_friction", "pad_friction"),
         nis_ratio=nis_ratio,
-        estimator_lost=lost,
+        estimator_lost=divergence,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
     )
 

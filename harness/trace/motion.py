@@ -57,10 +57,10 @@ def energy_residual(trace: xarray.Dataset) -> float:
     Kinetic energy lost − heat in contacts, pads and dampers − work of resistance; near zero unless the plant
     errs.
     """
-    lost = -_change(trace, "kinetic_energy")
-    found = sum(_change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
+    loss = -_change(trace, "kinetic_energy")
+    heat = sum(_change(trace, name) for name in ("contact_heat", "pad_heat", "damper_heat", "resistance_work"))
     start = float(trace["kinetic_energy"].values[0])
-    return (lost - found) / start if start > 0 else float("nan")
+    return (loss - heat) / start if start > 0 else float("nan")
 
 
 def _change(trace: xarray.Dataset, name: str) -> float:

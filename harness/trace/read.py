@@ -62,26 +62,26 @@ def recorded(
     Raises:
         EstimationError: What no estimate can be made of, in a sentence.
     """
-    known = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
-    _known_signals(path, table, known, inputs)
+    all_signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
+    _known_signals(path, table, all_signals, inputs)
     series = read_series(path, table)
     flags: list[Flag] = []
     left: dict[str, tuple[Vector, Vector]] = {}
-    told: dict[str, Vector] = {}
+    units_of_source: dict[str, Vector] = {}
     for name, column in table.columns.items():
         if column.column is None:
             continue
-        wanted = units[name.removeprefix(TRUTH)]
+        target = units[name.removeprefix(TRUTH)]
         time, values = _rising(path, name, series[column.column], flags)
-        gain, shift = _converted(path, name, column, series[column.column].unit, wanted)
+        gain, shift = _converted(path, name, column, series[column.column].unit, target)
         values = gain * values + shift
         values = np.where(np.abs(values) < _LARGEST, values, np.nan)
-        told[name] = time[np.isfinite(values)]
+        units_of_source[name] = time[np.isfinite(values)]
         if name.startswith(TRUTH):  # a reference, not a sensor: what it says is judged by nobody here
             time, values = time[np.isfinite(values)], values[np.isfinite(values)]
         else:
-            time, values, found = cleaned(name, time, values, _treatment(name, column, table, wanted, name in inputs))
-            flags += found
+            time, values, changes = cleaned(name, time, values, _treatment(name, column, table, target, name in inputs))
+            flags += changes
         if time.size < 2:
             raise EstimationError(
                 f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
@@ -92,21 +92,21 @@ def recorded(
     )
     signals: dict[str, tuple[Vector, str]] = {}
     for name, column in table.columns.items():
-        wanted = units[name.removeprefix(TRUTH)]
+        target = units[name.removeprefix(TRUTH)]
         if column.value is not None:
-            signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, wanted)), wanted
+            signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, target)), target
             continue
         time, values = left[name]
         if name in inputs:
-            placed, found = input_on_grid(name, time, values, grid, table.period, table.longest_gap)
-            _refuse_gaps(path, name, column, placed, grid, table)
+            values_on_grid, changes = input_on_grid(name, time, values, grid, table.period, table.longest_gap)
+            _refuse_gaps(path, name, column, values_on_grid, grid, table)
         else:
-            placed, found = on_grid(name, time, values, grid, table.period)
+            values_on_grid, changes = on_grid(name, time, values, grid, table.period)
             # Gaps of the file: what was left out above has been said there.
-            longest = max(table.longest_gap, 1.5 * float(np.median(np.diff(told[name]))))
-            found += gaps_of(name, told[name], grid, longest, "gap")
-        flags += found
-        signals[name] = placed, wanted
+            longest = max(table.longest_gap, 1.5 * float(np.median(np.diff(units_of_source[name]))))
+            changes += gaps_of(name, units_of_source[name], grid, longest, "gap")
+        flags += changes
+        signals[name] = values_on_grid, target
     for name in outputs:
         if name not in signals:
             signals[name] = np.full(grid.size, np.nan), units[name]
@@ -122,11 +122,11 @@ def recorded(
     return Taken(recording=recording, flags=tuple(flags))
 
 
-def _known_signals(path: Path, table: DataTable, known: Sequence[str], inputs: Sequence[str]) -> None:
+def _known_signals(path: Path, table: DataTable, signals: Sequence[str], inputs: Sequence[str]) -> None:
     for name in table.columns:
-        if name not in known:
-            near = get_close_matches(name, known, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(known)}."
+        if name not in signals:
+            near = get_close_matches(name, signals, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(signals)}."
             raise EstimationError(f"[data.columns]: the model has no signal {short(name)}; {hint}")
     missing = [name for name in inputs if name not in table.columns]
     if missing:
@@ -150,64 +150,64 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
             f"{time[row + 1]:.6f} s; sort the file or cut it there."
         )
     again = np.concatenate([[False], steps == 0.0]) if time.size else np.zeros(0, dtype=np.bool_)
-    dropped = flags_of("time", "time", time, again)
+    repeats = flags_of("time", "time", time, again)
     if not finite.all():
         at = float(time[0]) if time.size else 0.0
-        lost = int((~finite).sum())
-        dropped.append(Flag(signal="time", kind="time", begin=at, end=at, samples=lost, remark="no instant told"))
+        gaps = int((~finite).sum())
+        repeats.append(Flag(signal="time", kind="time", begin=at, end=at, samples=gaps, remark="no instant told"))
     # Signals of one table share their instants; what is wrong with those is said once.
-    flags.extend(flag for flag in dropped if flag not in flags)
+    flags.extend(flag for flag in repeats if flag not in flags)
     return time[~again], values[~again]
 
 
-def _converted(path: Path, name: str, column: Column, told: str | None, wanted: str) -> tuple[float, float]:
+def _converted(path: Path, name: str, column: Column, stated: str | None, target: str) -> tuple[float, float]:
     """Return gain and shift from a column's numbers to the model's unit.
 
     Raises:
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
     where = f"{path.name}: {name} (column {short(column.column)})"
-    text = column.unit if column.unit is not None else told
+    text = column.unit if column.unit is not None else stated
     if text is None:
-        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{wanted}'.")
+        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{target}'.")
     try:
-        given = unit(text)
-        gain, shift = conversion(given, unit(wanted))
+        unit_of_column = unit(text)
+        gain, shift = conversion(unit_of_column, unit(target))
     except UnitError as problem:
         raise EstimationError(f"{where}: {problem}") from problem
-    if told is not None and column.unit is not None and _contradict(told, given):
-        raise EstimationError(f"{where}: the file says it is in '{told}', the map says '{text}'; correct the map.")
+    if stated is not None and column.unit is not None and _contradict(stated, unit_of_column):
+        raise EstimationError(f"{where}: the file says it is in '{stated}', the map says '{text}'; correct the map.")
     return gain * column.factor, gain * column.offset + shift
 
 
-def _contradict(told: str, given: Unit) -> bool:
+def _contradict(text: str, other: Unit) -> bool:
     """Say whether what a file says of a column is another unit than the map's.
 
     What stands in brackets need not be a unit, "p (front)", and may leave to the map what turns, "n [1/min]".
     """
     try:
-        known = unit(told)
+        own = unit(text)
     except UnitError:
         return False
-    if known.leaves_the_angle_out_of(given):
+    if own.leaves_the_angle_out_of(other):
         return False
-    return known.exponents != given.exponents or not math.isclose(known.factor, given.factor, rel_tol=1e-9)
+    return own.exponents != other.exponents or not math.isclose(own.factor, other.factor, rel_tol=1e-9)
 
 
-def _si(where: str, magnitude: Magnitude, wanted: str) -> float:
+def _si(where: str, magnitude: Magnitude, target: str) -> float:
     try:
-        value = magnitude.si(wanted)
+        value = magnitude.si(target)
     except ValueError as problem:
         raise EstimationError(f"{where} {problem}") from problem
     if not abs(value) < _LARGEST:
-        raise EstimationError(f"{where} is {value:g} {wanted}, which nothing measures.")
+        raise EstimationError(f"{where} is {value:g} {target}, which nothing measures.")
     return value
 
 
-def _treatment(name: str, column: Column, table: DataTable, wanted: str, is_input: bool) -> Treatment:
+def _treatment(name: str, column: Column, table: DataTable, target: str, is_input: bool) -> Treatment:
     limits = None
     if column.range is not None:
-        low, high = (_si(f"[data.columns] {name} range", bound, wanted) for bound in column.range)
+        low, high = (_si(f"[data.columns] {name} range", bound, target) for bound in column.range)
         limits = (low, high)
     return Treatment(
         spike=table.spike,
@@ -242,12 +242,12 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     return np.asarray(np.minimum(begin + np.arange(count) * table.period, end), dtype=np.float64)
 
 
-def _refuse_gaps(path: Path, name: str, column: Column, placed: Vector, grid: Vector, table: DataTable) -> None:
-    lost = np.isnan(placed)
-    if lost.any():
-        at = grid[int(np.argmax(lost))]
+def _refuse_gaps(path: Path, name: str, column: Column, values: Vector, grid: Vector, table: DataTable) -> None:
+    missing = np.isnan(values)
+    if missing.any():
+        at = grid[int(np.argmax(missing))]
         raise EstimationError(
             f"{path.name}: input {name} (column '{column.column}') is missing from {at:.3f} s for "
-            f"{lost.sum() * table.period:.3g} s in all, and a filter must know its inputs; cut the recording with "
+            f"{missing.sum() * table.period:.3g} s in all, and a filter must know its inputs; cut the recording with "
             f"begin and end in [data], or raise longest_gap ({table.longest_gap:g} s) if the value can be interpolated."
         )

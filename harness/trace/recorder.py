@@ -96,5 +96,5 @@ def formation_in(trace: xarray.Dataset) -> Formation:
 def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:
     """Return every so many-th sample and the last one."""
     count = trace.sizes["time"]
-    kept = np.unique(np.append(np.arange(0, count, every), count - 1))
-    return trace.isel(time=kept)
+    indices = np.unique(np.append(np.arange(0, count, every), count - 1))
+    return trace.isel(time=indices)

@@ -45,8 +45,8 @@ def recording_of(
     arrays = {key: np.asarray(values) for key, (values, _) in [*readings.items(), *(truth or {}).items()]}
     lengths = {values.shape for values in arrays.values()}
     if len(lengths) != 1 or len(next(iter(lengths))) != 1:
-        found = ", ".join(f"{key} {values.shape}" for key, values in arrays.items())
-        raise EstimationError(f"recording '{name}': signals want one sample at every instant each, got {found}.")
+        shapes = ", ".join(f"{key} {values.shape}" for key, values in arrays.items())
+        raise EstimationError(f"recording '{name}': signals want one sample at every instant each, got {shapes}.")
     if not (np.isfinite(period) and period > 0.0):
         raise EstimationError(f"recording '{name}': the period is a positive number of seconds, got {period}.")
     # Counted and multiplied, never summed.
@@ -62,11 +62,11 @@ def with_signals(
     columns: dict[str, dict[int | None, Vector]] = defaultdict(dict)
     units: dict[str, str] = {}
     for prefix, group in ((READING, readings or {}), ("", truth or {})):
-        for key, (values, told) in group.items():
+        for key, (values, unit_text) in group.items():
             base, index = _element(key)
             variable = prefix + (base if prefix else STATES.get(base, base))
             columns[variable][index] = np.asarray(values, dtype=np.float64)
-            units[variable] = told
+            units[variable] = unit_text
     dimensions = {variable: _dimension(variable) for variable, parts in columns.items() if None not in parts}
     # A group that one signal leaves out, another has.
     sizes = {str(dimension): size for dimension, size in trace.sizes.items()}
@@ -121,8 +121,8 @@ def period_of(trace: xarray.Dataset) -> float:
 def _counted(time: Vector) -> float:
     """Return the period that instants were counted with, of which their differences have lost the last bits."""
     step = float(np.median(np.diff(time)))
-    written = float(f"{step:.7g}")
-    return written if abs(written - step) <= 4.0 * np.spacing(np.abs(time).max()) else step
+    rounded = float(f"{step:.7g}")
+    return rounded if abs(rounded - step) <= 4.0 * np.spacing(np.abs(time).max()) else step
 
 
 def samples(trace: xarray.Dataset, names: Sequence[str], units: Sequence[str | None] | None = None) -> Vector:
@@ -144,11 +144,11 @@ def samples(trace: xarray.Dataset, names: Sequence[str], units: Sequence[str | N
             "Map a column to each."
         )
     block = np.empty((trace.sizes["time"], len(names)))
-    for column, (name, wanted) in enumerate(zip(names, units or [None] * len(names), strict=True)):
+    for column, (name, target) in enumerate(zip(names, units or [None] * len(names), strict=True)):
         block[:, column] = _column(trace, READING, name)
-        given = unit_of(trace, name)
-        if wanted is not None and wanted != given:
-            gain, shift = _conversion(trace, name, given, wanted)
+        source = unit_of(trace, name)
+        if target is not None and target != source:
+            gain, shift = _conversion(trace, name, source, target)
             block[:, column] = gain * block[:, column] + shift
     return block
 
@@ -218,12 +218,12 @@ def _column(trace: xarray.Dataset, prefix: str, name: str) -> Vector | None:
     return values[:, index - 1] if 1 <= index <= values.shape[1] else None
 
 
-def _conversion(trace: xarray.Dataset, name: str, given: str, wanted: str) -> tuple[float, float]:
+def _conversion(trace: xarray.Dataset, name: str, source: str, target: str) -> tuple[float, float]:
     try:
-        return conversion(unit(given), unit(wanted))
+        return conversion(unit(source), unit(target))
     except UnitError as problem:
         raise EstimationError(
-            f"recording '{_name(trace)}': {name} is in '{given}', the prediction wants '{wanted}': {problem}"
+            f"recording '{_name(trace)}': {name} is in '{source}', the prediction wants '{target}': {problem}"
         ) from problem
 
 

@@ -38,11 +38,11 @@ def local(latitude: ArrayLike, longitude: ArrayLike, height: ArrayLike, origin: 
     The ellipsoid curves away from that plane: 1 km from the origin, "down" of a level track is 8 cm and its apparent
     slope 0.16 ‰; north and east are off by less than 0.1 mm. Take heights, not "down", for slopes.
     """
-    found = pymap3d.geodetic2ned(latitude, longitude, height, origin.latitude, origin.longitude, origin.height)
-    return np.stack([np.asarray(c, dtype=np.float64) for c in found], axis=-1)
+    offsets = pymap3d.geodetic2ned(latitude, longitude, height, origin.latitude, origin.longitude, origin.height)
+    return np.stack([np.asarray(c, dtype=np.float64) for c in offsets], axis=-1)
 
 
 def geodetic(north: ArrayLike, east: ArrayLike, down: ArrayLike, origin: Place) -> Array:
     """Return latitude, longitude [°] and height [m], shape (…, 3), of points in the local frame of `origin`."""
-    found = pymap3d.ned2geodetic(north, east, down, origin.latitude, origin.longitude, origin.height)
-    return np.stack([np.asarray(c, dtype=np.float64) for c in found], axis=-1)
+    position = pymap3d.ned2geodetic(north, east, down, origin.latitude, origin.longitude, origin.height)
+    return np.stack([np.asarray(c, dtype=np.float64) for c in position], axis=-1)

@@ -120,10 +120,10 @@ class Plan:
     def positions(self, distance: ArrayLike) -> Array:
         """Return latitude, longitude [°] and height above the ellipsoid [m], shape (…, 3)."""
         horizontal = self.horizontal_at(distance)
-        found = geodetic(horizontal[..., 0], horizontal[..., 1], np.zeros(horizontal.shape[:-1]), self.track.origin)
+        positions = geodetic(horizontal[..., 0], horizontal[..., 1], np.zeros(horizontal.shape[:-1]), self.track.origin)
         # The plan lies on the touching plane, the height is told above the ellipsoid.
-        found[..., 2] = self.track.height_at(distance)
-        return found
+        positions[..., 2] = self.track.height_at(distance)
+        return positions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

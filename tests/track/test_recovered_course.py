@@ -89,7 +89,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
                 add(observation[j, i : i + 1], j, seen[j, i : i + 1], noise[i : i + 1, None])
     expected = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0].reshape(12, 2)
     found = smooth(
-        transition=F, noise=Q, observation=observation, reading_noise=noise, seen=seen, start=start, spread=spread
+        transition=F, noise=Q, observation=observation, reading_noise=noise, readings=seen, start=start, spread=spread
     ).mean
     # Both solve the same well-conditioned system in doubles.
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)

@@ -96,12 +96,12 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
             f"course: positions over {reach:.1f} m say nothing about curvature over {low_pass.base:g} m; "
             "take a longer recording."
         )
-    at, merged = _merged(distance, np.column_stack([horizontal, height]))
+    at, positions = _merged(distance, np.column_stack([horizontal, height]))
     # The way for which each point stands: half of that to either neighbour.
     weight = np.gradient(at)
     plan, rise = ((wavelength / (2.0 * np.pi)) ** 4 for wavelength in (low_pass.plan, low_pass.height))
-    north, east = (make_smoothing_spline(at, merged[:, c], w=weight, lam=plan) for c in (0, 1))
-    up = make_smoothing_spline(at, merged[:, 2], w=weight, lam=rise)
+    north, east = (make_smoothing_spline(at, positions[:, c], w=weight, lam=plan) for c in (0, 1))
+    up = make_smoothing_spline(at, positions[:, 2], w=weight, lam=rise)
     grid = np.arange(at[0], at[-1], GRID)
     half = 0.5 * low_pass.base
     # At the ends the base is cut, not moved.
@@ -110,13 +110,13 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
     def heading(s: Array) -> Array:
         return np.unwrap(np.arctan2(east(s, nu=1), north(s, nu=1)))
 
-    turned = (heading(before) - heading(behind) + np.pi) % (2.0 * np.pi) - np.pi
+    turn = (heading(before) - heading(behind) + np.pi) % (2.0 * np.pi) - np.pi
     return Course(
         distance=grid,
         horizontal=np.column_stack([north(grid), east(grid)]),
         height=up(grid),
         heading=heading(grid),
-        curvature=turned / (before - behind),
+        curvature=turn / (before - behind),
         slope=(up(before) - up(behind)) / (before - behind),
     )
 

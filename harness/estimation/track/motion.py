@@ -138,7 +138,7 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
         noise=Q,
         observation=observation,
         reading_noise=np.array([trust.speed, trust.acceleration, trust.position]) ** 2,
-        seen=np.column_stack([speed, acceleration, along]),
+        readings=np.column_stack([speed, acceleration, along]),
         start=np.array([0.0, float(speed[np.isfinite(speed)][0]), 0.0, 0.0, 0.0]),
         # The distance begins at zero, to a millimetre.
         spread=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,

@@ -27,7 +27,7 @@ def smooth(
     noise: Array,
     observation: Array,
     reading_noise: Array,
-    seen: Array,
+    readings: Array,
     start: Array,
     spread: Array,
 ) -> Smoothed:
@@ -38,13 +38,13 @@ def smooth(
         noise: Covariance of q, shape (n, n).
         sight: H of every instant, shape (k, m, n).
         reading_noise: Variances of independent r, shape (m,).
-        seen: Readings, shape (k, m); NaN where there is none.
+        readings: Readings, shape (k, m); NaN where there is none.
         start: Mean at the first instant before its readings, shape (n,).
         spread: Its covariance, shape (n, n), positive definite.
 
     Source: Särkkä, Bayesian Filtering and Smoothing (2013), theorems 4.2 and 8.2.
     """
-    count, n = len(seen), start.size
+    count, n = len(readings), start.size
     mean, covariance = np.empty((count, n)), np.empty((count, n, n))
     expected_mean, expected = np.empty((count, n)), np.empty((count, n, n))
     m, spread_now = start, spread
@@ -52,17 +52,17 @@ def smooth(
         if j > 0:
             m, spread_now = transition @ m, transition @ spread_now @ transition.T + noise
         expected_mean[j], expected[j] = m, spread_now
-        there = np.isfinite(seen[j])
+        there = np.isfinite(readings[j])
         if there.any():
             H, R = observation[j][there], np.diag(reading_noise[there])
             gain = np.linalg.solve(H @ spread_now @ H.T + R, H @ spread_now).T
-            kept = np.eye(n) - gain @ H
-            m = m + gain @ (seen[j][there] - H @ m)
-            spread_now = kept @ spread_now @ kept.T + gain @ R @ gain.T
+            remainder = np.eye(n) - gain @ H
+            m = m + gain @ (readings[j][there] - H @ m)
+            spread_now = remainder @ spread_now @ remainder.T + gain @ R @ gain.T
         mean[j], covariance[j] = m, spread_now
     for j in range(count - 2, -1, -1):
         G = np.linalg.solve(expected[j + 1], transition @ covariance[j]).T
         mean[j] = mean[j] + G @ (mean[j + 1] - expected_mean[j + 1])
-        changed = covariance[j] + G @ (covariance[j + 1] - expected[j + 1]) @ G.T
-        covariance[j] = 0.5 * (changed + changed.T)
+        update = covariance[j] + G @ (covariance[j + 1] - expected[j + 1]) @ G.T
+        covariance[j] = 0.5 * (update + update.T)
     return Smoothed(mean, covariance)

@@ -111,10 +111,10 @@ def measure(
         true_rate: Of `true`, samples a second; `RATE` is a multiple of it.
         speed, vehicle, run: As for `disturbance`.
     """
-    seen = _fine(true, true_rate)
-    count, channels = seen.shape
-    added = disturbance(count, channels, speed, sensor, vehicle, run)
-    return _plate(seen + added.before, sensor) * added.gain + added.after
+    fine = _fine(true, true_rate)
+    count, channels = fine.shape
+    noise = disturbance(count, channels, speed, sensor, vehicle, run)
+    return _plate(fine + noise.before, sensor) * noise.gain + noise.after
 
 
 class Sampled:
@@ -132,9 +132,9 @@ class Sampled:
         b, a = self._b, self._a
         # The plate has settled under the first sample, as if the run had begun before.
         state = _initial(b, a)[:, None] * shaken if self._state is None else self._state
-        moved = b[0] * shaken + state[0]
-        self._state = np.stack([b[1] * shaken - a[1] * moved + state[1], b[2] * shaken - a[2] * moved])
-        return moved * self._added.gain + self._added.after[sample]
+        deflection = b[0] * shaken + state[0]
+        self._state = np.stack([b[1] * shaken - a[1] * deflection + state[1], b[2] * shaken - a[2] * deflection])
+        return deflection * self._added.gain + self._added.after[sample]
 
 
 def _fine(true: Array, rate: int) -> Array:
@@ -152,10 +152,10 @@ def plate(sensor: Accelerometer) -> tuple[Array, Array]:
     return b / a[0], a / a[0]
 
 
-def _plate(seen: Array, sensor: Accelerometer) -> Array:
+def _plate(signal: Array, sensor: Accelerometer) -> Array:
     b, a = plate(sensor)
-    settled = _initial(b, a)[:, None] * seen[0]
-    return np.asarray(lfilter(b, a, seen, axis=0, zi=settled)[0], dtype=np.float64)
+    settled = _initial(b, a)[:, None] * signal[0]
+    return np.asarray(lfilter(b, a, signal, axis=0, zi=settled)[0], dtype=np.float64)
 
 
 def _initial(b: Array, a: Array) -> Array:

@@ -165,18 +165,18 @@ def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
     """Leave one run out at a time and judge on it."""
     scores: list[Score] = []
     for left in runs:
-        seen = [_labelled(recipe.blocks(run), run.friction) for run in runs if run is not left]
+        training = [_labelled(recipe.blocks(run), run.friction) for run in runs if run is not left]
         new = [_labelled(recipe.blocks(left), left.friction)]
-        scores.append(score(recipe.fit(seen, f"without.{left.name}"), seen, new))
+        scores.append(score(recipe.fit(training, f"without.{left.name}"), training, new))
     return average(scores)
 
 
 def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Recipe) -> dict[str, Score]:
     """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
-    seen = [_labelled(recipe.blocks(run), run.friction) for run in home]
-    fitted = recipe.fit(seen, f"home.{home[0].group}")
+    training = [_labelled(recipe.blocks(run), run.friction) for run in home]
+    fitted = recipe.fit(training, f"home.{home[0].group}")
     return {
-        name: score(fitted, seen, [_labelled(recipe.blocks(run), run.friction) for run in runs])
+        name: score(fitted, training, [_labelled(recipe.blocks(run), run.friction) for run in runs])
         for name, runs in away.items()
     }
 
@@ -190,13 +190,13 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
         runs: New ones.
         rule: For each run, the mean label of training on rails as dry, or as little dry, as its own.
     """
-    estimates, truth, ruled = [], [], []
+    estimates, truth, recipes = [], [], []
     for k, run in enumerate(runs):
-        made = ensemble(spectral_features(run))
-        estimates.append(np.column_stack([made.friction, made.lower, made.upper]))
-        truth.append(np.full(len(made.friction), run.friction))
+        estimator = ensemble(spectral_features(run))
+        estimates.append(np.column_stack([estimator.friction, estimator.lower, estimator.upper]))
+        truth.append(np.full(len(estimator.friction), run.friction))
         if rule is not None:
-            ruled.append(np.full(len(made.friction), rule[k]))
+            recipes.append(np.full(len(estimator.friction), rule[k]))
     whole, y = np.vstack(estimates), np.concatenate(truth)
     error = whole[:, 0] - y
     return Score(
@@ -206,18 +206,18 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
         rmse_of_mean=_rms(y - mean_label), mae_of_mean=float(np.abs(y - mean_label).mean()),
         coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()),
         width=float((whole[:, 2] - whole[:, 1]).mean()),
-        mae_of_rule=float(np.abs(np.concatenate(ruled) - y).mean()) if ruled else None,
+        mae_of_rule=float(np.abs(np.concatenate(recipes) - y).mean()) if recipes else None,
     )  # fmt: skip
 
 
 def score(
     fitted: Sequence[Callable[[Array], Array]],
-    seen: Sequence[tuple[Array, Array]],
+    training: Sequence[tuple[Array, Array]],
     new: Sequence[tuple[Array, Array]],
 ) -> Score:
     """Return the errors of several networks, beside those of the mean label of what they have seen."""
     x, y = np.vstack([d[0] for d in new]), np.concatenate([d[1] for d in new])
-    mean = np.concatenate([d[1] for d in seen]).mean()
+    mean = np.concatenate([d[1] for d in training]).mean()
     errors = [one(x) - y for one in fitted]
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(

@@ -6,29 +6,31 @@ from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import Source
 
 
-def as_fmu(built: Online) -> Source:
+def as_fmu(online: Online) -> Source:
     """Return C code and modelDescription.xml of an online estimator, for `railgrip.fmus.native.package.pack`."""
-    states, inputs, outputs = (tuple(map(_variable, edges)) for edges in (_apart(built), built.inputs, built.outputs))
+    states, inputs, outputs = (
+        tuple(map(_variable, edges)) for edges in (_apart(online), online.inputs, online.outputs)
+    )
     return sources(
         Discrete(
-            name=built.name,
+            name=online.name,
             # Whoever steps it at the rate of something slower must know: a longer step holds its inputs.
-            description=f"Friction between wheel and rail from accelerations of the axle boxes, {built.rate} a second",
-            period=1 / built.rate,
+            description=f"Friction between wheel and rail from accelerations of the axle boxes, {online.rate} a second",
+            period=1 / online.rate,
             states=states,
             inputs=inputs,
             parameters=(),
             outputs=outputs,
-            step=built.step,
+            step=online.step,
         )
     )
 
 
-def _apart(built: Online) -> tuple[Edge, ...]:
+def _apart(online: Online) -> tuple[Edge, ...]:
     """Return the states under names that no input or output has."""
     return tuple(
         Edge(name=f"memory.{edge.name}", unit=edge.unit, start=edge.start, description=edge.description)
-        for edge in built.states
+        for edge in online.states
     )
 
 

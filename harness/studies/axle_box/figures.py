@@ -14,24 +14,24 @@ from railgrip.studies.axle_box.reduction import CHANNELS
 from railgrip.studies.axle_box.study import PUBLISHED, Study, over_speeds
 
 
-def draw(made: Study, folder: Path) -> list[Path]:
+def draw(study: Study, folder: Path) -> list[Path]:
     """Draw every figure of a study into a folder."""
     return [
-        save(errors(made), folder / "errors.png"),
-        save(processed(made), folder / "processed.png"),
-        save(campaign(made), folder / "campaign.png"),
-        save(over_time(made), folder / "within_runs.png"),
+        save(errors(study), folder / "errors.png"),
+        save(processed(study), folder / "processed.png"),
+        save(campaign(study), folder / "campaign.png"),
+        save(over_time(study), folder / "within_runs.png"),
     ]
 
 
-def errors(made: Study) -> Figure:
+def errors(study: Study) -> Figure:
     """Mean absolute error of each way of judging, beside always saying the mean."""
-    published = float(np.mean([PUBLISHED[s][1] for s in made.runs]))
+    published = float(np.mean([PUBLISHED[s][1] for s in study.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, GREY)]
     for name, row, colour in (
-        *((f"4-6-1: {k}", v, BLUE) for k, v in made.split.items()),
-        *((f"4-6-1: {k}", v, VERMILION) for k, v in made.honest.items()),
-        *((f"all speeds: {k}", v, GREEN) for k, v in made.general.items()),
+        *((f"4-6-1: {k}", v, BLUE) for k, v in study.split.items()),
+        *((f"4-6-1: {k}", v, VERMILION) for k, v in study.honest.items()),
+        *((f"all speeds: {k}", v, GREEN) for k, v in study.general.items()),
     ):
         mean = over_speeds(row)
         rows.append((name, mean.mae, mean.mae_of_mean, colour))
@@ -47,44 +47,46 @@ def errors(made: Study) -> Figure:
     return sheet
 
 
-def campaign(made: Study) -> Figure:
+def campaign(study: Study) -> Figure:
     """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
     sheet = figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
-        np.atleast_1d(sheet.subplots(1, len(made.runs), sharey=True)), made.runs.items(), strict=True
+        np.atleast_1d(sheet.subplots(1, len(study.runs), sharey=True)), study.runs.items(), strict=True
     ):
         for k, run in enumerate(sorted(runs, key=lambda r: r.friction)):
-            said = made.ensemble(spectral_features(run))
-            place = k + np.linspace(-0.3, 0.3, len(said.friction))
-            axes.vlines(place, said.lower, said.upper, color=GREEN, alpha=0.3, linewidth=1, label="90 % interval")
-            axes.plot(place, said.friction, ".", color=GREEN, markersize=3, label="estimate")
+            estimate = study.ensemble(spectral_features(run))
+            place = k + np.linspace(-0.3, 0.3, len(estimate.friction))
+            axes.vlines(
+                place, estimate.lower, estimate.upper, color=GREEN, alpha=0.3, linewidth=1, label="90 % interval"
+            )
+            axes.plot(place, estimate.friction, ".", color=GREEN, markersize=3, label="estimate")
             axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
-        if speed == next(iter(made.runs)):
+        if speed == next(iter(study.runs)):
             axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
         axes.set_xticks([])
         axes.set_ylim(0, 0.55)
-        dress(axes, x="runs by friction", y="friction" if speed == next(iter(made.runs)) else "", title=f"{speed} mph")
+        dress(axes, x="runs by friction", y="friction" if speed == next(iter(study.runs)) else "", title=f"{speed} mph")
     return sheet
 
 
-def processed(made: Study) -> Figure:
+def processed(study: Study) -> Figure:
     """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
-    sheet = figure(8.0, 1.7 * len(made.runs))
-    rows = np.atleast_1d(sheet.subplots(len(made.runs), 1))
+    sheet = figure(8.0, 1.7 * len(study.runs))
+    rows = np.atleast_1d(sheet.subplots(len(study.runs), 1))
     colours = lead_to_trail(4)
-    for axes, (speed, runs) in zip(rows, made.runs.items(), strict=True):
+    for axes, (speed, runs) in zip(rows, study.runs.items(), strict=True):
         ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
-        seen = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
-        seconds = np.arange(len(seen)) * (BLOCKS[speed] / RATE)
+        amplitudes = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
+        seconds = np.arange(len(amplitudes)) * (BLOCKS[speed] / RATE)
         for wheelset, colour in enumerate(colours):
-            axes.plot(seconds, seen[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
+            axes.plot(seconds, amplitudes[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
         for begin, end, run in zip([0.0, *ends[:-1]], ends, runs, strict=True):
             axes.axvline(end, color=GREY, linewidth=0.8, linestyle=":")
             axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
                       ha="center", va="top", color=GREY)  # fmt: skip
         axes.set_xlim(0, ends[-1])
-        axes.set_ylim(0, 1.25 * float(seen.max()))
-        last = speed == list(made.runs)[-1]
+        axes.set_ylim(0, 1.25 * float(amplitudes.max()))
+        last = speed == list(study.runs)[-1]
         dress(
             axes,
             x="time of the linked runs [s]" if last else "",
@@ -95,20 +97,20 @@ def processed(made: Study) -> Figure:
     return sheet
 
 
-def over_time(made: Study) -> Figure:
+def over_time(study: Study) -> Figure:
     """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
-    sheet = figure(8.0, 1.9 * len(made.runs))
-    grid = np.atleast_2d(sheet.subplots(len(made.runs), 2, sharex="row", sharey=True))
-    for pair, (speed, runs) in zip(grid, made.runs.items(), strict=True):
+    sheet = figure(8.0, 1.9 * len(study.runs))
+    grid = np.atleast_2d(sheet.subplots(len(study.runs), 2, sharex="row", sharey=True))
+    for pair, (speed, runs) in zip(grid, study.runs.items(), strict=True):
         for axes, fitted, labels, title in (
-            (pair[0], made.networks[speed], None, "labels of the runs"),
-            (pair[1], made.exchanged[speed], exchanged(runs), "labels of other runs"),
+            (pair[0], study.networks[speed], None, "labels of the runs"),
+            (pair[1], study.exchanged[speed], exchanged(runs), "labels of other runs"),
         ):
-            _, late = parts_of(runs, made.recipe, labels)
+            _, late = parts_of(runs, study.recipe, labels)
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
             axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
             axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=0.9, label="estimate")
-            last = speed == list(made.runs)[-1]
+            last = speed == list(study.runs)[-1]
             dress(
                 axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",
                 title=f"{speed} mph, {title}",

@@ -63,21 +63,21 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
         pool: Simulates, see `workers`.
         tell: Told the name of every run as it is there.
     """
-    wanted = list(passes)
+    plan = list(passes)
     common = _common()
-    keys = {p.name + str(p.seed): _key(p, common) for p in wanted}
+    keys = {p.name + str(p.seed): _key(p, common) for p in plan}
     files = {name: cache.find(KIND, key, RUN) for name, key in keys.items()}
-    missing = [p for p in wanted if files[p.name + str(p.seed)] is None]
-    for p in wanted:
+    missing = [p for p in plan if files[p.name + str(p.seed)] is None]
+    for p in plan:
         if p not in missing:
             tell(p.name)
     # Longest first, so that no worker is left with a long one at the end.
     missing.sort(key=lambda p: p.speed / p.length)
     running = {pool.submit(_make, p, keys[p.name + str(p.seed)]): p for p in missing}
-    for done in as_completed(running):
-        files[running[done].name + str(running[done].seed)] = done.result()
-        tell(running[done].name)
-    return [_read(files[p.name + str(p.seed)], slope(p)) for p in wanted]
+    for future in as_completed(running):
+        files[running[future].name + str(running[future].seed)] = future.result()
+        tell(running[future].name)
+    return [_read(files[p.name + str(p.seed)], slope(p)) for p in plan]
 
 
 def _make(run: Pass, key: str) -> Path:
@@ -89,11 +89,12 @@ def _make(run: Pass, key: str) -> Path:
 
 def _read(file: Path | None, known_slope: float) -> Run:
     assert file is not None
-    with np.load(file) as held:
+    with np.load(file) as arrays:
         return Run(
-            name=str(held["name"]), group=int(held["group"]), speed=float(held["speed"]),
-            friction=float(held["friction"]),
-            blocks=held["blocks"], settled=held["settled"], slow=held["slow"].astype(np.float64), slope=known_slope,
+            name=str(arrays["name"]), group=int(arrays["group"]), speed=float(arrays["speed"]),
+            friction=float(arrays["friction"]),
+            blocks=arrays["blocks"], settled=arrays["settled"],
+            slow=arrays["slow"].astype(np.float64), slope=known_slope,
         )  # fmt: skip
 
 

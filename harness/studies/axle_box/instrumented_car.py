@@ -140,17 +140,18 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
         railgrip.errors.FmuError: It cannot be built.
     """
     with car_of(run, rate=rate) as (car, inputs, skipped):
-        seen = np.empty((len(inputs), SHOWN))
-        seen[0] = car.start(inputs[0])
+        outputs = np.empty((len(inputs), SHOWN))
+        outputs[0] = car.start(inputs[0])
         step = car.step
         for k in range(1, len(inputs)):
-            seen[k] = step(inputs[k])
-    seen, friction = seen[skipped:], inputs[skipped:, 16:]
-    made = Ride(
-        longitudinal=np.stack([seen[:, 0:4], seen[:, 4:8]], axis=-1),
-        lateral=seen[:, 8:12], offset=seen[:, 12:16], creep=seen[:, 16:20], speed=seen[:, 20], friction=friction,
+            outputs[k] = step(inputs[k])
+    outputs, friction = outputs[skipped:], inputs[skipped:, 16:]
+    result = Ride(
+        longitudinal=np.stack([outputs[:, 0:4], outputs[:, 4:8]], axis=-1),
+        lateral=outputs[:, 8:12], offset=outputs[:, 12:16], creep=outputs[:, 16:20], speed=outputs[:, 20],
+        friction=friction,
     )  # fmt: skip
-    return _turned(made) if run.backwards else made
+    return _turned(result) if run.backwards else result
 
 
 @contextmanager
@@ -182,22 +183,22 @@ def _bound() -> tuple[Description, Any]:
         "longitudinal_left": ("m/s2", 4), "longitudinal_right": ("m/s2", 4), "lateral": ("m/s2", 4),
         "offset": ("m", 4), "creep": ("1", 4), "speed": ("m/s", 0),
     }  # fmt: skip
-    sent, shown = (
+    input_signals, output_signals = (
         [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in interface.items()]
         for interface in (inputs, outputs)
     )
-    return description, bind(description, inputs=sent, outputs=shown, where=f"the car {FMU}")
+    return description, bind(description, inputs=input_signals, outputs=output_signals, where=f"the car {FMU}")
 
 
-def _turned(made: Ride) -> Ride:
+def _turned(forward: Ride) -> Ride:
     """Return a ride in the axes of a car whose rear led: the whole car is rotated by half a turn."""
     return Ride(
-        longitudinal=-made.longitudinal[:, ::-1, ::-1],
-        lateral=-made.lateral[:, ::-1],
-        offset=-made.offset[:, ::-1],
-        creep=made.creep[:, ::-1],
-        friction=made.friction[:, ::-1],
-        speed=made.speed,
+        longitudinal=-forward.longitudinal[:, ::-1, ::-1],
+        lateral=-forward.lateral[:, ::-1],
+        offset=-forward.offset[:, ::-1],
+        creep=forward.creep[:, ::-1],
+        friction=forward.friction[:, ::-1],
+        speed=forward.speed,
     )
 
 
@@ -227,13 +228,13 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     before = int(LEAD_IN / speed * rate)
     count = before + int(run.length / speed * rate)
     ahead = BEHIND[-1] + LEAD_IN
-    travelled = np.arange(count) * (speed / rate)
-    position = np.asarray(ahead + travelled[:, None] - np.array(BEHIND), dtype=np.float64)
+    distance = np.arange(count) * (speed / rate)
+    position = np.asarray(ahead + distance[:, None] - np.array(BEHIND), dtype=np.float64)
     whole = ahead + LEAD_IN + run.length
     track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
     # The car starts on even track: irregularities grow over the first half of the lead-in.
-    grown = np.clip(travelled / (LEAD_IN / 2), 0, 1) ** 2 * (3 - 2 * np.clip(travelled / (LEAD_IN / 2), 0, 1))
-    columns = [_seen(track, kind, position, whole, run.backwards) * grown[:, None] for kind in KINDS]
+    ramp = np.clip(distance / (LEAD_IN / 2), 0, 1) ** 2 * (3 - 2 * np.clip(distance / (LEAD_IN / 2), 0, 1))
+    columns = [_seen(track, kind, position, whole, run.backwards) * ramp[:, None] for kind in KINDS]
     columns.append(_friction(run, position, whole))
     return np.hstack(columns), before
 
@@ -242,8 +243,8 @@ def _seen(track: Irregularity, kind: str, position: Array, whole: float, backwar
     """Return irregularities as a car meets them; to a car that runs the other way, left is right."""
     if not backwards:
         return track.at(kind, position)  # pyright: ignore[reportArgumentType] - one of KINDS
-    mirrored = track.at(kind, whole - position)  # pyright: ignore[reportArgumentType]
-    return -mirrored if kind in ("alignment", "cross_level") else mirrored
+    opposite = track.at(kind, whole - position)  # pyright: ignore[reportArgumentType]
+    return -opposite if kind in ("alignment", "cross_level") else opposite
 
 
 def _friction(run: Pass, position: Array, whole: float) -> Array:

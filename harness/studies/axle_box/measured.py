@@ -16,14 +16,14 @@ VEHICLE: Final = 7
 
 def readings(run: Pass) -> Readings:
     """Simulate a run and measure it."""
-    made = ride(run)
-    true = np.hstack([made.longitudinal[:, :, 0], made.longitudinal[:, :, 1], made.lateral])
+    motion = ride(run)
+    true = np.hstack([motion.longitudinal[:, :, 0], motion.longitudinal[:, :, 1], motion.lateral])
     vehicle, own = draws(run)
-    written = measure(true, TWIN_RATE, float(made.speed.mean()), AXLE_BOX, vehicle=vehicle, run=own)
-    fine = np.arange(len(written)) * (TWIN_RATE / RATE)
+    channels = measure(true, TWIN_RATE, float(motion.speed.mean()), AXLE_BOX, vehicle=vehicle, run=own)
+    fine = np.arange(len(channels)) * (TWIN_RATE / RATE)
     return Readings(
-        left=written[:, :4], right=written[:, 4:8], lateral=written[:, 8:],
-        speed=np.interp(fine, np.arange(len(made.speed)), made.speed), backwards=run.backwards, rate=RATE,
+        left=channels[:, :4], right=channels[:, 4:8], lateral=channels[:, 8:],
+        speed=np.interp(fine, np.arange(len(motion.speed)), motion.speed), backwards=run.backwards, rate=RATE,
     )  # fmt: skip
 
 

@@ -47,8 +47,8 @@ def judge_own(
         left_out = {g: pool.submit(without_each, own, recipe) for g, own in several.items()}
         networks = {g: pool.submit(best_of, own, recipe) for g, own in several.items()}
         each = [pool.submit(_without, runs, k, members) for k in range(len(runs))]
-        for done in (whole, *split.values(), *left_out.values(), *networks.values(), *each):
-            done.result()
+        for future in (whole, *split.values(), *left_out.values(), *networks.values(), *each):
+            future.result()
             tell("training and judging")
     ensemble: Ensemble = whole.result()[0]
     text = own_report(
@@ -79,5 +79,5 @@ def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
 
 def _without(runs: Sequence[Run], left: int, members: int) -> Score:
     """Judge the estimator for all speeds on one run that it has not seen."""
-    made, mean = general([run for k, run in enumerate(runs) if k != left], members)
-    return judge(made, mean, [runs[left]])
+    estimator, mean = general([run for k, run in enumerate(runs) if k != left], members)
+    return judge(estimator, mean, [runs[left]])

@@ -51,10 +51,10 @@ class NetworkTable(Table):
 
     @field_validator("inputs")
     @classmethod
-    def _known(cls, written: str) -> str:
-        if written not in COMBINATIONS:
-            raise broken(f"is '{written}'; there is {'; '.join(COMBINATIONS)}")
-        return written
+    def _known(cls, name: str) -> str:
+        if name not in COMBINATIONS:
+            raise broken(f"is '{name}'; there is {'; '.join(COMBINATIONS)}")
+        return name
 
     def recipe(self) -> Recipe:
         """Return how they are trained."""

@@ -54,23 +54,23 @@ class LearnedFriction:
         self.mean, self.covariance = np.array([np.nan]), np.array([[np.inf]])
         self.held, self.seen = np.ones(1), np.full(len(READINGS), np.nan)
         self._advance = advance
-        known = (*READINGS, "direction")
-        self._taken = np.array([known.index(name) for name in inputs])
+        signals = (*READINGS, "direction")
+        self._taken = np.array([signals.index(name) for name in inputs])
         self._at = {name: place for place, name in enumerate(outputs)}
         self._latest = self.seen.copy()
 
     def advance(self) -> None:
         """Go on by one sample."""
         np.copyto(self._latest, self.seen, where=~np.isnan(self.seen))
-        said, at = self._advance(np.concatenate([self._latest, self.held])[self._taken]), self._at
-        if said[at["known"]] < 0.5:
+        outputs, at = self._advance(np.concatenate([self._latest, self.held])[self._taken]), self._at
+        if outputs[at["known"]] < 0.5:
             return
-        friction = self.mean[0] = said[at["friction"]]
+        friction = self.mean[0] = outputs[at["friction"]]
         if "upper" not in at:
             self.covariance[0, 0] = np.nan
             return
         # Ends are cut off at 0 and 1; the longer half is the whole one.
-        half = max(said[at["upper"]] - friction, friction - said[at["lower"]])
+        half = max(outputs[at["upper"]] - friction, friction - outputs[at["lower"]])
         self.covariance[0, 0] = (half / QUANTILE) ** 2
 
 
@@ -107,15 +107,15 @@ def in_fmu(file: Path, rate: int) -> Generator[LearnedFriction]:
         outputs=tuple(Signal(name=name, unit="1", size=0, needed=True) for name in outputs),
         parameters=(), table={}, where=file.name,
     )  # fmt: skip
-    with CoSimulation(description, binding, period=1 / rate, parameters={}) as opened:
+    with CoSimulation(description, binding, period=1 / rate, parameters={}) as model:
         started = False
 
         def advance(sample: Vector) -> Vector:
             nonlocal started
             if not started:
-                opened.start(sample)
+                model.start(sample)
                 started = True
-            return opened.step(sample)
+            return model.step(sample)
 
         yield LearnedFriction(advance, inputs, outputs)
 

@@ -74,17 +74,17 @@ class Run:
     slope: float | None = None
 
 
-def reduce(name: str, friction: float, seen: Readings) -> Run:
+def reduce(name: str, friction: float, readings: Readings) -> Run:
     """Return a run as estimators are trained on it."""
-    speed = float(np.mean(np.abs(seen.speed)))
+    speed = float(np.mean(np.abs(readings.speed)))
     group = speed_class(speed)
-    boxes = seen.left, seen.right, seen.lateral
+    boxes = readings.left, readings.right, readings.lateral
     raw = np.hstack([motions(*boxes, "longitudinal, lateral, yaw"), motions(*boxes, "left, right")])
-    chain = Chain(rate=seen.rate, block=BLOCKS[group])
-    settled = Chain(rate=seen.rate, block=BLOCKS[group], start="first second")
+    chain = Chain(rate=readings.rate, block=BLOCKS[group])
+    settled = Chain(rate=readings.rate, block=BLOCKS[group], start="first second")
     return Run(
         name=name, group=group, speed=speed, friction=friction,
-        blocks=chain.process(raw), settled=settled.process(raw), slow=slow_signals(seen),
+        blocks=chain.process(raw), settled=settled.process(raw), slow=slow_signals(readings),
     )  # fmt: skip
 
 
@@ -93,8 +93,8 @@ def speed_class(speed: float) -> int:
     return min(BLOCKS, key=lambda mph: abs(mph * MPH - speed))
 
 
-def slow_signals(seen: Readings) -> Array:
+def slow_signals(readings: Readings) -> Array:
     """Return lateral and yaw acceleration at the slow rate in axes that point forwards, and speed, shape (m, 9)."""
-    slow = SLOW(np.hstack([seen.lateral, seen.right - seen.left]))
-    lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=seen.backwards)
-    return np.column_stack([lateral, yaw, SLOW.kept(seen.speed)])
+    slow = SLOW(np.hstack([readings.lateral, readings.right - readings.left]))
+    lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=readings.backwards)
+    return np.column_stack([lateral, yaw, SLOW.kept(readings.speed)])

@@ -61,17 +61,17 @@ class CarTable(Table):
 
     @field_validator("condition")
     @classmethod
-    def _known_condition(cls, written: str) -> str:
-        if written not in SURFACES:
-            raise broken(f"is '{written}'; there is {', '.join(SURFACES)}")
-        return written
+    def _known_condition(cls, name: str) -> str:
+        if name not in SURFACES:
+            raise broken(f"is '{name}'; there is {', '.join(SURFACES)}")
+        return name
 
     @field_validator("track")
     @classmethod
-    def _known_track(cls, written: str) -> str:
-        if written not in TRACKS:
-            raise broken(f"is '{written}'; there is {', '.join(TRACKS)}")
-        return written
+    def _known_track(cls, name: str) -> str:
+        if name not in TRACKS:
+            raise broken(f"is '{name}'; there is {', '.join(TRACKS)}")
+        return name
 
 
 class EstimatorTable(Table):
@@ -123,11 +123,11 @@ def read_ride(file: Path) -> RideFile:
     return validated(RideFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
-def ride_beside(asked: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None) -> Ridden:
+def ride_beside(ride_file: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None) -> Ridden:
     """Run the car and the estimator side by side, sample by sample, through the protocols of the loop.
 
     Args:
-        asked: What to run.
+        ride_file: What to run.
         directory: Where the file of the estimator is, if not in the working directory.
         progress: Told the share that is done.
 
@@ -135,12 +135,12 @@ def ride_beside(asked: RideFile, directory: Path, progress: Callable[[float], No
         ScenarioError, EstimatorError, FmuError: The estimator cannot be used.
         PlantFailed: The car or an FMU could not be stepped.
     """
-    run, file = asked.run(), Path(asked.estimator.file)
+    run, file = ride_file.run(), Path(ride_file.estimator.file)
     if not file.is_file():
         file = directory / file
     with ExitStack() as stack:
         trained: Trained | None = None
-        if asked.estimator.kind == "learned":
+        if ride_file.estimator.kind == "learned":
             trained = load(file)
             _require_rate(file, trained.rate)
             estimator = in_casadi(trained.online())
@@ -148,7 +148,7 @@ def ride_beside(asked: RideFile, directory: Path, progress: Callable[[float], No
             estimator = stack.enter_context(in_fmu(file, RATE))
         car, inputs, skipped = stack.enter_context(car_of(run, rate=RATE))
         count = len(inputs) - skipped
-        watched = watch(
+        record = watch(
             plant=car,
             inputs=inputs,
             sensors=AxleBoxes(run, count),
@@ -157,18 +157,18 @@ def ride_beside(asked: RideFile, directory: Path, progress: Callable[[float], No
             skipped=skipped,
             progress=lambda sample: progress(sample / count),
         )
-    apart = None if trained is None else difference(watched, said_of(trained, watched, run))
-    return Ridden(trace=_trace(asked, watched, inputs[skipped:, 16:]), apart=apart)
+    apart = None if trained is None else difference(record, said_of(trained, record, run))
+    return Ridden(trace=_trace(ride_file, record, inputs[skipped:, 16:]), apart=apart)
 
 
-def said_of(trained: Trained, watched: Watched, run: Pass) -> Said:
+def said_of(trained: Trained, record: Watched, run: Pass) -> Said:
     """Return what an estimator says of the readings of a ride, all at once."""
-    return trained.offline(watched.reading[:, : len(BOXES)], watched.reading[:, len(BOXES)], backwards=run.backwards)
+    return trained.offline(record.reading[:, : len(BOXES)], record.reading[:, len(BOXES)], backwards=run.backwards)
 
 
-def difference(watched: Watched, said: Said) -> float:
+def difference(record: Watched, answer: Said) -> float:
     """Return the largest difference in friction between the loop and an estimate of the same readings at once."""
-    return float(np.max(np.abs(watched.mean[said.sample, 0] - said.friction), initial=0.0))
+    return float(np.max(np.abs(record.mean[answer.sample, 0] - answer.friction), initial=0.0))
 
 
 def _require_rate(file: Path, rate: int) -> None:
@@ -195,16 +195,16 @@ def ride_figure(trace: xarray.Dataset) -> Figure:
     return sheet
 
 
-def _trace(asked: RideFile, watched: Watched, friction: Array) -> xarray.Dataset:
-    count = len(watched.mean)
+def _trace(ride_file: RideFile, record: Watched, friction: Array) -> xarray.Dataset:
+    count = len(record.mean)
     time = np.arange(count) / RATE
-    signals = {name: (watched.reading[:, k], "m/s2") for k, name in enumerate(BOXES)}
-    signals["speed"] = watched.reading[:, len(BOXES)], "m/s"
+    signals = {name: (record.reading[:, k], "m/s2") for k, name in enumerate(BOXES)}
+    signals["speed"] = record.reading[:, len(BOXES)], "m/s"
     signals["true_friction"] = friction.mean(axis=1), "1"
-    signals["friction"] = watched.mean[:, 0], "1"
-    signals["friction_sd"] = np.sqrt(watched.variance[:, 0]), "1"
+    signals["friction"] = record.mean[:, 0], "1"
+    signals["friction_sd"] = np.sqrt(record.variance[:, 0]), "1"
     return xarray.Dataset(
         {name: ("time", values, {"units": unit}) for name, (values, unit) in signals.items()},
         coords={"time": ("time", time, {"units": "s"})},
-        attrs={"name": asked.name, "period": 1 / RATE, "estimator": asked.estimator.file},
+        attrs={"name": ride_file.name, "period": 1 / RATE, "estimator": ride_file.estimator.file},
     )

@@ -69,12 +69,12 @@ def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
     Its tracks (ERRI low and FRA 6, seeds of their own) are none of those it is judged on; ERRI high is not among them.
     """
     draw = generator(11, "learn.design")
-    made: list[Pass] = []
+    passes: list[Pass] = []
     conditions = list(RANGES)
     for k in range(count):
         condition = conditions[k % len(conditions)]
         low, high = RANGES[condition]
-        made.append(
+        passes.append(
             Pass(
                 name=f"design {k}",
                 # Even in the logarithm, because 16 to 26 mph is as large a change as 37 to 60.
@@ -84,4 +84,4 @@ def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
                 backwards=bool(draw.random() < 0.5), length=length,
             )
         )  # fmt: skip
-    return tuple(made)
+    return tuple(passes)

@@ -117,30 +117,30 @@ def study(
         workers: Processes.
         tell: Told each run that is there and each piece that is judged; `pieces` says how often.
     """
-    wanted = passes(size)
+    plan = passes(size)
     with processes(workers) as pool:
-        everything = iter(gather([p for part in wanted.values() for p in part], pool, tell=tell))
-        named = {name: [next(everything) for _ in part] for name, part in wanted.items()}
-        return concluded(size, named, Recipe(inputs=inputs, starts=size.starts), pool, tell)
+        everything = iter(gather([p for part in plan.values() for p in part], pool, tell=tell))
+        runs = {name: [next(everything) for _ in part] for name, part in plan.items()}
+        return concluded(size, runs, Recipe(inputs=inputs, starts=size.starts), pool, tell)
 
 
 def concluded(
-    size: Size, named: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
+    size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
 ) -> Study:
     """Train and judge.
 
     Args:
-        named: Runs by set, see `passes`.
+        runs_of_part: Runs by set, see `passes`.
         recipe: Of the paper's networks.
         pool: Where that is done.
         tell: Told each piece that is judged.
     """
     few = replace(recipe, starts=size.honest_starts)
-    by_speed = {s: _at(named["campaign"], s) for s in size.speeds}
-    away = {name: runs for name, runs in named.items() if name not in ("campaign", "design")}
+    by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
+    away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}
     # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
-    all_speeds = pool.submit(general, named["design"], size.members)
-    submitted = {
+    all_speeds = pool.submit(general, runs_of_part["design"], size.members)
+    futures = {
         (table, name, s): pool.submit(one, by_speed[s])
         for table, rows in _pieces(recipe, few).items()
         for name, one in rows.items()
@@ -151,18 +151,18 @@ def concluded(
     }
     networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
     others = {s: pool.submit(best_of_exchanged, by_speed[s], few) for s in size.speeds}
-    pending = [all_speeds, *submitted.values(), *abroad_of.values(), *networks.values(), *others.values()]
-    for done in as_completed(pending):
-        done.result()
+    pending = [all_speeds, *futures.values(), *abroad_of.values(), *networks.values(), *others.values()]
+    for future in as_completed(pending):
+        future.result()
         tell("training and judging")
     tables: dict[str, dict[str, dict[int, Score]]] = {}
-    for (table, name, s), found in submitted.items():
-        tables.setdefault(table, {}).setdefault(name, {})[s] = found.result()
-    for s, found in abroad_of.items():
-        for name, score in found.result().items():
+    for (table, name, s), future in futures.items():
+        tables.setdefault(table, {}).setdefault(name, {})[s] = future.result()
+    for s, future in abroad_of.items():
+        for name, score in future.result().items():
             tables["honest"].setdefault(name, {})[s] = score
     ensemble, mean = all_speeds.result()
-    sets = {"campaign": named["campaign"], **away}
+    sets = {"campaign": runs_of_part["campaign"], **away}
     rule = dry_or_not(passes(size))
     return Study(
         recipe=recipe,
@@ -187,8 +187,8 @@ def concluded(
 def pieces(size: Size) -> int:
     """Return how many runs and pieces `study` tells of."""
     runs = sum(len(part) for part in passes(size).values())
-    judged = sum(len(rows) for rows in _pieces(Recipe(), Recipe()).values())
-    return runs + 1 + len(size.speeds) * (3 + judged)
+    judgements = sum(len(rows) for rows in _pieces(Recipe(), Recipe()).values())
+    return runs + 1 + len(size.speeds) * (3 + judgements)
 
 
 def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
@@ -214,10 +214,10 @@ def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequen
     }
 
 
-def estimators_of(made: Study) -> dict[str, PaperEstimator | GeneralEstimator]:
+def estimators_of(study: Study) -> dict[str, PaperEstimator | GeneralEstimator]:
     """Return what a study trained, by the name of the file it goes into."""
-    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=made.ensemble)
-    papers = {f"friction_{s}mph": paper_estimator(one, s, made.recipe) for s, one in made.networks.items()}
+    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=study.ensemble)
+    papers = {f"friction_{s}mph": paper_estimator(one, s, study.recipe) for s, one in study.networks.items()}
     return {"friction": general, **papers}
 
 
@@ -239,12 +239,12 @@ def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
     features = [spectral_features(run) for run in runs]
     labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
     number = np.concatenate([np.full(len(f), k, dtype=np.int64) for k, f in enumerate(features)])
-    known = [run.slope for run in runs if run.slope is not None]
-    slopes = np.array(known)[number] if len(known) == len(runs) else None
-    made = fit(
+    values = [run.slope for run in runs if run.slope is not None]
+    slopes = np.array(values)[number] if len(values) == len(runs) else None
+    network = fit(
         np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), slope=slopes, members=members
     )
-    return made, float(labels.mean())
+    return network, float(labels.mean())
 
 
 def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]]:
@@ -253,7 +253,7 @@ def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]
     It takes no estimator to tell a dry rail from a covered one: what an estimator is good for begins beyond this.
     """
     labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
-    mean = {dry: float(np.mean(found)) for dry, found in labels.items()}
+    mean = {dry: float(np.mean(values)) for dry, values in labels.items()}
     return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
 
 

@@ -90,14 +90,14 @@ def read_folder(
     Raises:
         EstimationError: A file, column or value is missing or impossible; in a sentence.
     """
-    known, chosen = read_labels(labels), table or plain_table()
+    label_of, columns = read_labels(labels), table or plain_table()
     runs: list[Run] = []
     remarks: list[str] = []
-    for name, label in known.items():
-        taken = _taken(folder / name, chosen)
-        bridged: list[Flag] = []
-        runs.append(reduce(name, label.friction, _readings(name, taken, chosen, label, bridged)))
-        remarks += [f"{name}: {sentence}" for sentence in (*taken.recording.attrs["flags"], *summary(bridged))]
+    for name, label in label_of.items():
+        record = _taken(folder / name, columns)
+        flags: list[Flag] = []
+        runs.append(reduce(name, label.friction, _readings(name, record, columns, label, flags)))
+        remarks += [f"{name}: {sentence}" for sentence in (*record.recording.attrs["flags"], *summary(flags))]
         tell(name)
     return Folder(runs=tuple(runs), remarks=tuple(remarks))
 
@@ -137,10 +137,10 @@ def _taken(file: Path, table: DataTable) -> Taken:
     return recorded(file, table, UNITS, ["speed"], list(BOXES))
 
 
-def _readings(name: str, taken: Taken, table: DataTable, label: Label, bridged: list[Flag]) -> Readings:
-    """Return what a file says of a run; `bridged` is told of what was interpolated."""
-    recording = taken.recording
-    boxes = np.column_stack([_whole(name, box, taken, table.longest_gap, bridged) for box in BOXES])
+def _readings(name: str, record: Taken, table: DataTable, label: Label, flags: list[Flag]) -> Readings:
+    """Return what a file says of a run; `flags` is told of what was interpolated."""
+    recording = record.recording
+    boxes = np.column_stack([_whole(name, box, record, table.longest_gap, flags) for box in BOXES])
     there = np.flatnonzero(np.isfinite(boxes).all(axis=1))
     # Loggers do not all begin and end at once; between, nothing is missing any more.
     part = slice(there[0], there[-1] + 1) if there.size else slice(0, 0)
@@ -158,45 +158,45 @@ def _readings(name: str, taken: Taken, table: DataTable, label: Label, bridged: 
     )  # fmt: skip
 
 
-def _whole(name: str, box: str, taken: Taken, longest_gap: float, bridged: list[Flag]) -> Array:
+def _whole(name: str, box: str, record: Taken, longest_gap: float, flags: list[Flag]) -> Array:
     """Return an acceleration without holes: short ones are bridged, NaN stands before and after all samples.
 
     Raises:
         EstimationError: A hole is too long, or the sensor too slow.
     """
-    values, time = reading_of(taken.recording, box), taken.recording["time"].values
-    known = np.flatnonzero(np.isfinite(values))
-    if known.size < 2:
-        raise EstimationError(f"{name}: {box} has {known.size} usable samples{_why(box, taken)}.")
-    apart = np.diff(time[known])
+    values, time = reading_of(record.recording, box), record.recording["time"].values
+    finite = np.flatnonzero(np.isfinite(values))
+    if finite.size < 2:
+        raise EstimationError(f"{name}: {box} has {finite.size} usable samples{_why(box, record)}.")
+    apart = np.diff(time[finite])
     spacing = float(np.median(apart))
     if spacing > 1 / SLOWEST:
         raise EstimationError(f"{name}: {box} has {1 / spacing:.0f} samples a second; it takes {SLOWEST} or more.")
     worst = int(np.argmax(apart))
     if apart[worst] > max(longest_gap, 1.5 * spacing) + 0.5 * PERIOD:
         raise EstimationError(
-            f"{name}: {box} is missing from {time[known[worst]]:.3f} s for {apart[worst]:.3g} s{_why(box, taken)}, and "
-            f"a filter needs every sample; cut the recording with begin and end in [data], or raise longest_gap "
+            f"{name}: {box} is missing from {time[finite[worst]]:.3f} s for {apart[worst]:.3g} s{_why(box, record)}, "
+            f"and a filter needs every sample; cut the recording with begin and end in [data], or raise longest_gap "
             f"({longest_gap:g} s) if it can be interpolated."
         )
     for k in np.flatnonzero(apart > 1.5 * spacing):
-        begin, end = (float(time[known[j]]) for j in (k, k + 1))
-        bridged.append(Flag(signal=box, kind="bridged", begin=begin, end=end, samples=0))
-    return np.interp(time, time[known], values[known], left=np.nan, right=np.nan)
+        begin, end = (float(time[finite[j]]) for j in (k, k + 1))
+        flags.append(Flag(signal=box, kind="bridged", begin=begin, end=end, samples=0))
+    return np.interp(time, time[finite], values[finite], left=np.nan, right=np.nan)
 
 
-def _why(box: str, taken: Taken) -> str:
-    kinds = dict.fromkeys(flag.kind for flag in taken.flags if flag.signal == box and flag.kind != "timing")
+def _why(box: str, record: Taken) -> str:
+    kinds = dict.fromkeys(flag.kind for flag in record.flags if flag.signal == box and flag.kind != "timing")
     return f" ({', '.join(kinds)})" if kinds else ""
 
 
-def _rows(file: Path, wanted: tuple[str, ...]) -> list[Mapping[str, str]]:
+def _rows(file: Path, columns: tuple[str, ...]) -> list[Mapping[str, str]]:
     try:
         with file.open(newline="", encoding="utf-8-sig") as stream:
             rows = csv.DictReader(stream, skipinitialspace=True)
             header = [name.strip() for name in rows.fieldnames or ()]
             rows.fieldnames = header
-            missing = [name for name in wanted if name not in header]
+            missing = [name for name in columns if name not in header]
             if missing:
                 raise EstimationError(
                     f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}."

@@ -51,16 +51,16 @@ def _sweep(
     tasks: Sequence[Task],
     filter_: CompiledFilter,
     factors: Array,
-    chosen: Callable[[float], tuple[Noise, float]],
+    setting: Callable[[float], tuple[Noise, float]],
 ) -> Sweep:
     rows: list[tuple[float, ...]] = []
     for factor in factors:
-        noise, start = chosen(float(factor))
-        followed = [follow(task, filter_, noise, start) for task in tasks]
-        scores = [score(task, told) for task, told in zip(tasks, followed, strict=True)]
+        noise, start = setting(float(factor))
+        estimates = [follow(task, filter_, noise, start) for task in tasks]
+        scores = [score(task, estimate) for task, estimate in zip(tasks, estimates, strict=True)]
         rows.append(
             (
-                max(terms_of(task, told).deviation for task, told in zip(tasks, followed, strict=True)),
+                max(terms_of(task, estimate).deviation for task, estimate in zip(tasks, estimates, strict=True)),
                 *(float(np.mean([getattr(s, name) for s in scores])) for name in ("adhesion", "pad_friction", "nees")),
             )
         )

@@ -28,44 +28,44 @@ def track_figure(run: Run) -> Figure:
     """Return the track of a run: map, heading and curvature, height and slope; recovered and laid (figure 2)."""
     course = run.braking.motion.course
     place = run.plan.place(course.distance)
-    made = style.figure(11, 5.4)
-    grid = made.add_gridspec(2, 2, width_ratios=(1, 1.6))
-    chart = made.add_subplot(grid[:, 0])
-    laid = run.plan.laid().plan().horizontal_at(place)
+    drawing = style.figure(11, 5.4)
+    grid = drawing.add_gridspec(2, 2, width_ratios=(1, 1.6))
+    chart = drawing.add_subplot(grid[:, 0])
+    reference = run.plan.laid().plan().horizontal_at(place)
     # Both in the frame of the plan: the recovered course has its own origin.
-    shift = (laid - course.horizontal).mean(axis=0)
-    chart.plot(*laid.T[::-1], color=style.GREY, linewidth=4, alpha=0.5, label="laid")
+    shift = (reference - course.horizontal).mean(axis=0)
+    chart.plot(*reference.T[::-1], color=style.GREY, linewidth=4, alpha=0.5, label="laid")
     chart.plot(*(course.horizontal + shift).T[::-1], color=style.BLUE, linewidth=1.4, label="recovered")
-    chart.plot(*laid[0][::-1], "o", color=style.BLACK, markersize=5)
-    chart.annotate("start", laid[0][::-1], textcoords="offset points", xytext=(8, 0), fontsize=8)
+    chart.plot(*reference[0][::-1], "o", color=style.BLACK, markersize=5)
+    chart.annotate("start", reference[0][::-1], textcoords="offset points", xytext=(8, 0), fontsize=8)
     chart.set_aspect("equal")
     style.dress(chart, x="east [m]", y="north [m]", title="map")
     chart.legend(fontsize=8, loc="lower right", frameon=False)
-    slope, turned = run.laid(course.distance)
-    for row, (left, true, found, unit, label, title) in enumerate(
+    slope, curvature = run.laid(course.distance)
+    for row, (left, true, estimate, unit, label, title) in enumerate(
         (
-            (np.degrees(course.heading), 1e3 * turned, 1e3 * course.curvature, "curvature [1/km]",
+            (np.degrees(course.heading), 1e3 * curvature, 1e3 * course.curvature, "curvature [1/km]",
              "heading [°]", "heading and curvature"),
             (course.height, 1e3 * slope, 1e3 * course.slope, "slope [‰]", "height [m]", "height and slope"),
         )
     ):  # fmt: skip
-        panel = made.add_subplot(grid[row, 1])
+        panel = drawing.add_subplot(grid[row, 1])
         panel.plot(course.distance, left, color=style.BLACK, linewidth=1.2)
         style.dress(panel, y=label, title=title, x="distance [m]" if row else "")
         other = panel.twinx()
         other.plot(course.distance, true, color=style.GREY, linewidth=3.5, alpha=0.5, label="laid")
-        other.plot(course.distance, found, color=style.BLUE, linewidth=1.1, label="recovered")
+        other.plot(course.distance, estimate, color=style.BLUE, linewidth=1.1, label="recovered")
         other.set_ylabel(unit, color=style.BLUE)
         other.spines[["top"]].set_visible(False)
         if not row:
             other.legend(fontsize=8, loc="upper left", frameon=False)
-    return made
+    return drawing
 
 
 def speed_figure(run: xarray.Dataset) -> Figure:
     """Return the speed of the whole run (figure 3)."""
-    made = style.figure(9, 3)
-    panel = made.subplots()
+    drawing = style.figure(9, 3)
+    panel = drawing.subplots()
     time = run["time"].values
     panel.plot(time, style.KMH * reading_of(run, "speed"), color=style.BLUE, linewidth=1.4, label="optical sensor")
     for on, colour, label in ((driven(run), style.GREEN, "driving"), (braked(run), style.VERMILION, "braking")):
@@ -75,15 +75,15 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     panel.set_xlim(0, time[-1])
     panel.set_ylim(0, None)
     panel.legend(ncols=3, fontsize=8, loc="upper left", frameon=False)
-    return made
+    return drawing
 
 
 def readings_figure(braking: Braking) -> Figure:
     """Return what the filter is given: pressures, speeds (figure 4)."""
     recording = braking.recording
     time = _since_brake(braking)
-    made = style.figure(9, 5)
-    upper, lower = made.subplots(2, 1, sharex=True)
+    drawing = style.figure(9, 5)
+    upper, lower = drawing.subplots(2, 1, sharex=True)
     for group in (MB1, JTB1):
         pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
         upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=NAMES[group])
@@ -98,36 +98,36 @@ def readings_figure(braking: Braking) -> Figure:
     upper.legend(fontsize=8, frameon=False, loc="lower right")
     lower.legend(fontsize=8, frameon=False, loc="upper right")
     upper.set_xlim(-3, time[-1])
-    return made
+    return drawing
 
 
-def friction_figure(task: Task, told: Mapping[str, Followed]) -> Figure:
+def friction_figure(task: Task, estimates: Mapping[str, Followed]) -> Figure:
     """Return pad friction over time and adhesion over slip, estimated and true, a row for each tuning (figure 5)."""
     assert task.truth is not None
     time = _since_brake(task.braking)[1:]
-    made = style.figure(11, 3.4 * len(told))
-    rows = made.subplots(len(told), 2, squeeze=False, sharex="col", sharey="col")
-    shown = time >= 0.3
-    for (pads, curve), (title, followed) in zip(rows, told.items(), strict=True):
+    drawing = style.figure(11, 3.4 * len(estimates))
+    rows = drawing.subplots(len(estimates), 2, squeeze=False, sharex="col", sharey="col")
+    window = time >= 0.3
+    for (pads, curve), (title, estimate) in zip(rows, estimates.items(), strict=True):
         for group in (MB1, JTB1):
-            mean = followed.mean[:, 1 + GROUPS + group] / NOMINAL
-            sd = np.sqrt(followed.variance[:, 1 + GROUPS + group]) / NOMINAL
+            mean = estimate.mean[:, 1 + GROUPS + group] / NOMINAL
+            sd = np.sqrt(estimate.variance[:, 1 + GROUPS + group]) / NOMINAL
             true = task.truth[:, 1 + GROUPS + group] / NOMINAL
-            pads.fill_between(time[shown], (mean - 2 * sd)[shown], (mean + 2 * sd)[shown], color=COLOURS[group],
+            pads.fill_between(time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], color=COLOURS[group],
                               alpha=0.15, linewidth=0)  # fmt: skip
-            pads.plot(time[shown], mean[shown], color=COLOURS[group], linewidth=1.1, label=NAMES[group])
-            pads.plot(time[shown], true[shown], color=COLOURS[group], linewidth=1.1, linestyle="--",
+            pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=NAMES[group])
+            pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
                       label=f"{NAMES[group]}, true")  # fmt: skip
             # Below walking pace slip is the noise of the sensors over nothing.
-            moving = shown & (task.truth[:, 0] > 2.0)
-            v, w = followed.mean[:, 0], followed.mean[:, 1 + group]
+            moving = window & (task.truth[:, 0] > 2.0)
+            v, w = estimate.mean[:, 0], estimate.mean[:, 1 + group]
             slip = 100 * (1 - R_WHEEL * w / v)
-            alpha = followed.mean[:, 1 + 2 * GROUPS + group]
+            alpha = estimate.mean[:, 1 + 2 * GROUPS + group]
             true_slip = 100 * (1 - R_WHEEL * task.truth[:, 1 + group] / task.truth[:, 0])
             curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=style.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
             curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=NAMES[group])
-        widest = 2 * np.sqrt(followed.variance[shown, 1 + GROUPS + MB1].max()) / NOMINAL
+        widest = 2 * np.sqrt(estimate.variance[window, 1 + GROUPS + MB1].max()) / NOMINAL
         beyond = f" (up to ±{widest:.1f}, beyond the panel)" if widest > 1.0 else ""
         style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ{beyond}")
         style.dress(curve, y="adhesion", title=f"{title}: adhesion over slip")
@@ -138,13 +138,13 @@ def friction_figure(task: Task, told: Mapping[str, Followed]) -> Figure:
     rows[0, 1].legend(fontsize=8, frameon=False, loc="lower right", markerscale=3)
     rows[-1, 0].set_xlabel("time since the brake was applied [s]")
     rows[-1, 1].set_xlabel("slip [%]")
-    return made
+    return drawing
 
 
 def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
     """Return what equation (14) and the truth say of two ways to change noises."""
-    made = style.figure(11, 4)
-    panels = made.subplots(1, 2)
+    drawing = style.figure(11, 4)
+    panels = drawing.subplots(1, 2)
     for panel, sweep, x, title in (
         (panels[0], common, "factor on R, Q and P at the start", "equation (14) does not see the scale"),
         (panels[1], trusted, "factor on R alone", "equation (14) rewards repeating the readings"),
@@ -157,7 +157,7 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
         panel.loglog(sweep.factor, sweep.nees, color=style.VERMILION, linestyle="--", label="NEES, 1 wanted")
         style.dress(panel, x=x, title=title)
     panels[0].legend(fontsize=8, frameon=False)
-    return made
+    return drawing
 
 
 def _since_brake(braking: Braking) -> np.ndarray:

@@ -58,18 +58,18 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
         EstimationError: A reading is missing.
     """
     recording = braking.recording
-    held = samples(recording, model.inputs, [*["Pa"] * GROUPS, "N"])
-    seen = samples(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
-    known = all(knows(recording, state) for state in model.states)
-    truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if known else None
+    inputs = samples(recording, model.inputs, [*["Pa"] * GROUPS, "N"])
+    readings = samples(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
+    has_truth = all(knows(recording, state) for state in model.states)
+    truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if has_truth else None
     start = specification().start
     frictions = by_name("start", start.mean, model.states[1 + GROUPS :])
     deviation = by_name("start deviation", start.deviation, model.states)
     return Task(
         braking=braking,
-        held=0.5 * (held[1:] + held[:-1]),
-        seen=seen[1:],
-        start=Estimate(mean=np.concatenate([seen[0], frictions]), covariance=np.diag(deviation**2)),
+        held=0.5 * (inputs[1:] + inputs[:-1]),
+        seen=readings[1:],
+        start=Estimate(mean=np.concatenate([readings[0], frictions]), covariance=np.diag(deviation**2)),
         truth=truth,
         period=period_of(recording),
     )
@@ -98,7 +98,7 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     return filter_.follow(start, task.held, task.seen)
 
 
-def lost(task: Task, followed: Followed) -> float | None:
+def lost(task: Task, estimate: Followed) -> float | None:
     """Return when innovations said that the beliefs mean nothing [s] from the first sample, None where they do not."""
-    step = lost_at(followed.squared, followed.used)
+    step = lost_at(estimate.squared, estimate.used)
     return None if step is None else (step + 1) * task.period

@@ -91,8 +91,8 @@ def load_noise(path: Path) -> Noise:
 def save_noise(noise: Noise, path: Path, *, title: str, command: str, results: dict[str, float]) -> Path:
     """Write noises with the command that found them and what they reach."""
     lines = [f"# {title}", f'command = "{command}"', "", "[noise]", 'kind = "density"', "", "[noise.readings]"]
-    written = zip((*READINGS, *PROCESSES), noise.values, UNITS, NAMES, strict=True)
-    for name, value, unit, symbol in written:
+    rows = zip((*READINGS, *PROCESSES), noise.values, UNITS, NAMES, strict=True)
+    for name, value, unit, symbol in rows:
         if name == PROCESSES[0]:
             lines += ["", "[noise.process]"]
         lines.append(f'"{name}" = {value:.6e}  # {symbol}, {unit}')

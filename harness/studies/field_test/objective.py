@@ -48,21 +48,22 @@ class Terms:
     nees: float
 
 
-def terms_of(task: Task, followed: Followed) -> Terms:
+def terms_of(task: Task, estimate: Followed) -> Terms:
     """Return the terms of one braking."""
     apart, ahead = (
-        np.abs(task.seen - told).mean(axis=0) for told in (followed.mean[:, : 1 + GROUPS], followed.expected)
+        np.abs(task.seen - prediction).mean(axis=0)
+        for prediction in (estimate.mean[:, : 1 + GROUPS], estimate.expected)
     )
     nees = np.nan
     if task.truth is not None:
         # Before the brake is applied pad friction is held still and says nothing.
         after = slice(task.braking.brake + round(1.0 / task.period), None)
-        error = (followed.mean - task.truth)[after, FRICTION]
-        nees = float(np.mean(error**2 / followed.variance[after, FRICTION]))
+        error = (estimate.mean - task.truth)[after, FRICTION]
+        nees = float(np.mean(error**2 / estimate.variance[after, FRICTION]))
     return Terms(
         deviation=float(apart[0] + R_WHEEL * apart[1:].sum()),
         surprise=float(ahead[0] + R_WHEEL * ahead[1:].sum()),
-        nis=float(followed.squared.sum() / followed.used.sum()),
+        nis=float(estimate.squared.sum() / estimate.used.sum()),
         nees=nees,
     )
 

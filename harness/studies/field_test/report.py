@@ -48,7 +48,7 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
     tasks = {case: task_of(run.braking, model) for case, run in cases.items()}
     test, run = tasks[TEST], cases[TEST]
     braking, filter_ = run.braking, filter_of(model, test.period)
-    followed = {title: follow(test, filter_, noise) for title, noise in noises.items()}
+    estimates = {title: follow(test, filter_, noise) for title, noise in noises.items()}
     tell("sweeps")
     others = [tasks[case] for case in TUNING]
     common = common_factor(others, filter_, PHYSICAL)
@@ -58,7 +58,7 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
     style.save(track_figure(run), out / "track.png")
     style.save(speed_figure(run.recording), out / "speed.png")
     style.save(readings_figure(braking), out / "readings.png")
-    style.save(friction_figure(test, followed), out / "friction.png")
+    style.save(friction_figure(test, estimates), out / "friction.png")
     style.save(degeneracy_figure(common, trusted), out / "degeneracy.png")
     worst = {
         title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in others)
@@ -67,10 +67,10 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
 
     def pads_of(noise: Noise) -> list[float]:
         scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
-        return [found.pad_friction / found.pad_friction_constant for found in scores]
+        return [one.pad_friction / one.pad_friction_constant for one in scores]
 
-    scores = {title: score(test, estimate) for title, estimate in followed.items()}
-    instants = {title: lost(test, estimate) for title, estimate in followed.items()}
+    scores = {title: score(test, estimate) for title, estimate in estimates.items()}
+    instants = {title: lost(test, estimate) for title, estimate in estimates.items()}
     return write_page(
         out / "field.md",
         "studies/field_test/field.md.jinja",
@@ -112,10 +112,10 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
 _LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "Protopapadakis": "protopapadakis"}
 
 
-def _track(found: TrackScore) -> tuple[str, ...]:
+def _track(score: TrackScore) -> tuple[str, ...]:
     return (
-        f"{100 * found.distance:+.4f} %", f"{1e3 * found.curvature:.3f}", f"{1e3 * found.slope:.2f}",
-        f"{found.force:.0f}",
+        f"{100 * score.distance:+.4f} %", f"{1e3 * score.curvature:.3f}", f"{1e3 * score.slope:.2f}",
+        f"{score.force:.0f}",
     )  # fmt: skip
 
 

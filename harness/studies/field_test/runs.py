@@ -87,8 +87,8 @@ def runs(
     missing = [name for name in names if name not in scenarios]
     if missing:
         raise EstimationError(f"the field test wants the cases {', '.join(names)}; there is no {', '.join(missing)}.")
-    found: dict[str, Run] = {}
+    result: dict[str, Run] = {}
     for name in names:
         tell(f"case {name}")
-        found[name] = run(scenarios[name], name)
-    return found
+        result[name] = run(scenarios[name], name)
+    return result

@@ -73,7 +73,7 @@ class TrackScore:
     force: float
 
 
-def score(task: Task, followed: Followed) -> Score:
+def score(task: Task, estimate: Followed) -> Score:
     """Return the errors of a filter over a braking.
 
     Raises:
@@ -81,22 +81,22 @@ def score(task: Task, followed: Followed) -> Score:
     """
     if task.truth is None:
         raise EstimationError(f"{task.braking.name}: its truth is not known; only simulated trains tell.")
-    terms = terms_of(task, followed)
+    terms = terms_of(task, estimate)
     after = slice(task.braking.brake + round(SETTLED / task.period), None)
     of_pads, of_adhesions = slice(1 + GROUPS, 1 + 2 * GROUPS), slice(1 + 2 * GROUPS, None)
-    error, truth = (followed.mean - task.truth)[after], task.truth[after]
+    error, truth = (estimate.mean - task.truth)[after], task.truth[after]
     pads, adhesions = error[:, of_pads], error[:, of_adhesions]
     # Torque at the same μ_B: units times radius times pressure.
     share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.held[after, :GROUPS]
     share /= share.sum(axis=1, keepdims=True)
-    braked = slice(task.braking.brake, None)
-    true_way = float(task.truth[braked, 0].sum())
+    braking = slice(task.braking.brake, None)
+    true_way = float(task.truth[braking, 0].sum())
     return Score(
         deviation=terms.deviation,
         nis=terms.nis,
         nees=terms.nees,
         speed=_rms(error[:, 0]),
-        distance=float(followed.mean[braked, 0].sum()) / true_way - 1.0,
+        distance=float(estimate.mean[braking, 0].sum()) / true_way - 1.0,
         adhesion=_rms(adhesions),
         adhesion_of=np.sqrt((adhesions**2).mean(axis=0)),
         pad_friction=_rms(pads),

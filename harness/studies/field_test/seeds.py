@@ -39,22 +39,22 @@ def over_seeds(
     Raises:
         EstimationError: See `railgrip.studies.field_test.runs.run`.
     """
-    found: dict[int, tuple[TrackScore, dict[str, Score]]] = {}
+    by_seed: dict[int, tuple[TrackScore, dict[str, Score]]] = {}
     with workers(count) as pool:
         tasks = {pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises): seed for seed in seeds}
         for seed, errors in ended(tasks):
             if isinstance(errors, RailgripError):
                 raise errors
-            found[seed] = errors
-            tell(f"sensors {len(found)} of {len(seeds)}")
-    rows = [found[seed] for seed in seeds]
+            by_seed[seed] = errors
+            tell(f"sensors {len(by_seed)} of {len(seeds)}")
+    rows = [by_seed[seed] for seed in seeds]
     scores = {title: tuple(of_noises[title] for _, of_noises in rows) for title in noises}
     return Spread(tuple(track for track, _ in rows), scores)
 
 
 def _errors(scenario: Scenario, noises: Mapping[str, Noise]) -> tuple[TrackScore, dict[str, Score]]:
     """Return the errors of a run: of its track, and of the filter by the title of its noises."""
-    model, found = prediction(), run(scenario, TEST)
-    task = task_of(found.braking, model)
+    model, field_run = prediction(), run(scenario, TEST)
+    task = task_of(field_run.braking, model)
     filter_ = filter_of(model, task.period)
-    return track_score(found), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}
+    return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}

@@ -116,7 +116,7 @@ def tune(
                 history.append(float(intermediate_result.fun))  # pyright: ignore[reportAttributeAccessIssue]
                 tell(len(history), history[-1])
 
-            found = differential_evolution(
+            optimum = differential_evolution(
                 objective,
                 limits,
                 init=population,  # pyright: ignore[reportArgumentType] - the stubs know names only
@@ -132,10 +132,10 @@ def tune(
                 tol=0.0,
                 callback=note,
             )
-            population = found.population
-            order = np.argsort(found.population_energies, kind="stable")
+            population = optimum.population
+            order = np.argsort(optimum.population_energies, kind="stable")
             population = population[order]
-            best, lowest = Noise.of(population[0]), float(found.fun)
+            best, lowest = Noise.of(population[0]), float(optimum.fun)
             with replacing(checkpoint) as partial, partial.open("wb") as file:
                 np.savez(file, population=population, history=np.array(history), identity=np.array(identity))
             if len(history) == before:
@@ -145,8 +145,8 @@ def tune(
 
 def _first(search: Search, limits: Sequence[tuple[float, float]]) -> Array:
     """Return a first population: a Latin hypercube, and in it the noises of `PHYSICAL`, so that none worse is found."""
-    drawn = qmc.LatinHypercube(len(limits), rng=np.random.default_rng(search.seed)).random(search.population)
-    population = qmc.scale(drawn, *np.array(limits).T)
+    sample = qmc.LatinHypercube(len(limits), rng=np.random.default_rng(search.seed)).random(search.population)
+    population = qmc.scale(sample, *np.array(limits).T)
     population[0] = np.clip(PHYSICAL.logarithms, *np.array(limits).T)
     return population
 
@@ -164,10 +164,10 @@ def _resumed(checkpoint: Path, identity: str) -> tuple[Array, list[float]] | Non
     """Return population and history of a search that was begun, or None."""
     if not checkpoint.exists():
         return None
-    with np.load(checkpoint) as kept:
-        if str(kept["identity"]) != identity:
+    with np.load(checkpoint) as arrays:
+        if str(arrays["identity"]) != identity:
             raise EstimationError(
                 f"{checkpoint}: belongs to another search (other recordings, objective, population, stage or seed); "
                 "move it away to begin anew."
             )
-        return kept["population"], [float(v) for v in kept["history"]]
+        return arrays["population"], [float(v) for v in arrays["history"]]

@@ -100,12 +100,12 @@ class QuasiStaticBrake:
             available: Units of each group that brake.
             standard: Standard normal numbers, shape (n, dimension).
         """
-        found = np.empty((len(standard), len(self.nominal)))
+        ratios = np.empty((len(standard), len(self.nominal)))
         for first in range(0, len(standard), _LARGEST):
             part = slice(first, first + _LARGEST)
             decelerations, distance, _ = self._stops(available, self._deviations(standard[part]))
-            found[part, :-1], found[part, -1] = decelerations, self.equivalent_deceleration(distance)
-        return found / self.nominal
+            ratios[part, :-1], ratios[part, -1] = decelerations, self.equivalent_deceleration(distance)
+        return ratios / self.nominal
 
     def plant_parameters(self, available: Sequence[int], standard: Array | None) -> dict[str, float]:
         """Return the plant's parameters of one draw, shape (dimension,), or of the nominal train.
@@ -132,22 +132,22 @@ class QuasiStaticBrake:
         """Return the deviations of standard normal numbers, shape (n, dimension); none for the nominal train."""
         groups, n = len(self.units), 1 if standard is None else len(standard)
         widths = {"pressure": groups, "wheel_radius": groups, "mass": 1, "build_up": 1}
-        found = {
+        deviations = {
             name: np.full((n, widths.get(name, len(self._group))), 0.0 if name == "pressure" else 1.0)
             for name in get_args(Quantity)
         }
         if standard is None:
-            return found
+            return deviations
         first = 0
         for one, width in zip(self._dispersion, self._widths, strict=True):
             value, first = one.of(standard[:, first : first + width]), first + width
-            if width == groups < found[one.quantity].shape[1]:
+            if width == groups < deviations[one.quantity].shape[1]:
                 value = value[:, self._group]
             if one.quantity == "pressure":
-                found[one.quantity] += value
+                deviations[one.quantity] += value
             else:
-                found[one.quantity] *= 1.0 + value
-        return found
+                deviations[one.quantity] *= 1.0 + value
+        return deviations
 
     def _pressure(self, one: Deviations) -> Array:
         """Return what the cylinders of each group hold, less what the leak keeps from them [Pa]."""

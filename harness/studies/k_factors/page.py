@@ -40,14 +40,14 @@ def table(study: Study) -> Table:
 
 def sentences(study: Study) -> list[str]:
     """Return what else the study has to say."""
-    brake, found, loop = study.brake, study.found, study.loop
+    brake, result, loop = study.brake, study.found, study.loop
     nominal = ", ".join(f"{output} {a:.3f}" for output, a in zip(brake.outputs, brake.nominal, strict=True))
     lines = [
         f"Nominal deceleration [m/s²]: {nominal}; equivalent time {brake.equivalent_time:.2f} s.",
         f"Nominal stop: {brake.distance:.1f} m quasi-static, {study.plant_distance:.1f} m in the loop "
         f"({100 * (brake.distance / study.plant_distance - 1):+.1f} %).",
-        f"{found.draws} draws of {len(found.states)} failure states; all others have a probability of "
-        f"{found.neglected:.1e} together.",
+        f"{result.draws} draws of {len(result.states)} failure states; all others have a probability of "
+        f"{result.neglected:.1e} together.",
     ]
     if loop is not None:
         cost = [
@@ -69,17 +69,17 @@ def write(study: Study, folder: Path) -> Path:
 
     The same file gives the same bytes, but for times: what is under `seconds`, and the page's sentences on stops.
     """
-    specification, brake, found, loop = study.specification, study.brake, study.found, study.loop
+    specification, brake, result, loop = study.specification, study.brake, study.found, study.loop
     plant = plant_description(study.scenario)
     content: dict[str, Any] = {
         "name": specification.name,
         "method": _METHOD,
         "seed": specification.seed,
         "confidence": 0.95,
-        "samples": found.draws,
+        "samples": result.draws,
         "runs": specification.estimate.runs,
-        "states": [asdict(state) for state in found.states],
-        "neglected_probability": found.neglected,
+        "states": [asdict(state) for state in result.states],
+        "neglected_probability": result.neglected,
         "nominal": {
             "deceleration_m_s2": dict(zip(brake.outputs, brake.nominal.tolist(), strict=True)),
             "equivalent_time_s": brake.equivalent_time,
@@ -88,14 +88,14 @@ def write(study: Study, folder: Path) -> Path:
         },
         "k_dry": [
             {"output": output, "ebcl": level, "probability": PROBABILITIES[level], **_plain(one)}
-            for output, of in zip(brake.outputs, found.k, strict=True)
+            for output, of in zip(brake.outputs, result.k, strict=True)
             for level, one in enumerate(of)
         ],
         "specification": specification.model_dump(mode="json"),
         "scenario_digest": study.scenario.digest(),
         "versions": versions() | {"sources": sources_digest(), plant.file.name: plant.generator},
         "fmus": {plant.file.name: plant.digest},
-        "seconds": {"quasi_static": round(found.seconds, 2)},
+        "seconds": {"quasi_static": round(result.seconds, 2)},
     }
     if loop is not None:
         content["loop"] = {
@@ -123,25 +123,25 @@ def write(study: Study, folder: Path) -> Path:
 
 def draw(study: Study) -> Figure:
     """Return the figure: K over probability for each output, and how K of the whole stop settles with the draws."""
-    brake, found = study.brake, study.found
-    made = figure(11.0, 5.4)
-    grid = made.add_gridspec(len(_SHOWN), 2)
-    left = made.add_subplot(grid[:, 0])
+    brake, result = study.brake, study.found
+    drawing = figure(11.0, 5.4)
+    grid = drawing.add_gridspec(len(_SHOWN), 2)
+    left = drawing.add_subplot(grid[:, 0])
     colours = lead_to_trail(len(brake.outputs))
     levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
-    for output, runs, colour in zip(brake.outputs, found.runs, colours, strict=True):
+    for output, runs, colour in zip(brake.outputs, result.runs, colours, strict=True):
         whole = pooled(runs, [1 / len(runs)] * len(runs))
         left.semilogy([whole.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
-    stop = found.k[-1]
+    stop = result.k[-1]
     spread = np.array([[one.value - one.low, one.high - one.value] for one in stop]).T
     left.errorbar([one.value for one in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3)
     dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
     left.legend(fontsize=8, frameon=False)
-    runs = found.runs[-1]
+    runs = result.runs[-1]
     counts = np.arange(2, len(runs) + 1)
-    courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _SHOWN], found.neglected) for n in counts]
+    courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _SHOWN], result.neglected) for n in counts]
     for number, level in enumerate(_SHOWN):
-        right = made.add_subplot(grid[number, 1])
+        right = drawing.add_subplot(grid[number, 1])
         k, low, high = (np.array([getattr(one[number], of) for one in courses]) for of in ("value", "low", "high"))
         draws = counts * len(runs[0].values) / 1e3
         right.plot(draws, k, color=colours[-1], lw=1.2)
@@ -150,7 +150,7 @@ def draw(study: Study) -> Figure:
         title = "" if number else f"Estimate and 95 % interval, {brake.outputs[-1]}"
         dress(right, x="thousand draws" if level == _SHOWN[-1] else "", y=f"K, EBCL {level}", title=title)
         right.tick_params(labelbottom=level == _SHOWN[-1])
-    return made
+    return drawing
 
 
 def _spelled(one: Interval) -> str:

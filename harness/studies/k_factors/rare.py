@@ -58,16 +58,16 @@ def states_of(
         ]
         for n in units
     ]
-    kept, rest = [State((), 1.0)], 0.0
+    states, rest = [State((), 1.0)], 0.0
     for group in groups:
-        grown = [State((*one.available, left), one.probability * p) for one in kept for left, p in group]
-        grown.sort(key=lambda state: (-state.probability, state.available))
+        candidates = [State((*one.available, left), one.probability * p) for one in states for left, p in group]
+        candidates.sort(key=lambda state: (-state.probability, state.available))
         # Summed from the least likely on, for one minus the others has no digits left.
-        lost = np.cumsum([state.probability for state in reversed(grown)])
-        dropped = min(int(np.searchsorted(lost, neglect / len(groups), side="right")), len(grown) - 1)
-        rest += float(lost[dropped - 1]) if dropped else 0.0
-        kept = grown[: len(grown) - dropped]
-    return tuple(kept), rest
+        tail = np.cumsum([state.probability for state in reversed(candidates)])
+        excess = min(int(np.searchsorted(tail, neglect / len(groups), side="right")), len(candidates) - 1)
+        rest += float(tail[excess - 1]) if excess else 0.0
+        states = candidates[: len(candidates) - excess]
+    return tuple(states), rest
 
 
 class Sample:
@@ -116,12 +116,12 @@ def estimates(
         )
     together = pooled(runs, [1 / len(runs)] * len(runs))
     width = float(t.ppf((1 + confidence) / 2, len(runs) - 1)) / sqrt(len(runs))
-    found: list[Interval] = []
+    intervals: list[Interval] = []
     for probability in probabilities:
         half = width * float(np.std([run.quantile(probability) for run in runs], ddof=1))
         value = together.quantile(probability)
-        found.append(Interval(value, together.quantile(probability - neglected) - half, value + half))
-    return tuple(found)
+        intervals.append(Interval(value, together.quantile(probability - neglected) - half, value + half))
+    return tuple(intervals)
 
 
 def worst_points(performance: Performance, dimension: int, depth: int) -> Array:
@@ -155,11 +155,11 @@ def importance_sample(
     Source: Hesterberg, Technometrics 37 (1995) 185; Owen, Zhou, JASA 95 (2000) 135.
     """
     each = -(-samples // len(points))
-    drawn = np.repeat(points, each, axis=0) + random.standard_normal((each * len(points), points.shape[1]))
-    exponents = drawn @ points.T - 0.5 * np.sum(points**2, axis=1)
+    sample = np.repeat(points, each, axis=0) + random.standard_normal((each * len(points), points.shape[1]))
+    exponents = sample @ points.T - 0.5 * np.sum(points**2, axis=1)
     top = exponents.max(axis=1)
     density = np.exp(top) * np.exp(exponents - top[:, None]).mean(axis=1)
-    return performance(drawn), 1.0 / (density * len(drawn))
+    return performance(sample), 1.0 / (density * len(sample))
 
 
 def subset_sample(
@@ -188,15 +188,15 @@ def subset_sample(
         weights.append(weight[chains:])
         weight = weight / _CHAIN
         x, y = u[worst], g[worst]
-        states, found = [x], [y]
+        states, performances = [x], [y]
         for _ in range(_CHAIN - 1):
             candidate = _CORRELATION * x + sqrt(1 - _CORRELATION**2) * random.standard_normal(x.shape)
             g_candidate = performance(candidate)
-            taken = g_candidate <= threshold
-            x, y = np.where(taken[:, None], candidate, x), np.where(taken, g_candidate, y)
+            accepted = g_candidate <= threshold
+            x, y = np.where(accepted[:, None], candidate, x), np.where(accepted, g_candidate, y)
             states.append(x)
-            found.append(y)
-        u, g = np.concatenate(states), np.concatenate(found)
+            performances.append(y)
+        u, g = np.concatenate(states), np.concatenate(performances)
     return Sample(np.concatenate([*values, g]), np.concatenate([*weights, weight]))
 
 

@@ -151,12 +151,12 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[Speci
     ours = LIBRARY / f"{path}.toml"
     path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
     table = merged(read_toml(path), read_overrides(overrides))
-    found = validated(Specification, table, directory=path.parent, origin=path.name)
-    named = Path(found.scenario)
-    scenario = load(path.parent / named if named.suffix else named)
-    if found.speed_steps and found.speed_steps[-1] >= scenario.start.speed:
+    specification = validated(Specification, table, directory=path.parent, origin=path.name)
+    named_file = Path(specification.scenario)
+    scenario = load(path.parent / named_file if named_file.suffix else named_file)
+    if specification.speed_steps and specification.speed_steps[-1] >= scenario.start.speed:
         raise ScenarioError(
-            f"{path.name}: speed_steps end at {found.speed_steps[-1]:g} m/s; they must stay below [start] speed of "
-            f"{scenario.name}, {scenario.start.speed:g} m/s"
+            f"{path.name}: speed_steps end at {specification.speed_steps[-1]:g} m/s; they must stay below [start] "
+            f"speed of {scenario.name}, {scenario.start.speed:g} m/s"
         )
-    return found, scenario
+    return specification, scenario

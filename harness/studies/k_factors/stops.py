@@ -65,9 +65,9 @@ class Stops:
 @contextmanager
 def open_stops(scenario: Scenario, folder: Path, workers: int) -> Generator[Stops]:
     """Yield the stops of a scenario's plant with the sources as they are; the journal is in `folder`."""
-    made = hashlib.sha256(f"{sources_digest()} {plant_description(scenario).digest}".encode()).hexdigest()
+    digest = hashlib.sha256(f"{sources_digest()} {plant_description(scenario).digest}".encode()).hexdigest()
     with processes.workers(workers) as pool:
-        yield Stops(folder / f"stops-{made[:16]}.jsonl", pool)
+        yield Stops(folder / f"stops-{digest[:16]}.jsonl", pool)
 
 
 def _stop(scenario: Scenario) -> tuple[float | None, float]:

@@ -114,9 +114,9 @@ def conduct(
     distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None))
     if distance is None:
         raise ScenarioError(f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration")
-    found = quasi_static(specification, brake, tell)
-    looped = in_the_loop(specification, scenario, brake, distance, found, folder, workers, tell) if loop else None
-    return Study(specification, scenario, brake, distance, found, looped, workers)
+    result = quasi_static(specification, brake, tell)
+    loop_result = in_the_loop(specification, scenario, brake, distance, result, folder, workers, tell) if loop else None
+    return Study(specification, scenario, brake, distance, result, loop_result, workers)
 
 
 def brake_of_scenario(specification: Specification, scenario: Scenario) -> QuasiStaticBrake:
@@ -164,8 +164,8 @@ def scenario_of_draw(
     scenario: Scenario, brake: QuasiStaticBrake, available: Sequence[int], standard: Array | None
 ) -> Scenario:
     """Return the scenario whose plant is as drawn, or nominal; its controller still believes nominal data."""
-    drawn = {name: Magnitude(value) for name, value in brake.plant_parameters(available, standard).items()}
-    vehicle = scenario.vehicle.model_copy(update={"parameters": {**scenario.vehicle.parameters, **drawn}})
+    parameters = {name: Magnitude(value) for name, value in brake.plant_parameters(available, standard).items()}
+    vehicle = scenario.vehicle.model_copy(update={"parameters": {**scenario.vehicle.parameters, **parameters}})
     return scenario.model_copy(update={"vehicle": vehicle})
 
 
@@ -174,7 +174,7 @@ def in_the_loop(
     scenario: Scenario,
     brake: QuasiStaticBrake,
     nominal_distance: float,
-    known: QuasiStatic,
+    quasi_static: QuasiStatic,
     folder: Path,
     workers: int,
     tell: Tell,
@@ -191,9 +191,9 @@ def in_the_loop(
 
         def performance(state: State, standard: Array) -> Array:
             tell(f"stop {stops.asked} of {most}")
-            found = stops.distances([scenario_of_draw(scenario, brake, state.available, one) for one in standard])
+            distances = stops.distances([scenario_of_draw(scenario, brake, state.available, one) for one in standard])
             # A train that does not stop has braked with nothing.
-            return np.array([0.0 if d is None else brake.equivalent_deceleration(d) / nominal for d in found])
+            return np.array([0.0 if d is None else brake.equivalent_deceleration(d) / nominal for d in distances])
 
         for run in range(effort.runs):
             parts = [
@@ -210,7 +210,7 @@ def in_the_loop(
     return InTheLoop(
         probability=effort.probability,
         k=rare.estimates(runs, [effort.probability], neglected)[0],
-        quasi_static=rare.estimates(known.runs[-1], [effort.probability], known.neglected)[0],
+        quasi_static=rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0],
         states=len(states),
         neglected=neglected,
         stops=stops.asked,

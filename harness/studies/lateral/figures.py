@@ -23,15 +23,15 @@ LABELS: Final = {
 
 def test_figure(trace: Trace) -> Figure:
     """Return truth and estimates on the left, errors on the right, a row for each quantity."""
-    made = style.figure(11, 2.0 * len(QUANTITIES))
-    panels = made.subplots(len(QUANTITIES), 2, sharex=True)
-    said = {name: beliefs_about(trace, name) for name in NAMES}
+    drawing = style.figure(11, 2.0 * len(QUANTITIES))
+    panels = drawing.subplots(len(QUANTITIES), 2, sharex=True)
+    beliefs = {name: beliefs_about(trace, name) for name in NAMES}
     for (left, right), quantity in zip(panels, QUANTITIES, strict=True):
         truth = trace.truth[quantity]
         size = float(np.max(np.abs(truth)))
         left.plot(trace.time, truth, color=style.BLACK, linewidth=1.2, label="true")
         for name in NAMES:
-            mean = said[name][quantity].mean
+            mean = beliefs[name][quantity].mean
             left.plot(trace.time, mean, color=COLOURS[name], linewidth=0.8, linestyle="--", label=TITLES[name])
             right.plot(trace.time, np.abs(mean - truth), color=COLOURS[name], linewidth=0.7)
         # Room for twice the truth: a filter that leaves the panel is wrong by more than all there is to estimate.
@@ -50,10 +50,10 @@ def test_figure(trace: Trace) -> Figure:
         axes.set_xlabel("time [s]")
         axes.set_xlim(0, trace.time[-1])
     case = trace.case
-    made.suptitle(
+    drawing.suptitle(
         f"{case.test.name} at {case.speed:g} m/s, {PLANT_TITLES[case.plant]}, seed {case.seed}",
         fontsize=11,
         x=0.02,
         ha="left",
     )
-    return made
+    return drawing

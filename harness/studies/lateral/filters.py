@@ -121,7 +121,7 @@ def party(
             "lateral_position": Source(kind="integral", name="dy"),
             "yaw_angle": Source(kind="integral", name="dpsi"),
             **column,
-            **{known: Source(kind="column", name=known) for known in ("mu0", "A_falling", "B_falling")},
+            **{variable: Source(kind="column", name=variable) for variable in ("mu0", "A_falling", "B_falling")},
         }
     else:
         unknown = name == "unknown_track"

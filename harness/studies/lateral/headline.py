@@ -25,17 +25,21 @@ FILTERS: Final = {
 def headlines(tell: Callable[[str], None]) -> list[Finding]:
     """Return what the filters make of one transition through all conditions, of softer contacts and other sensors."""
     tell("lateral")
-    found: list[Finding] = []
+    findings: list[Finding] = []
     with workers(2) as pool:
         for plant, measured in zip(FILTERS, pool.map(_measured, FILTERS), strict=True):
             for name in FILTERS[plant]:
-                found += _of_filter(f"lateral, {plant}, {name}", name, measured)
+                findings += _of_filter(f"lateral, {plant}, {name}", name, measured)
             constant = measured["constant"]["friction"]
-            found.append(_figure(f"lateral, {plant}, the best constant: friction RMSE", constant, TOLERANCE * constant))
+            findings.append(
+                _figure(f"lateral, {plant}, the best constant: friction RMSE", constant, TOLERANCE * constant)
+            )
             if measured["observability"] is not None:
                 least = min(value for value in measured["observability"]["service"] if value is not None)
-                found.append(_figure(f"lateral, {plant}: least sd of mu0, service sensors", least, TOLERANCE * least))
-    return found
+                findings.append(
+                    _figure(f"lateral, {plant}: least sd of mu0, service sensors", least, TOLERANCE * least)
+                )
+    return findings
 
 
 def _measured(plant: str) -> dict[str, Any]:
@@ -44,12 +48,12 @@ def _measured(plant: str) -> dict[str, Any]:
 
 def _of_filter(who: str, name: str, measured: dict[str, Any]) -> list[Finding]:
     rms = measured["errors"][name]["friction"]["rmse"]
-    found = [_figure(f"{who}: friction RMSE", rms, TOLERANCE * abs(rms or 1))]
+    findings = [_figure(f"{who}: friction RMSE", rms, TOLERANCE * abs(rms or 1))]
     if name in measured["detection"]:
         counts = measured["detection"][name]["confusion"]
         right = sum(counts[k][k] for k in range(len(CONDITIONS))) / sum(map(sum, counts))
-        found.append(_figure(f"{who}: condition right, share of time", right, 0.01))
-    return found
+        findings.append(_figure(f"{who}: condition right, share of time", right, 0.01))
+    return findings
 
 
 def _figure(name: str, value: float | None, tolerance: float) -> Finding:

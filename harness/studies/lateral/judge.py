@@ -75,36 +75,36 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
     select = np.zeros((6, len(states)))
     for row, state in enumerate(("y", "dy", "psi", "dpsi", "log_mu0")):
         select[row, at[state]] = 1.0
-    given = belief.mean @ select.T
-    given[:, 5] = trace.case.speed
+    contact_states = belief.mean @ select.T
+    contact_states[:, 5] = trace.case.speed
     if name == "unknown_track":
         select[0, states.index("track")] = -1.0
-        given[:, 0] -= belief.mean[:, states.index("track")]
+        contact_states[:, 0] -= belief.mean[:, states.index("track")]
     else:
-        given[:, 0] -= trace.track
-    values, slopes = _contact(given)
+        contact_states[:, 0] -= trace.track
+    values, slopes = _contact(contact_states)
     mu0 = np.exp(belief.mean[:, at["log_mu0"]])
     with np.errstate(over="ignore", invalid="ignore"):  # a filter that has gone astray may believe anything
         spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
-    said = {
+    beliefs = {
         "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
         "yaw_rate": Belief(mean=belief.mean[:, at["dpsi"]], deviation=deviation[:, at["dpsi"]]),
         "mu0": Belief(mean=mu0, deviation=mu0 * deviation[:, at["log_mu0"]]),
     }
     for column, quantity in enumerate(("creep", "creep_force", "friction")):
-        said[quantity] = Belief(mean=values[:, column], deviation=np.sqrt(spread[:, column]))
-    return said
+        beliefs[quantity] = Belief(mean=values[:, column], deviation=np.sqrt(spread[:, column]))
+    return beliefs
 
 
-def _contact(given: Array) -> tuple[Array, Array]:
+def _contact(states: Array) -> tuple[Array, Array]:
     """Return creep, force and friction at each sample, shape (k, 3), and their derivatives, (k, 3, 6).
 
-    `given` holds displacement, lateral velocity, yaw angle, yaw rate, log mu0 and speed, shape (k, 6).
+    `states` holds displacement, lateral velocity, yaw angle, yaw rate, log mu0 and speed, shape (k, 6).
     """
     value, slope = _contact_functions()
-    k = len(given)
-    values = np.asarray(value.map(k)(given.T), dtype=np.float64).T
-    slopes = np.asarray(slope.map(k)(given.T), dtype=np.float64).reshape(3, k, 6).transpose(1, 0, 2)
+    k = len(states)
+    values = np.asarray(value.map(k)(states.T), dtype=np.float64).T
+    slopes = np.asarray(slope.map(k)(states.T), dtype=np.float64).reshape(3, k, 6).transpose(1, 0, 2)
     return values, slopes
 
 
@@ -112,13 +112,13 @@ def _contact(given: Array) -> tuple[Array, Array]:
 def _contact_functions() -> tuple[ca.Function, ca.Function]:
     model = lower("RailBraking.FMUs.LateralContact")
     names = [variable.name for variable in model.inputs]
-    wanted = ["displacement", "lateral_velocity", "yaw_angle", "yaw_rate", "mu0", "speed"]
-    given = ca.SX.sym("given", 6)
-    values = [*ca.vertsplit(given[:4]), ca.exp(given[4]), given[5]]
-    u = ca.vertcat(*(values[wanted.index(name)] for name in names))
+    state_names = ["displacement", "lateral_velocity", "yaw_angle", "yaw_rate", "mu0", "speed"]
+    inputs = ca.SX.sym("given", 6)
+    values = [*ca.vertsplit(inputs[:4]), ca.exp(inputs[4]), inputs[5]]
+    u = ca.vertcat(*(values[state_names.index(name)] for name in names))
     result = model.output(0, ca.SX.zeros(0), u, [parameter.start for parameter in model.parameters])
-    return ca.Function("value", [given], [result]), ca.Function(
-        "slope", [given], [ca.densify(ca.jacobian(result, given))]
+    return ca.Function("value", [inputs], [result]), ca.Function(
+        "slope", [inputs], [ca.densify(ca.jacobian(result, inputs))]
     )
 
 
@@ -136,14 +136,14 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
         trace: The run.
         observe: Ask for observability too, which takes longer than all the rest.
     """
-    said = {name: beliefs_about(trace, name) for name in trace.beliefs}
+    beliefs = {name: beliefs_about(trace, name) for name in trace.beliefs}
     return {
         "errors": {
             name: {quantity: _error(trace, quantity, about[quantity]) for quantity in QUANTITIES}
-            for name, about in said.items()
+            for name, about in beliefs.items()
         },
-        "detection": {name: _detection(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
-        "levels": {name: _levels(trace, about["mu0"]) for name, about in said.items() if "mu0" in about},
+        "detection": {name: _detection(trace, about["mu0"]) for name, about in beliefs.items() if "mu0" in about},
+        "levels": {name: _levels(trace, about["mu0"]) for name, about in beliefs.items() if "mu0" in about},
         "observability": _observability(trace) if observe else None,
         "constant": {name: float(np.std(trace.truth[name])) for name in QUANTITIES},
         "lost": {name: _lost(trace, belief) for name, belief in trace.beliefs.items()},
@@ -165,17 +165,17 @@ def _nis(belief: Beliefs) -> float | None:
     return nis_ratio(nis, np.where(np.isfinite(nis), len(READINGS), 0))
 
 
-def _error(trace: Trace, quantity: str, said: Belief) -> dict[str, float | None]:
+def _error(trace: Trace, quantity: str, belief: Belief) -> dict[str, float | None]:
     truth = trace.truth[quantity]
-    error = said.mean - truth
+    error = belief.mean - truth
     tolerance = FRICTION_TOLERANCE if quantity == "friction" else SHARE_TOLERANCE * math.sqrt(np.mean(truth**2))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         numbers = {
             "rmse": float(np.sqrt(np.mean(error**2))),
             "bias": float(np.mean(error)),
             "peak": float(np.max(np.abs(error))),
-            "nees": float(np.mean((error / said.deviation) ** 2)),
-            "settling": _settling(trace, truth, said.mean, tolerance),
+            "nees": float(np.mean((error / belief.deviation) ** 2)),
+            "settling": _settling(trace, truth, belief.mean, tolerance),
         }
     return {key: value if math.isfinite(value) else None for key, value in numbers.items()}
 
@@ -206,15 +206,15 @@ def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
 def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
     """Return by condition of the run the mean of what is believed of mu0 and its rms error, once it could settle."""
     since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
-    found: dict[str, tuple[float | None, float | None]] = {}
+    levels: dict[str, tuple[float | None, float | None]] = {}
     for number, condition in enumerate(CONDITIONS):
         part = (trace.condition == number) & (since >= WINDOW)
         if part.any():
             with np.errstate(over="ignore", invalid="ignore"):
                 mean = float(np.mean(mu0.mean[part]))
                 rms = float(np.sqrt(np.mean((mu0.mean[part] - trace.mu0[part]) ** 2)))
-            found[condition.name] = (mean if math.isfinite(mean) else None, rms if math.isfinite(rms) else None)
-    return found
+            levels[condition.name] = (mean if math.isfinite(mean) else None, rms if math.isfinite(rms) else None)
+    return levels
 
 
 def _observability(trace: Trace) -> dict[str, Any]:
@@ -231,14 +231,14 @@ def _observability(trace: Trace) -> dict[str, Any]:
     columns = {"speed": np.full(len(x), trace.case.speed), "track": trace.track}
     u = np.column_stack([columns[name] for name in model.inputs])
     window = round(WINDOW / trace.period)
-    known: dict[str, Any] = {}
+    measures: dict[str, Any] = {}
     # y, dy, psi, dpsi, log mu0: sizes of a normal run.
     scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
     for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
-        found = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
-        deviations = found.deviation[:, 4] * trace.mu0[found.start]
-        known[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
+        information = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
+        deviations = information.deviation[:, 4] * trace.mu0[information.start]
+        measures[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
     starts = np.arange(0, len(x) - window + 1, window)
-    known["condition"] = trace.condition[starts].tolist()
-    known["creep"] = [float(np.max(truth["creep"][first : first + window])) for first in starts]
-    return known
+    measures["condition"] = trace.condition[starts].tolist()
+    measures["creep"] = [float(np.max(truth["creep"][first : first + window])) for first in starts]
+    return measures

@@ -14,25 +14,25 @@ def recorded(case: Case) -> xarray.Dataset:
 
     Row k has what was read at the end of step k and the inputs that were held during it.
     """
-    drawn = course(case.test, case.seed, case.irregularity)
+    realisation = course(case.test, case.seed, case.irregularity)
     with wheelset(case.speed, PLANTS[case.plant].parameters) as plant:
-        plant.start(drawn.inputs[0])
-        outputs = run(plant, drawn.inputs, readings=tuple(READINGS), noise=drawn.noise).outputs
+        plant.start(realisation.inputs[0])
+        outputs = run(plant, realisation.inputs, readings=tuple(READINGS), noise=realisation.noise).outputs
     states = {"y": "lateral_position", "dy": "lateral_velocity", "psi": "yaw_angle", "dpsi": "yaw_rate"}
     units = {"y": "m", "dy": "m/s", "psi": "rad", "dpsi": "rad/s"}
     places = output_columns((*READINGS, *states.values(), "speed"))
     return recording_of(
         {
             **{
-                name: (outputs[:, places[name]][:, 0] + drawn.noise[:, i], unit)
+                name: (outputs[:, places[name]][:, 0] + realisation.noise[:, i], unit)
                 for i, (name, unit) in enumerate(READINGS.items())
             },
-            "track": (drawn.inputs[:, 0], "m"),
+            "track": (realisation.inputs[:, 0], "m"),
             "speed": (outputs[:, places["speed"]][:, 0], "m/s"),
         },
         truth={
             **{state: (outputs[:, places[name]][:, 0], units[state]) for state, name in states.items()},
-            "log_mu0": (np.log(drawn.inputs[:, 1]), "1"),
+            "log_mu0": (np.log(realisation.inputs[:, 1]), "1"),
         },
         period=PERIOD,
         start=PERIOD,

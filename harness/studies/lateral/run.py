@@ -88,14 +88,14 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         railgrip.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
     vehicle = PLANTS[case.plant]
-    drawn = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
-    table = np.column_stack([drawn.inputs, drawn.track_rate, np.full(len(drawn.inputs), case.speed)])
-    parties = [party(name, drawn.conditions[0], case.irregularity, sensors=vehicle.sensors) for name in names]
+    realisation = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
+    table = np.column_stack([realisation.inputs, realisation.track_rate, np.full(len(realisation.inputs), case.speed)])
+    parties = [party(name, realisation.conditions[0], case.irregularity, sensors=vehicle.sensors) for name in names]
     records: list[Record] = []
     with wheelset(case.speed, vehicle.parameters) as plant:
-        plant.start(drawn.inputs[0])
+        plant.start(realisation.inputs[0])
         begin = time.perf_counter()
-        for (first, last), condition in zip(drawn.segments, drawn.conditions, strict=True):
+        for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
             for one in parties:
                 one.told(condition)
             records.append(
@@ -104,37 +104,37 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
                     table[first:last],
                     further=FURTHER,
                     readings=tuple(READINGS),
-                    noise=drawn.noise[first:last],
+                    noise=realisation.noise[first:last],
                     observers=[one.observer for one in parties if _alive(records, one.name)],
                     every=EVERY,
                 )
             )
         wall = time.perf_counter() - begin
-    return _trace(case, drawn, records, names, wall)
+    return _trace(case, realisation, records, names, wall)
 
 
 def _alive(records: Sequence[Record], name: str) -> bool:
     return all(name in record.beliefs and not record.beliefs[name].diverged for record in records)
 
 
-def _trace(case: Case, drawn: Course, records: Sequence[Record], names: Sequence[Name], wall: float) -> Trace:
+def _trace(case: Case, realisation: Course, records: Sequence[Record], names: Sequence[Name], wall: float) -> Trace:
     outputs = np.concatenate([record.outputs for record in records])
     sample = np.concatenate([record.sample for record in records])
     places = output_columns(
         ("yaw_rate", "lateral_position", "lateral_velocity", "yaw_angle", "creep", "creep_force",
          "friction")
     )  # fmt: skip
-    held = drawn.inputs[sample - 1]
-    numbers = [CONDITIONS.index(condition) for condition in drawn.conditions]
+    inputs = realisation.inputs[sample - 1]
+    numbers = [CONDITIONS.index(condition) for condition in realisation.conditions]
     return Trace(
         case=case,
         time=PERIOD * sample.astype(np.float64),
         period=EVERY * PERIOD,
         truth={name: outputs[:, place].mean(axis=1) for name, place in places.items()},
-        mu0=held[:, 1],
+        mu0=inputs[:, 1],
         condition=np.concatenate([np.full(len(r.sample), n) for r, n in zip(records, numbers, strict=True)]),
-        track=held[:, 0],
-        changes=tuple(first * PERIOD for first, _ in drawn.segments),
+        track=inputs[:, 0],
+        changes=tuple(first * PERIOD for first, _ in realisation.segments),
         beliefs={name: _joined(records, name) for name in names},
         wall=wall,
     )
@@ -142,14 +142,14 @@ def _trace(case: Case, drawn: Course, records: Sequence[Record], names: Sequence
 
 def _joined(records: Sequence[Record], name: str) -> Beliefs:
     """Return the beliefs of all stretches in a row; NaN where the filter no longer ran."""
-    known = [record.beliefs[name] for record in records if name in record.beliefs]
-    n = known[0].mean.shape[1]
+    beliefs = [record.beliefs[name] for record in records if name in record.beliefs]
+    n = beliefs[0].mean.shape[1]
     missing = sum(len(record.sample) for record in records if name not in record.beliefs)
-    last = known[-1]
+    last = beliefs[-1]
     return Beliefs(
-        mean=np.concatenate([*(b.mean for b in known), np.full((missing, n), np.nan)]),
-        covariance=np.concatenate([*(b.covariance for b in known), np.full((missing, n, n), np.nan)]),
-        squared_innovation=np.concatenate([*(b.squared_innovation for b in known), np.full(missing, np.nan)]),
+        mean=np.concatenate([*(b.mean for b in beliefs), np.full((missing, n), np.nan)]),
+        covariance=np.concatenate([*(b.covariance for b in beliefs), np.full((missing, n, n), np.nan)]),
+        squared_innovation=np.concatenate([*(b.squared_innovation for b in beliefs), np.full(missing, np.nan)]),
         diverged=last.diverged,
         diverged_at=last.diverged_at,
     )

@@ -47,11 +47,11 @@ class Plan:
     @property
     def cases(self) -> tuple[Case, ...]:
         """All runs."""
-        known = [(test, speed, "paper") for speed in self.speeds for test in self.tests]
+        variants = [(test, speed, "paper") for speed in self.speeds for test in self.tests]
         others = [(self.tests[-1], self.middle_speed, plant) for plant in PLANTS if plant != "paper"]
         return tuple(
             Case(test=test, speed=speed, plant=plant, seed=seed)
-            for test, speed, plant in (*known, *others)
+            for test, speed, plant in (*variants, *others)
             for seed in range(1, self.seeds + 1)
         )
 
@@ -70,7 +70,7 @@ class Result:
 
 
 def conduct(
-    plan: Plan, directory: Path, *, workers: int = 2, tell: Callable[[Case, bool], None] = lambda case, found: None
+    plan: Plan, directory: Path, *, workers: int = 2, tell: Callable[[Case, bool], None] = lambda case, cached: None
 ) -> tuple[Result, ...]:
     """Return the results of all runs of a plan, in its order; those found in `directory`/runs are not run again.
 
@@ -80,12 +80,12 @@ def conduct(
         workers: Processes.
         tell: Told of every finished run, and whether it had been found.
     """
-    kept = directory / "runs"
-    kept.mkdir(parents=True, exist_ok=True)
+    cache = directory / "runs"
+    cache.mkdir(parents=True, exist_ok=True)
     results: dict[Case, dict[str, Any]] = {}
     missing: list[Case] = []
     for case in plan.cases:
-        file = kept / f"{key(case)}.json"
+        file = cache / f"{key(case)}.json"
         if file.exists():
             results[case] = json.loads(file.read_text())["measures"]
             tell(case, True)
@@ -96,10 +96,10 @@ def conduct(
         simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
         with processes(workers) as pool:
             running = {pool.submit(one, case): case for case in missing}
-            for done in as_completed(running):
-                case = running[done]
-                results[case] = done.result()
-                _keep(kept / f"{key(case)}.json", case, results[case])
+            for future in as_completed(running):
+                case = running[future]
+                results[case] = future.result()
+                _keep(cache / f"{key(case)}.json", case, results[case])
                 tell(case, False)
     return tuple(Result(case=case, measures=results[case]) for case in plan.cases)
 
@@ -111,8 +111,8 @@ def one(case: Case) -> dict[str, Any]:
 
 def key(case: Case) -> str:
     """Return the digest of a case and of everything that its result rests on."""
-    asked = json.dumps([asdict(case), _observed(case)], sort_keys=True)
-    return hashlib.sha256((_ground() + asked).encode()).hexdigest()[:20]
+    text = json.dumps([asdict(case), _observed(case)], sort_keys=True)
+    return hashlib.sha256((_ground() + text).encode()).hexdigest()[:20]
 
 
 def _observed(case: Case) -> bool:
@@ -144,8 +144,8 @@ def _ground() -> str:
 def _sources(package: str, names: Sequence[str] | None) -> list[tuple[str, str]]:
     room, *below = package.removeprefix("railgrip.").split(".")
     folder = files(f"railgrip.{room}").joinpath(*below)
-    found = sorted(file.name for file in folder.iterdir() if file.name.endswith((".py", ".c", ".h")))
-    return [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in names or found]
+    of_package = sorted(file.name for file in folder.iterdir() if file.name.endswith((".py", ".c", ".h")))
+    return [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in names or of_package]
 
 
 def _keep(file: Path, case: Case, measures: dict[str, Any]) -> None:

@@ -53,15 +53,15 @@ class Spread:
 
 def spread(values: Iterable[float | None]) -> Spread:
     """Return median and interval of values, one for each seed; None is infinity: not finite, or never settled."""
-    found = np.sort([math.inf if value is None else value for value in values])
-    low, confidence = _rank(len(found))
+    ordered = np.sort([math.inf if value is None else value for value in values])
+    low, confidence = _rank(len(ordered))
     with np.errstate(invalid="ignore"):
-        median = float(np.median(found))
+        median = float(np.median(ordered))
     # The mean of a number and infinity is infinity, of two infinities NaN in numpy's arithmetic.
     return Spread(
         median=math.inf if math.isnan(median) else median,
-        low=float(found[low]),
-        high=float(found[len(found) - 1 - low]),
+        low=float(ordered[low]),
+        high=float(ordered[len(ordered) - 1 - low]),
         confidence=confidence,
     )
 
@@ -74,10 +74,10 @@ def _rank(n: int) -> tuple[int, float]:
     """
     best = (0, float(1 - 2 * binom.cdf(0, n, 0.5)))
     for k in range(1, n // 2):
-        held = float(1 - 2 * binom.cdf(k, n, 0.5))
-        if held < 0.95:
+        coverage = float(1 - 2 * binom.cdf(k, n, 0.5))
+        if coverage < 0.95:
             break
-        best = (k, held)
+        best = (k, coverage)
     return best
 
 
@@ -87,11 +87,11 @@ def _digits(value: float) -> str:
 
 def groups(results: Sequence[Result]) -> dict[tuple[str, float, str], list[Result]]:
     """Return the results of all seeds by (plant, speed, test)."""
-    found: dict[tuple[str, float, str], list[Result]] = {}
+    by_case: dict[tuple[str, float, str], list[Result]] = {}
     for result in results:
         case = result.case
-        found.setdefault((case.plant, case.speed, case.test.name), []).append(result)
-    return found
+        by_case.setdefault((case.plant, case.speed, case.test.name), []).append(result)
+    return by_case
 
 
 def error_rows(results: Sequence[Result]) -> list[dict[str, Any]]:
@@ -148,15 +148,15 @@ def innovation_table(results: Sequence[Result]) -> Table:
     rows: list[dict[str, Any]] = []
     for (plant, speed, test), runs in groups(results).items():
         for name in NAMES:
-            lost = [instant for run in runs if (instant := run.measures["lost"][name]) is not None]
+            instants = [instant for run in runs if (instant := run.measures["lost"][name]) is not None]
             rows.append(
                 {
                     "plant": PLANT_TITLES[plant],
                     "speed [m/s]": speed,
                     "test": test,
                     "filter": TITLES[name],
-                    "lost, of runs": f"{len(lost)} of {len(runs)}",
-                    "first [s]": f"{min(lost):.2g}" if lost else "–",
+                    "lost, of runs": f"{len(instants)} of {len(runs)}",
+                    "first [s]": f"{min(instants):.2g}" if instants else "–",
                     "NIS": spread(run.measures["nis"][name] for run in runs),
                     "friction RMSE": spread(run.measures["errors"][name]["friction"]["rmse"] for run in runs),
                     "of the best constant": spread(run.measures["constant"]["friction"] for run in runs),
@@ -167,15 +167,15 @@ def innovation_table(results: Sequence[Result]) -> Table:
 
 def observability_table(results: Sequence[Result]) -> Table:
     """Return to what standard deviation windows of readings tell mu0, by speed and condition."""
-    found: dict[tuple[float, int], list[tuple[float, float]]] = {}
+    ranks: dict[tuple[float, int], list[tuple[float, float]]] = {}
     for result in results:
         windows = result.measures["observability"]
         if windows is not None:
             for number, *deviations in zip(windows["condition"], windows["paper"], windows["service"], strict=True):
                 paper, service = (math.inf if deviation is None else deviation for deviation in deviations)
-                found.setdefault((result.case.speed, number), []).append((paper, service))
+                ranks.setdefault((result.case.speed, number), []).append((paper, service))
     rows: list[dict[str, Any]] = []
-    for (speed, number), pairs in sorted(found.items()):
+    for (speed, number), pairs in sorted(ranks.items()):
         paper, service = np.array(pairs).T
         low, high = np.quantile(service, (0.1, 0.9), method="nearest")
         rows.append(
@@ -194,7 +194,7 @@ def observability_table(results: Sequence[Result]) -> Table:
 
 def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
     """Return filter and plant, confusion matrix of the condition detector in shares of time, and its delays."""
-    found: list[tuple[str, Table, Table]] = []
+    tables: list[tuple[str, Table, Table]] = []
     for plant, title in PLANT_TITLES.items():
         runs = [result for result in results if result.case.plant == plant]
         for name in [name for name in NAMES if runs and name in runs[0].measures["detection"]]:
@@ -203,31 +203,31 @@ def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
                 (condition.name, *(row / max(row.sum(), 1))) for condition, row in zip(CONDITIONS, counts, strict=True)
             ]
             confusion = Table.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, "{:.1%}")
-            found.append((f"{TITLES[name]}, {title}", confusion, _delays(runs, name)))
-    return found
+            tables.append((f"{TITLES[name]}, {title}", confusion, _delays(runs, name)))
+    return tables
 
 
 def levels(results: Sequence[Result]) -> list[tuple[str, Table, str]]:
     """Return filter and plant, what the filter believes of mu0 in runs of several conditions, and a sentence on it."""
-    found: list[tuple[str, Table, str]] = []
+    tables: list[tuple[str, Table, str]] = []
     for plant, title in PLANT_TITLES.items():
         several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]
         speeds = sorted({run.case.speed for run in several})
         runs = [run for run in several if run.case.speed == speeds[len(speeds) // 2]]
         for name in [name for name in NAMES if runs and name in runs[0].measures["levels"]]:
-            found.append((f"{TITLES[name]}, {title}", *_level([run.measures["levels"][name] for run in runs])))
-    return found
+            tables.append((f"{TITLES[name]}, {title}", *_level([run.measures["levels"][name] for run in runs])))
+    return tables
 
 
 def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tuple[Table, str]:
     conditions = [condition for condition in CONDITIONS if condition.name in runs[0]]
-    believed = {c: [spread(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
+    spreads = {c: [spread(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
     columns = ("condition", "true μ0", "believed: median [interval]", "rms error")
-    table = Table.of(columns, [(c.name, f"{c.mu0:g}", *believed[c]) for c in conditions], str)
-    right = [c.name for c in conditions if believed[c][1].median < LEVEL_TOLERANCE]
+    table = Table.of(columns, [(c.name, f"{c.mu0:g}", *spreads[c]) for c in conditions], str)
+    right = [c.name for c in conditions if spreads[c][1].median < LEVEL_TOLERANCE]
     far = [
         f"takes {c.name}, {c.mu0:g}, for {_digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
-        for c, (mean, error) in believed.items()
+        for c, (mean, error) in spreads.items()
         if error.median >= LEVEL_TOLERANCE
     ]
     within = f"Tells μ0 within {LEVEL_TOLERANCE:g} rms in {', '.join(right) or 'no condition'}"
@@ -242,14 +242,14 @@ def _delays(runs: Sequence[Result], name: str) -> Table:
             changes.setdefault(f"{before} → {after}", []).append(delay)
     rows: list[dict[str, Any]] = []
     for change, delays in changes.items():
-        known = [delay for delay in delays if delay is not None]
+        finite = [delay for delay in delays if delay is not None]
         rows.append(
             {
                 "change": change,
                 "number": len(delays),
-                "detected": len(known),
+                "detected": len(finite),
                 "delay: median [interval] s": str(spread(delays)),
-                "longest detected [s]": _digits(max(known, default=math.inf)),
+                "longest detected [s]": _digits(max(finite, default=math.inf)),
             }
         )
     return Table(rows, left=("change",))

@@ -227,10 +227,10 @@ def wheelset(speed: float, parameters: Mapping[str, float], period: float = PERI
 
 @cache
 def _bound() -> tuple[Description, Any]:
-    described = describe(fmu("LateralWheelset"))
+    description = describe(fmu("LateralWheelset"))
     inputs = [Signal(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
     outputs = [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]
-    return described, bind(described, inputs=inputs, outputs=outputs, where="the wheelset LateralWheelset")
+    return description, bind(description, inputs=inputs, outputs=outputs, where="the wheelset LateralWheelset")
 
 
 def output_columns(names: Sequence[str]) -> dict[str, slice]:

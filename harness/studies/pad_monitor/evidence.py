@@ -88,21 +88,23 @@ def evidence_of(
     prediction, filter_ = _filter(period, tuple(sorted(parameters.items())))
     names = [f"cylinder_pressure[{g + 1}]" for g in range(GROUPS)]
     pressure = samples(recording, names, ["Pa"] * GROUPS)
-    seen = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
+    readings = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
     at = prediction.outputs.index
-    speed = _filled(seen[:, at("speed")], "speed")
-    wheels = np.stack([_filled(seen[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1)
+    speed = _filled(readings[:, at("speed")], "speed")
+    wheels = np.stack(
+        [_filled(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1
+    )
     moving = np.flatnonzero(speed < _SLOWEST)
     count = int(moving[0]) if moving.size else speed.size
-    acceleration = seen[:, at("acceleration")]
-    acceleration -= _bias(acceleration[:count], seen[:count, at("speed")], period)
+    acceleration = readings[:, at("acceleration")]
+    acceleration -= _bias(acceleration[:count], readings[:count, at("speed")], period)
     values = {v.name: float(p) for v, p in zip(model_of(MODEL).parameters, prediction.parameters, strict=True)}
     lever = values["i_rigging"] * values["eta_rigging"]
     force = np.maximum(lever * (pressure * values["A_piston"] - values["F_spring"]), 0.0)
-    braked = np.flatnonzero(pressure.max(axis=1) > _RELEASED)
-    if not braked.size or count - braked[0] < 5.0 / period:
+    braking = np.flatnonzero(pressure.max(axis=1) > _RELEASED)
+    if not braking.size or count - braking[0] < 5.0 / period:
         raise EstimationError(f"recording '{recording.attrs.get('name', '')}': has no five seconds of braking.")
-    onset = int(braked[0])
+    onset = int(braking[0])
     drag = _drag(acceleration[:onset], speed[:onset], values) if onset * period >= _COASTING else float("nan")
     # Pressures that with constant nominal friction would brake as healthy pads do: what is left to estimate is health.
     reduced = pressure.copy()
@@ -113,17 +115,19 @@ def evidence_of(
         equivalent = (values["F_spring"] + mu / NOMINAL * force[:, g] / lever) / values["A_piston"]
         reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
     mass = sum(values[f"m_wheelset[{i + 1}]"] for i in range(6))
-    held = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
+    inputs = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
     radius = values["r_wheel"]
     locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
     for g in range(GROUPS):
-        seen[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
-    mean, covariance = _filtered(filter_, prediction.states, held, seen, locked, wheels[0], float(speed[0]), count)
+        readings[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
+    mean, covariance = _filtered(
+        filter_, prediction.states, inputs, readings, locked, wheels[0], float(speed[0]), count
+    )
     # The prior is taken out, so that stops can be put together without counting it once each.
-    gained = np.linalg.inv(covariance) - np.eye(GROUPS) / PRIOR**2
+    information = np.linalg.inv(covariance) - np.eye(GROUPS) / PRIOR**2
     # What a stop does not tell at all has an information of zero, here with rounding: at most 100 priors wide.
-    gained += np.eye(GROUPS) / (100.0 * PRIOR) ** 2
-    spread = np.linalg.inv(0.5 * (gained + gained.T))
+    information += np.eye(GROUPS) / (100.0 * PRIOR) ** 2
+    spread = np.linalg.inv(0.5 * (information + information.T))
     health = spread @ (np.linalg.solve(covariance, mean) - np.full(GROUPS, NOMINAL) / PRIOR**2
                        + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
     offset = pressure_spread(
@@ -143,8 +147,8 @@ def evidence_of(
 
 def _applied(pressure: Vector, force: Vector) -> float:
     """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
-    pressed = pressure[force > _PRESSED]
-    return float(np.median(pressed)) if pressed.size else float("inf")
+    applied = pressure[force > _PRESSED]
+    return float(np.median(applied)) if applied.size else float("inf")
 
 
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
@@ -176,8 +180,8 @@ def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[C
 def _filtered(
     filter_: CompiledFilter,
     states: tuple[str, ...],
-    held: Matrix,
-    seen: Matrix,
+    inputs: Matrix,
+    readings: Matrix,
     locked: NDArray[np.bool_],
     wheels: Vector,
     speed: float,
@@ -188,8 +192,8 @@ def _filtered(
     Args:
         filter_: To run.
         states: Of its model.
-        held: Inputs at every sample, shape (k, nu).
-        seen: Readings, shape (k, m); none of a wheelset while it is locked.
+        inputs: Inputs at every sample, shape (k, nu).
+        readings: Readings, shape (k, m); none of a wheelset while it is locked.
         locked: Which are, shape (k, 4).
         wheels: Wheelset speeds at the first sample [rad/s], shape (4,).
         speed: Of the train then [m/s].
@@ -201,7 +205,7 @@ def _filtered(
     mean[states.index("v")] = speed
     mean[[states.index(f"w[{g + 1}]") for g in range(GROUPS)]] = wheels
     filter_.start(mean, deviation**2)
-    middle = 0.5 * (held[:-1] + held[1:])  # pressures move within a period
+    middle = 0.5 * (inputs[:-1] + inputs[1:])  # pressures move within a period
     usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
     turning = np.array([states.index(f"w[{g + 1}]") for g in range(GROUPS)])
     filter_.change_process_noise(usual)
@@ -212,7 +216,7 @@ def _filtered(
                 noise[turning[locked[k]]] = _FREE
                 filter_.change_process_noise(noise)
             filter_.held[:] = middle[k - 1]
-            filter_.seen[:] = seen[k]
+            filter_.seen[:] = readings[k]
             filter_.advance()
     except FilterDiverged as problem:
         raise EstimationError(f"monitor: {problem}") from problem
@@ -224,14 +228,14 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
 
     It holds the slope of the track, too, which an accelerometer cannot tell from a bias.
     """
-    known = np.isfinite(acceleration)
-    if known.mean() < 0.5:
+    finite = np.isfinite(acceleration)
+    if finite.mean() < 0.5:
         return 0.0
-    filled = np.where(known, acceleration, np.nanmean(acceleration))
-    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (filled[1:] + filled[:-1]) * period)])
+    complete = np.where(finite, acceleration, np.nanmean(acceleration))
+    distance = np.concatenate([[0.0], np.cumsum(0.5 * (complete[1:] + complete[:-1]) * period)])
     read = np.isfinite(speed)
     time = np.arange(speed.size) * period
-    return -float(np.polyfit(time[read], speed[read] - travelled[read], 1)[0])
+    return -float(np.polyfit(time[read], speed[read] - distance[read], 1)[0])
 
 
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
@@ -244,7 +248,7 @@ def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> floa
 
 
 def _filled(values: Vector, name: str) -> Vector:
-    known = np.flatnonzero(np.isfinite(values))
-    if known.size < 2:
+    finite = np.flatnonzero(np.isfinite(values))
+    if finite.size < 2:
         raise EstimationError(f"recording: {name} has no samples.")
-    return np.asarray(np.interp(np.arange(values.size), known, values[known]), dtype=np.float64)
+    return np.asarray(np.interp(np.arange(values.size), finite, values[finite]), dtype=np.float64)

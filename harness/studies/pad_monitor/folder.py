@@ -40,7 +40,7 @@ class Found:
 def stops_in(
     folder: Path,
     specification: Specification | None = None,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> Found:
     """Return the evidence of all stops in a folder.
 
@@ -68,7 +68,7 @@ def stops_in(
     names: list[str] = []
     evidence: list[Evidence] = []
     sentences: list[str] = []
-    assumed = 0
+    defaults = 0
     for number, place in enumerate(places):
         progress(number, len(places))
         try:
@@ -79,21 +79,21 @@ def stops_in(
                 if TEMPERATURE in trace:
                     temperature = trace[TEMPERATURE].values[0]
                 else:
-                    assumed += 1
+                    defaults += 1
             else:
-                taken = taken_for(specification, place)
-                recording = taken.recording
+                temperatures = taken_for(specification, place)
+                recording = temperatures.recording
                 sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
-                assumed += 1
-            found = evidence_of(recording, temperature, parameters)
+                defaults += 1
+            judgement = evidence_of(recording, temperature, parameters)
         except EstimationError as problem:
             sentences.append(f"{place.name}: left out: {problem}")
             continue
         names.append(place.name)
-        evidence.append(found)
-    if assumed:
+        evidence.append(judgement)
+    if defaults:
         sentences.append(
-            f"{assumed} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
+            f"{defaults} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
             "assumed at their beginning, 0.7 ‰ of friction a kelvin."
         )
     return Found(names=tuple(names), evidence=tuple(evidence), sentences=tuple(sentences))

@@ -122,9 +122,9 @@ def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
     if testing:
         courses.append((brake, COASTING + _FIRST_SLOT))
         for group in range(4):
-            tested = brake.copy()
-            tested[group] = 0.0
-            courses.append((tested, COASTING + _FIRST_SLOT + (group + 1) * _SLOT))
+            demand = brake.copy()
+            demand[group] = 0.0
+            courses.append((demand, COASTING + _FIRST_SLOT + (group + 1) * _SLOT))
     # From the first sample on that is not before.
     ends = [{"until": {"time": math.ceil(round(end / PERIOD, 6)) * PERIOD}} for _, end in courses]
     pressures = [np.maximum(pressure, residual).tolist() for pressure in (*(course for course, _ in courses), brake)]
@@ -171,21 +171,23 @@ def _stop(
     }
     trace = trace_of(scenario_of(merged(_TRAIN, changes), directory=Path(), origin="life"))
     count = trace.sizes["time"]
-    shown = trace["cylinder_pressure"].values.copy()
+    readings = trace["cylinder_pressure"].values.copy()
     if stuck is not None:  # what is read is the valve's pressure; the rigging behind it is what sticks
-        asked = trace["driver_demand"].values[1:, stuck]
-        asked = np.where(asked == life.residual, 0.0, asked)
-        shown[:, stuck] = list(accumulate(asked, lambda at, to: to + (at - to) * np.exp(-PERIOD / _LAG), initial=0.0))
+        demand = trace["driver_demand"].values[1:, stuck]
+        demand = np.where(demand == life.residual, 0.0, demand)
+        readings[:, stuck] = list(
+            accumulate(demand, lambda at, to: to + (at - to) * np.exp(-PERIOD / _LAG), initial=0.0)
+        )
     noise = random.standard_normal
     velocity = trace["speed"].values * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
     velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
     acceleration = trace["acceleration"].values + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
     wheels = trace["wheelset_speed"].values + 0.2 * noise((count, 4))
-    pressure = shown + transducers + 500.0 * noise(4)
+    pressure = readings + transducers + 500.0 * noise(4)
     signals: dict[str, tuple[Vector, str]] = {"speed": (velocity, "m/s"), "acceleration": (acceleration, "m/s2")}
     for g in range(4):
         signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")
         signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
-    known = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(4)}
-    recording = recording_of(signals, period=PERIOD, truth=known, name=f"stop-{number:04d}")
+    truth = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(4)}
+    recording = recording_of(signals, period=PERIOD, truth=truth, name=f"stop-{number:04d}")
     return SimulatedStop(recording=recording, temperature=discs + 10.0 * noise(4))

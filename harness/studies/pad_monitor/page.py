@@ -49,13 +49,13 @@ def verdict_on(history: History, design: Design) -> str:
 
 def draw(history: History, design: Design, path: Path) -> Path:
     """Draw health and chart of each group over the stops and return the file."""
-    made = figure(11.0, 8.0)
-    axes = made.subplots(GROUPS, 2, sharex=True, width_ratios=(3, 2))
+    drawing = figure(11.0, 8.0)
+    axes = drawing.subplots(GROUPS, 2, sharex=True, width_ratios=(3, 2))
     number = np.arange(len(history.index)) + 1
     for g in range(GROUPS):
         left, right = axes[g]
-        told = history.deviation[:, g] < design.told_apart
-        left.plot(number[told], history.evidence[told, g], ".", color=GREY, markersize=3, label="one stop")
+        distinct = history.deviation[:, g] < design.told_apart
+        left.plot(number[distinct], history.evidence[distinct, g], ".", color=GREY, markersize=3, label="one stop")
         left.plot(number, history.index[:, g], color=BLUE, label="index")
         band = 2.0 * history.index_sd[:, g]
         left.fill_between(number, history.index[:, g] - band, history.index[:, g] + band, color=BLUE, alpha=0.2, lw=0)
@@ -74,4 +74,4 @@ def draw(history: History, design: Design, path: Path) -> Path:
     axes[0, 0].legend(loc="upper right", fontsize=8, frameon=False, ncols=2)
     for part in axes[-1]:
         part.set_xlabel("stop")
-    return save(made, path)
+    return save(drawing, path)

@@ -47,13 +47,13 @@ def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESS
     ]
 
 
-def evidence_of_life(asked: Life) -> list[Evidence]:
+def evidence_of_life(life: Life) -> list[Evidence]:
     """Return the evidence of every stop of a life, from the user's cache or by running it."""
-    key = _digest(asked)
+    key = _digest(life)
     path = cache.find(KIND, key, "life.json")
     if path is None:
-        found = [evidence_of(stop.recording, stop.temperature) for stop in live(asked)]
-        rows = [{name: np.asarray(value).tolist() for name, value in asdict(e).items()} for e in found]
+        evidence = [evidence_of(stop.recording, stop.temperature) for stop in live(life)]
+        rows = [{name: np.asarray(value).tolist() for name, value in asdict(e).items()} for e in evidence]
         path = cache.keep(KIND, key, "life.json", json.dumps(rows).encode())
     return [
         Evidence(
@@ -70,11 +70,11 @@ def evidence_of_life(asked: Life) -> list[Evidence]:
 _SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in (evidence, life, nominal))
 
 
-def _digest(asked: Life) -> str:
-    told = hashlib.sha256(json.dumps(asdict(asked), sort_keys=True).encode())
-    told.update(fmu(PLANT).read_bytes())
-    told.update(_SOURCES)
-    return told.hexdigest()[:24]
+def _digest(life: Life) -> str:
+    digest = hashlib.sha256(json.dumps(asdict(life), sort_keys=True).encode())
+    digest.update(fmu(PLANT).read_bytes())
+    digest.update(_SOURCES)
+    return digest.hexdigest()[:24]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,34 +126,34 @@ class Verdict:
 
 
 def _delays(delays: Sequence[int | None]) -> str:
-    found = [delay for delay in delays if delay is not None]
-    if not found:
+    finite = [delay for delay in delays if delay is not None]
+    if not finite:
         return f"none of {len(delays)} found"
-    return f"median {np.median(found):.0f}, at most {max(found)}; {len(found)} of {len(delays)} found"
+    return f"median {np.median(finite):.0f}, at most {max(finite)}; {len(finite)} of {len(delays)} found"
 
 
 def study(
-    asked: Sequence[Life], design: Design, *, workers: int = 2, tell: Callable[[int], None] = lambda done: None
+    plan: Sequence[Life], design: Design, *, workers: int = 2, tell: Callable[[int], None] = lambda count: None
 ) -> Verdict:
     """Return what the monitor made of the lives."""
     fmu(PLANT)  # built once, before the processes want it
     if workers == 1:
-        found = [evidence_of_life(one) for one in asked]
+        evidence = [evidence_of_life(one) for one in plan]
     else:
         with processes(workers) as pool:
-            found = []
-            for done, evidences in enumerate(pool.map(evidence_of_life, asked), start=1):
-                found.append(evidences)
-                tell(done)
-    return judged(asked, found, design)
+            evidence = []
+            for count, evidences in enumerate(pool.map(evidence_of_life, plan), start=1):
+                evidence.append(evidences)
+                tell(count)
+    return judged(plan, evidence, design)
 
 
-def judged(asked: Sequence[Life], found: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
+def judged(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
     """Return delays and false alarms of lives whose evidence is known."""
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []
     healthy = false_alarms = right = alarms_due = 0
-    for one, evidences in zip(asked, found, strict=True):
+    for one, evidences in zip(plan, evidence, strict=True):
         alarms = watch(evidences, design).alarms
         for group, begin, delays, kind in (
             (one.worn_group, one.worn, worn_delays, "friction lost"),
@@ -171,8 +171,8 @@ def judged(asked: Sequence[Life], found: Sequence[Sequence[Evidence]], design: D
         healthy += len(others) * (one.stops - design.reference)
         false_alarms += sum(alarm.group in others for alarm in alarms)
     return Verdict(
-        lives=len(asked),
-        stops=sum(one.stops for one in asked),
+        lives=len(plan),
+        stops=sum(one.stops for one in plan),
         worn_delays=tuple(worn_delays),
         stuck_delays=tuple(stuck_delays),
         kinds_right=right / max(alarms_due, 1),

@@ -184,7 +184,7 @@ def _charted(
     coasting = float(np.median(before)) if before else float("nan")
     alarms: list[Alarm] = []
     left_zero = np.full(GROUPS, first)
-    told = np.zeros(GROUPS, dtype=np.bool_)
+    distinct = np.zeros(GROUPS, dtype=np.bool_)
     for k in range(first, len(stops)):
         chart[k] = chart[k - 1]
         if np.isnan(deficit[k]).any():
@@ -192,13 +192,13 @@ def _charted(
         step = np.minimum((deficit[k] - slack) / scatter, design.largest_step)
         chart[k] = np.maximum(chart[k - 1] + step, 0.0)
         left_zero = np.where(chart[k] == 0.0, k + 1, left_zero)
-        for g in np.flatnonzero((chart[k] > threshold) & ~told):
+        for g in np.flatnonzero((chart[k] > threshold) & ~distinct):
             since = slice(int(left_zero[g]), k + 1)
             drags = np.array([stop.drag for stop in stops[since]])
             sticks = bool(np.isfinite(drags).any() and np.nanmean(drags) - coasting > design.drag)
             kind: Kind = "does not release" if sticks else "friction lost"
             alarms.append(Alarm(stop=k, group=int(g), kind=kind, loss=float(np.nanmean(deficit[since, g]))))
-            told[g] = True
+            distinct[g] = True
     return alarms
 
 
@@ -220,7 +220,7 @@ def _followed(
     """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
 
     The offset of a transducer is the same in every stop: it does not weigh stops, and no number of them averages it
-    out. `shifted` is what offsets of one standard deviation, one a column, have moved the index by, through the same
+    out. `shift` is what offsets of one standard deviation, one a column, have moved the index by, through the same
     gains that made it. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
 
     An alarm says that health has jumped, so that the index of its group begins anew there.
@@ -233,18 +233,18 @@ def _followed(
         design: For drift and scatter.
     """
     mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
-    shifted = np.zeros((GROUPS, GROUPS))
+    shift = np.zeros((GROUPS, GROUPS))
     scatter = np.diag(own**2) + together
     index, spread = np.empty((len(stops), GROUPS)), np.empty((len(stops), GROUPS))
     for k, stop in enumerate(stops):
-        jumped = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(GROUPS)])
-        covariance = covariance + np.diag(np.where(jumped, _UNKNOWN**2, design.drift**2))
+        jumps = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(GROUPS)])
+        covariance = covariance + np.diag(np.where(jumps, _UNKNOWN**2, design.drift**2))
         gain = np.linalg.solve(covariance + stop.covariance + scatter, covariance).T
         mean = mean + gain @ (stop.health - mean)
-        kept = np.eye(GROUPS) - gain
-        covariance = kept @ covariance @ kept.T + gain @ (stop.covariance + scatter) @ gain.T
-        shifted = kept @ shifted + gain * stop.offset
-        index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shifted**2, axis=1))
+        remainder = np.eye(GROUPS) - gain
+        covariance = remainder @ covariance @ remainder.T + gain @ (stop.covariance + scatter) @ gain.T
+        shift = remainder @ shift + gain * stop.offset
+        index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shift**2, axis=1))
     return index, spread
 
 
@@ -259,7 +259,7 @@ def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Ve
     if number.size < FEWEST:
         return np.full(GROUPS, np.nan), np.full(GROUPS, np.nan)
     time = number - number.mean()
-    chosen = health[number] - health[number].mean(axis=0)
-    slope = time @ chosen / (time @ time)
-    scatter = np.sqrt(np.sum((chosen - np.outer(time, slope)) ** 2, axis=0) / (number.size - 2))
+    deviation = health[number] - health[number].mean(axis=0)
+    slope = time @ deviation / (time @ time)
+    scatter = np.sqrt(np.sum((deviation - np.outer(time, slope)) ** 2, axis=0) / (number.size - 2))
     return slope, scatter / np.sqrt(time @ time)

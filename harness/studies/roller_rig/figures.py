@@ -19,13 +19,13 @@ def rig_run(
 ) -> Path:
     """Draw speeds and pad force above, adhesion and pad friction below (Schwarz and Keck, 2020, figures 4 and 5)."""
     time = recording["time"].values
-    made = figure(10, 6.5)
-    above, below = made.subplots(2, 1, sharex=True)
+    drawing = figure(10, 6.5)
+    above, below = drawing.subplots(2, 1, sharex=True)
     above.plot(time, KMH * reading_of(recording, "speed"), color=BLACK, lw=1.2, label="roller")
     above.plot(
         time, KMH * radius * reading_of(recording, "wheelset_speed"), color=BLUE, lw=0.8, label="wheelset, at the rim"
     )
-    made.suptitle(title, fontsize=10)
+    drawing.suptitle(title, fontsize=10)
     dress(above, y="speed [km/h]")
     force = above.twinx()
     force.plot(
@@ -51,7 +51,7 @@ def rig_run(
     friction.spines["top"].set_visible(False)
     lines = [*below.get_lines(), *friction.get_lines()]
     _legend(below, lines)
-    return save(made, path)
+    return save(drawing, path)
 
 
 def over_slip(
@@ -65,8 +65,8 @@ def over_slip(
     """Draw adhesion over slip and its error (figure 6), for every filter, from `between[0]` to `between[1]` seconds."""
     part = recording.sel(time=slice(*between))
     slip = truth_of(part, "slip")
-    made = figure(10, 7)
-    above, below = made.subplots(2, 1, sharex=True)
+    drawing = figure(10, 7)
+    above, below = drawing.subplots(2, 1, sharex=True)
     above.plot(
         slip,
         reading_of(part, "contact_force") / reading_of(part, "wheelset_load"),
@@ -74,34 +74,34 @@ def over_slip(
         lw=2.0,
         label="load cells",
     )
-    for (name, told), color in zip(estimates.items(), (VERMILION, BLUE, GREEN), strict=False):
-        seen = told.sel(time=slice(*between))["mean"].sel(state="alpha").values
-        above.plot(slip, seen, color=color, lw=0.9, label=name)
-        below.plot(slip, np.abs(seen - truth_of(part, "alpha")), ".-", color=color, lw=0.6, ms=2.5, label=name)
+    for (name, estimate), color in zip(estimates.items(), (VERMILION, BLUE, GREEN), strict=False):
+        adhesion = estimate.sel(time=slice(*between))["mean"].sel(state="alpha").values
+        above.plot(slip, adhesion, color=color, lw=0.9, label=name)
+        below.plot(slip, np.abs(adhesion - truth_of(part, "alpha")), ".-", color=color, lw=0.6, ms=2.5, label=name)
     dress(above, y="adhesion", title=f"{part.attrs['name']}, {between[0]:g} to {between[1]:g} s")
     above.legend(fontsize=8, frameon=False)
     below.axhline(limit, color=BLACK, lw=0.8, ls=":")
     dress(below, x="slip", y="|error| of adhesion")
-    return save(made, path)
+    return save(drawing, path)
 
 
 def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset], path: Path) -> Path:
     """Draw error and claimed spread of adhesion and pad friction, one column a filter."""
-    made = figure(10, 6)
-    axes = made.subplots(2, len(estimates), sharex=True, squeeze=False)
+    drawing = figure(10, 6)
+    axes = drawing.subplots(2, len(estimates), sharex=True, squeeze=False)
     time = recording["time"].values
-    for column, (name, told) in enumerate(estimates.items()):
+    for column, (name, estimate) in enumerate(estimates.items()):
         for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
             at = axes[row, column]
-            error = told["mean"].sel(state=state).values - truth_of(recording, state)
-            spread = 2.0 * told["sd"].sel(state=state).values
+            error = estimate["mean"].sel(state=state).values - truth_of(recording, state)
+            spread = 2.0 * estimate["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
             at.fill_between(time, -spread, spread, color=SKY, alpha=0.35, lw=0, label="± 2 sd claimed")
             at.plot(time, error, color=VERMILION, lw=0.6, label="error")
             at.set_ylim(-reach, reach)
             dress(at, x="time [s]" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
             at.legend(fontsize=8, frameon=False, loc="upper right")
-    return save(made, path)
+    return save(drawing, path)
 
 
 def _legend(axes: Axes, lines: Sequence[Line2D]) -> None:

@@ -90,16 +90,16 @@ def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
     """
     trace = evenly(run_stop(scenario).trace, scenario.name)
     # A row holds what was decided before it: the next one what was decided in it.
-    held = (trace["demand"] < trace["driver_demand"]).values[:, 0]
-    return with_signals(trace, {"protecting": (np.append(held[1:], held[-1:]), "1")})
+    protection = (trace["demand"] < trace["driver_demand"]).values[:, 0]
+    return with_signals(trace, {"protecting": (np.append(protection[1:], protection[-1:]), "1")})
 
 
-def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, told: xarray.Dataset) -> Row:
+def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: xarray.Dataset) -> Row:
     """Return how a filter did on a run."""
     assert isinstance(scenario.sensors, WhiteSensors)
     after = recording["time"].values >= SETTLED
-    alpha, pads = (judge(recording, told, state, after) for state in ("alpha", "mu_b"))
-    left = excursions(recording, told, SETTLED)
+    alpha, pads = (judge(recording, estimates, state, after) for state in ("alpha", "mu_b"))
+    left = excursions(recording, estimates, SETTLED)
     return Row(
         scenario=scenario.name,
         filter=name,
@@ -121,7 +121,7 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, told: xarra
         mu_b_nees=pads.nees,
         mu_b_covered=pads.covered,
         mu_b_sd=pads.sd,
-        ended=str(told.attrs["ended"]),
+        ended=str(estimates.attrs["ended"]),
     )
 
 
@@ -138,21 +138,21 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
         tell(name)
         scenario = load(Path(name))
         recording = recording_of_rig(scenario)
-        told = {key: estimate_of(spec, recording) for key, spec in filters.items()}
-        rows += [row_of(scenario, key, recording, estimates) for key, estimates in told.items()]
-        for key, estimates in told.items():
+        estimates_of = {key: estimate_of(spec, recording) for key, spec in filters.items()}
+        rows += [row_of(scenario, key, recording, estimates) for key, estimates in estimates_of.items()]
+        for key, estimates in estimates_of.items():
             rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")
-        tunings(recording, told, out / f"{name}_tunings.png")
+        tunings(recording, estimates_of, out / f"{name}_tunings.png")
         Table([asdict(row) for row in rows]).write_csv(out / "scores.csv")
         if name == "rig_sand":
-            over_slip(recording, told, out / "rig_sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
-    varied = sensitivity(filters, tell)
-    Table([asdict(row) for row in varied]).write_csv(out / "sensitivity.csv")
+            over_slip(recording, estimates_of, out / "rig_sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
+    sensitivities = sensitivity(filters, tell)
+    Table([asdict(row) for row in sensitivities]).write_csv(out / "sensitivity.csv")
     write_page(
         out / "rig.md",
         "studies/roller_rig/rig.md.jinja",
         scores=table_of(rows, scenario="scenario"),
-        sensitivity=table_of(varied, period="period", **{"σ of v": "speed_noise"}),
+        sensitivity=table_of(sensitivities, period="period", **{"σ of v": "speed_noise"}),
     )
     return tuple(rows)
 
@@ -174,17 +174,17 @@ def sensitivity(filters: dict[str, Specification], tell: Callable[[str], None] =
                 settings = settings_for(spec, period)
                 if key == "rig-own":
                     settings = replace(settings, readings={**settings.readings, "speed": noise**2})
-                told = estimate(recording, prediction_for(spec), settings, units=units_of(spec.model.class_))
-                rows.append(row_of(scenario, key, recording, told))
+                estimates = estimate(recording, prediction_for(spec), settings, units=units_of(spec.model.class_))
+                rows.append(row_of(scenario, key, recording, estimates))
     return rows
 
 
 def table_of(rows: Sequence[Row], **first: str) -> Table:
     """Return rows as people read them, behind columns of their own: name → attribute."""
     columns = {**first, **_COLUMNS}
-    shown = [{name: getattr(row, attribute) for name, attribute in columns.items()} for row in rows]
+    records = [{name: getattr(row, attribute) for name, attribute in columns.items()} for row in rows]
     return Table(
-        shown, _FORMS, left=("scenario", "filter", "kept"), title="Adhesion and pad friction against the truth"
+        records, _FORMS, left=("scenario", "filter", "kept"), title="Adhesion and pad friction against the truth"
     )
 
 
