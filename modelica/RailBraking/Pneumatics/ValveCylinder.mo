@@ -1,29 +1,8 @@
 within RailBraking.Pneumatics;
 block ValveCylinder "Cylinders that valves fill, hold and vent"
-  extends Interfaces.PartialCylinder(command(final unit="1"));
-  parameter Types.Time T_fill = 0.4 "Time constant of filling";
-  parameter Types.Time T_vent = 0.2 "Time constant of venting";
-  parameter Types.PressureRate rate_choked = 15e5 "Fastest venting, through a choked valve";
-  parameter Types.PressureRate leak = 1e3 "Loss of pressure through leaks";
-  parameter Types.Time dead_fill = 0.05 "Dead time of the fill valve";
-  parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
-  Interfaces.RealOutput rate(final unit="Pa/s") "Rate of the pressure"
-    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  ValveDelay valves(dead_fill=dead_fill, dead_vent=dead_vent) "Dead time of the valves"
-    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
-protected
-  final parameter Types.Pressure p_small = 1e4 "Pressure below which a leak fades";
-  Types.Pressure p(start=p_start, fixed=true) "Pressure in the cylinders";
-  Types.PressureRate rate_fill "Rate through the fill valve";
-  Types.PressureRate rate_vent "Rate through the vent valve";
+  extends PartialValveCylinder;
 equation
-  valves.command = command;
-  rate_fill = valves.filling*(p_max - p)/T_fill;
-  rate_vent = valves.venting*p/T_vent/(1 + (p/(T_vent*rate_choked))^8)^0.125;
-  rate = rate_fill - rate_vent - leak*p/(p + p_small);
-  der(p) = rate;
-  pressure = p;
-  air_flow = V/p_free*rate_fill;
+  dp_fill = p_max - p;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -37,24 +16,14 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The command is -1 vent, 0 hold, +1 fill, with thresholds at &plusmn;0.5 and the dead times of
-<a href=\"modelica://RailBraking.Pneumatics.ValveDelay\">ValveDelay</a>. Filling approaches the supply pressure
-<code>p_max</code>,
-venting the atmosphere, both as first-order lags; at high pressure venting is choked and limited to
-<code>rate_choked</code>. Air is counted where it is
-taken, at the fill valve: what the vent valve lets out at the same time, and what leaks, must be filled again.
-</p>
-<p>
-Typical values (engineering estimates after published valve and test-rig data): dead time 20 to 100 ms, T_vent 0.15 to
-0.35 s,
-T_fill 0.25 to 0.7 s, leak up to 5 kPa/s.
+Filled from a supply that keeps <code>p_max</code>; see
+<a href=\"modelica://RailBraking.Pneumatics.PartialValveCylinder\">PartialValveCylinder</a>.
 </p>
 <h4>Limitations</h4>
 <p>
-The supply keeps its pressure; the reservoir is counted, not emptied. The build-up of an emergency brake
-upstream of the valves (some 0.4 s dead time, 0.5 s time constant) is the command's business. The rounding of the
-choke lowers the rate by
-8 % where both limits meet.
+The reservoir is counted, not emptied:
+<a href=\"modelica://RailBraking.Pneumatics.SuppliedCylinder\">SuppliedCylinder</a> empties
+one.
 </p>
 </html>"));
 end ValveCylinder;

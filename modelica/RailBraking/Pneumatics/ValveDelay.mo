@@ -11,24 +11,19 @@ block ValveDelay "Dead time of a fill and a vent valve that share a three-state 
   Interfaces.RealOutput venting(final unit="1") "1 while the vent valve is open, else 0"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 protected
-  final parameter Types.Ratio age_fill = floor(dead_fill/period) "Whole periods of the dead time of filling";
-  final parameter Types.Ratio age_vent = floor(dead_vent/period) "Whole periods of the dead time of venting";
-  final parameter Types.Ratio rest_fill = dead_fill/period - age_fill "What is left, in periods";
-  final parameter Types.Ratio rest_vent = dead_vent/period - age_vent "What is left, in periods";
-  final parameter Types.Ratio place_fill = placeValue(age_fill) "Place value of a sample of that age";
-  final parameter Types.Ratio place_vent = placeValue(age_vent) "Place value of a sample of that age";
-  discrete Real line[2](each start=(3.0^32 - 1)/2, each fixed=true) "Commands as sampled every period, see shift";
-  discrete Real for_fill(start=0, fixed=true) "Command as old as the whole periods of filling";
-  discrete Real for_vent(start=0, fixed=true) "Command as old as the whole periods of venting";
+  constant Integer n = 64 "Commands that are kept";
+  final parameter Types.Ratio weight_fill[n] = {max(0, 1 - abs(dead_fill/period - i + 1)) for i in 1:n}
+    "Of each command for the fill valve: straight between the two nearest ones";
+  final parameter Types.Ratio weight_vent[n] = {max(0, 1 - abs(dead_vent/period - i + 1)) for i in 1:n}
+    "Of each command for the vent valve";
+  discrete Real line[n](each start=0, each fixed=true) "Commands as sampled every period, the newest first";
   discrete Real fill_open(start=0, fixed=true) "1 while the fill valve is open";
   discrete Real vent_open(start=0, fixed=true) "1 while the vent valve is open";
 equation
   when sample(offset, period) then
-    line = shift(if command >= 0.5 then 1 elseif command <= -0.5 then -1 else 0, pre(line));
-    for_fill = tap(line, age_fill, place_fill);
-    for_vent = tap(line, age_vent, place_vent);
-    fill_open = if (1 - rest_fill)*for_fill + rest_fill*pre(for_fill) >= 0.5 then 1 else 0;
-    vent_open = if (1 - rest_vent)*for_vent + rest_vent*pre(for_vent) <= -0.5 then 1 else 0;
+    line = cat(1, {if command >= 0.5 then 1 elseif command <= -0.5 then -1 else 0}, pre(line[1:n - 1]));
+    fill_open = if weight_fill*line >= 0.5 then 1 else 0;
+    vent_open = if weight_vent*line <= -0.5 then 1 else 0;
   end when;
   filling = fill_open;
   venting = vent_open;

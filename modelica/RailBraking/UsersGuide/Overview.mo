@@ -9,7 +9,7 @@ class Overview "What is where"
 <tr><td>Interfaces</td><td>signals, partial parts</td></tr>
 <tr><td>Contact</td><td>Hertz, Kalker, Polach; named surfaces</td></tr>
 <tr><td>Friction</td><td>pads and discs</td></tr>
-<tr><td>Pneumatics</td><td>cylinders, valves, rigging</td></tr>
+<tr><td>Pneumatics</td><td>cylinders, valves, rigging; brake pipe, distributors, reservoirs, compressor</td></tr>
 <tr><td>Components</td><td>wheelsets, brakes, bogie frames, body</td></tr>
 <tr><td>Tracks</td><td>gradients and curves</td></tr>
 <tr><td>Vehicles</td><td>trains and their predictions, without what an edition adds</td></tr>
@@ -22,6 +22,7 @@ class Overview "What is where"
 <a href=\"modelica://RailBraking.Examples.EmergencyStopSlippery\">EmergencyStopSlippery</a>,
 <a href=\"modelica://RailBraking.Examples.ProtectedStop\">ProtectedStop</a>,
 <a href=\"modelica://RailBraking.Examples.DownhillStop\">DownhillStop</a>,
+<a href=\"modelica://RailBraking.Examples.BrakePipeOfTenCoaches\">BrakePipeOfTenCoaches</a>,
 <a href=\"modelica://RailBraking.Examples.BrakedWheelset\">BrakedWheelset</a>,
 <a href=\"modelica://RailBraking.Examples.CreepCurves\">CreepCurves</a>,
 <a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>,

@@ -5,19 +5,24 @@ class References "Literature"
     Documentation(info="<html>
 <ul>
 <li>Ehret, M.: Identification of a dynamic friction model for railway disc brakes. Proc. IMechE Part F (2021).</li>
+<li>EN 15355: Distributor valves and distributor-isolating devices. CEN (2019).</li>
 <li>Greenwood, J. A.: Analysis of elliptical Hertzian contacts. Tribology International 30 (1997), 235-237.</li>
+<li>ISO 6358: Pneumatic fluid power, determination of flow-rate characteristics.</li>
 <li>Kalker, J. J.: Three-dimensional Elastic Bodies in Rolling Contact. Kluwer (1990).</li>
 <li>Mal, K., Hussain, I., Chowdhry, B. S., Memon, T. D.: Extended Kalman filter for estimation of contact forces at
 wheel-rail interface. 3C Tecnolog&iacute;a, special issue (2020), 279-301.</li>
 <li>Ostermeyer, G. P.: On the dynamics of the friction coefficient. Wear 254 (2003), 852-858.</li>
 <li>Polach, O.: Creep forces in simulations of traction vehicles running on adhesion limit. Wear 258 (2005),
 992-1000.</li>
+<li>Pugi, L. et al.: A parametric library for the simulation of a UIC pneumatic braking system. Proc. IMechE Part F 218
+(2004), 117-132.</li>
 <li>Pugi, L. et al.: Railway Engineering Science 31 (2023), 108, on wheel-slide protection valves.</li>
 <li>Schwarz, C., L&uuml;dicke, D., Heckmann, A.: Friction Estimation for Railway Brake Systems in Field Tests. Int.
 Railway Symposium Aachen (2019), 608-623.</li>
 <li>Schwarz, C., Keck, A.: Simultaneous Estimation of Wheel-Rail Adhesion and Brake Friction Behaviour.
 IFAC-PapersOnLine 53 (2020), 8470-8475.</li>
 <li>Schwarz, C., Posielek, T., Goetjes, B.: Adhesion-Based Maximum-Seeking Brake Control for Railway Vehicles.</li>
+<li>UIC 540: Air brakes for freight trains and passenger trains. 5th edition (2006).</li>
 </ul>
 <p>
 Vehicle data not found in these papers (brake rigging, suspension, discs) are engineering estimates that reproduce the

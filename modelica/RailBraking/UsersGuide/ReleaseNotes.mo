@@ -10,6 +10,10 @@ class ReleaseNotes "Release notes"
 <li>Plants say which of their wheelsets turn as one: <code>wheelsets_per_group</code>, and where they are:
 <code>wheelsets_per_car</code>, <code>wheelset_position</code>.</li>
 <li>Physics of all vehicles in <code>Vehicles</code>; blocks of <code>FMUs</code> add the actuation.</li>
+<li>Brake equipment with air ports: brake pipe, driver's brake valve, distributor, reservoir, compressor, load
+valve;
+electropneumatic command, electrodynamic brake with blending, magnetic track brake,
+isolation and parking of one unit.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));

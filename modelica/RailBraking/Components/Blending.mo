@@ -1,0 +1,64 @@
+within RailBraking.Components;
+block Blending "Electrodynamic brake first, friction brake for the rest"
+  parameter Integer n(min=1) = 2 "Number of units: axles, bogies or cars";
+  parameter Types.Ratio share[n](each min=0) = fill(1/n, n)
+    "Of the electrodynamic force that acts on each unit; sum 1";
+  Interfaces.RealInput demand[n](each final unit="N") "Brake force that is asked of each unit"
+    annotation(Placement(transformation(extent={{-120, 50}, {-100, 70}})));
+  Interfaces.RealInput kept[n](each final unit="1") "Share of it that wheel-slide protection lets a unit keep"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.RealInput available(final unit="N") "Most that the electrodynamic brake can give"
+    annotation(Placement(transformation(extent={{-120, -70}, {-100, -50}})));
+  Interfaces.RealInput dynamic_force(final unit="N") "Force that it gives"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+  Interfaces.RealOutput dynamic_demand(final unit="N") "Force that is asked of it"
+    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
+  Interfaces.RealOutput friction[n](each final unit="N") "Force that is asked of the friction brake of each unit"
+    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
+protected
+  Types.Force wanted[n] "Force of each unit, after wheel-slide protection";
+  Types.Force most[n] "Electrodynamic force that gives a unit no more than that";
+equation
+  for i in 1:n loop
+    wanted[i] = kept[i]*demand[i];
+    most[i] = wanted[i]/noEvent(max(share[i], 1e-9));
+    friction[i] = noEvent(max(wanted[i] - share[i]*dynamic_force, 0));
+  end for;
+  dynamic_demand = noEvent(min(min(most), available));
+initial equation
+  assert(abs(sum(share) - 1) < 1e-6, "Blending: the shares must sum to 1, got " + String(sum(share)) + ".");
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-60, 60}, {60, 0}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{-60, 0}, {60, -60}}, lineColor={0, 0, 127}, fillColor={0, 0, 127},
+fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+A unit is an axle, a bogie or a car, whatever blends by itself; its friction brake fills up what the electrodynamic
+brake does not give, and
+trailer units have the share zero:
+</p>
+<blockquote><pre>
+dynamic_demand = min(available, min(kept[i] demand[i]/share[i]))
+friction[i] = kept[i] demand[i] - share[i] dynamic_force
+</pre></blockquote>
+<p>
+So no unit is braked more than it should be, and friction and electrodynamic force sum to the demand whatever the
+latter does. Wheel-slide
+protection lowers both: one sliding unit lowers the electrodynamic force of all that share the inverter, and their
+friction brakes fill up.
+</p>
+<h4>Limitations</h4>
+<p>
+The friction brake answers late, so that the sum dips for some tenths of a second while the electrodynamic brake
+fades; anticipation of that fade is not
+in it. The electrodynamic brake of motored units does not brake for trailers.
+</p>
+</html>"));
+end Blending;

@@ -1,0 +1,62 @@
+within RailBraking.Examples;
+model BrakePipeOfTenCoaches "Emergency brake of a locomotive with ten coaches through the brake pipe"
+  parameter Integer n = 11 "Vehicles";
+  Pneumatics.Compressor compressor(q_nominal=0.04) "On the locomotive"
+    annotation(Placement(transformation(extent={{-110, 60}, {-90, 80}})));
+  Pneumatics.Reservoir main(V=0.8, p_start=9e5) "Main reservoir"
+    annotation(Placement(transformation(extent={{-80, 60}, {-60, 80}})));
+  Pneumatics.DriversBrakeValve valve "Driver's brake valve"
+    annotation(Placement(transformation(extent={{-50, 20}, {-30, 40}})));
+  Pneumatics.BrakePipe pipe(n=n, length=cat(1, {20}, fill(26.4, n - 1))) "Brake pipe"
+    annotation(Placement(transformation(extent={{-10, 20}, {10, 40}})));
+  Pneumatics.CheckValve charging[n](each C=5e-9) "From the pipe to each auxiliary reservoir"
+    annotation(Placement(transformation(extent={{30, 20}, {50, 40}})));
+  Pneumatics.Reservoir auxiliary[n](each V=0.1, each p_start=5e5) "Auxiliary reservoirs"
+    annotation(Placement(transformation(extent={{70, 20}, {90, 40}})));
+  Pneumatics.Distributor distributor[n] "Distributors in position P"
+    annotation(Placement(transformation(extent={{-10, -40}, {10, -20}})));
+  Pneumatics.SuppliedCylinder cylinder[n](each V=0.02, each p_max=3.8e5)
+    "Brake cylinders with the valves of wheel-slide protection"
+    annotation(Placement(transformation(extent={{40, -40}, {60, -20}})));
+  Types.Time front(start=0, fixed=true) "When the last vehicle begins to brake";
+  Types.Time full(start=0, fixed=true) "When it brakes with 95 % of its full pressure";
+equation
+  connect(compressor.port, main.port)
+    annotation(Line(points={{-89, 70}, {-85, 70}, {-85, 55}, {-70, 55}, {-70, 59}}, color={0, 127, 127}));
+  connect(main.port, valve.supply)
+    annotation(Line(points={{-70, 59}, {-70, 30}, {-51, 30}}, color={0, 127, 127}));
+  connect(valve.pipe, pipe.front)
+    annotation(Line(points={{-29, 30}, {-11, 30}}, color={0, 127, 127}));
+  for i in 1:n loop
+    connect(pipe.branch[i], distributor[i].pipe);
+    connect(pipe.branch[i], charging[i].a);
+    connect(charging[i].b, auxiliary[i].port);
+    connect(auxiliary[i].port, distributor[i].supply);
+    connect(distributor[i].outlet, cylinder[i].supply);
+    cylinder[i].command = 1;
+  end for;
+  valve.demand = if time < 1 then 5e5 else 0;
+  when distributor[n].pressure > 1e3 then
+    front = time - 1;
+  end when;
+  when cylinder[n].pressure > 0.95*3.8e5 then
+    full = time - 1;
+  end when;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    experiment(StopTime=15, Tolerance=1e-6, Interval=0.01),
+    Documentation(info="<html>
+<p>
+The front runs through 284 m in about a second, and the last coach reaches its full pressure some seconds after the
+first. Watch
+pipe.pressure and cylinder.pressure.
+</p>
+</html>"));
+end BrakePipeOfTenCoaches;

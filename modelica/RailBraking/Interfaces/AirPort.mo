@@ -1,0 +1,18 @@
+within RailBraking.Interfaces;
+connector AirPort "Compressed air"
+  Types.Pressure p "Pressure above the atmosphere";
+  flow Types.VolumeFlow q "Free air that flows into the component";
+  annotation(
+    Icon(graphics={Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 127, 127},
+      fillColor={0, 127, 127}, fillPattern=FillPattern.Solid)}),
+    Documentation(info="<html>
+<p>
+Connected ports share a pressure, and the air that flows into what they belong to adds up to zero. Air is counted
+as free air, in
+m&sup3; at 1.01325 bar, as plants count what their brakes have used. Temperature does not change: a volume V takes
+V/p_free dp/dt. A port that is not connected is closed.
+</p>
+<h4>Limitations</h4>
+<p>Two volumes are not connected directly but through what resists the flow.</p>
+</html>"));
+end AirPort;

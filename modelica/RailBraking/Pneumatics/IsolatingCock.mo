@@ -1,0 +1,29 @@
+within RailBraking.Pneumatics;
+model IsolatingCock "Cock that shuts a brake unit off and vents it"
+  parameter Boolean isolated = false "= true, if it is shut";
+  parameter Real C(final unit="m3/(s.Pa)", start=4e-8) "Sonic conductance, open and of the vent";
+  Interfaces.AirPort a "Supply"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.AirPort b "Brake unit"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+equation
+  a.q = if isolated then 0 else orificeFlow(C, a.p, b.p);
+  b.q = if isolated then orificeFlow(C, b.p, 0) else -a.q;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127}),
+        Line(points={{-100, 0}, {-40, 0}}, color={0, 0, 127}),
+        Line(points={{40, 0}, {100, 0}}, color={0, 0, 127}),
+        Line(points={{0, 40}, {0, -40}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>One unit that hangs is shut off by hand; the others of its car brake on. Isolated for the whole simulation.</p>
+<h4>Limitations</h4>
+<p>Nobody turns it while the train runs.</p>
+</html>"));
+end IsolatingCock;

@@ -1,0 +1,33 @@
+within RailBraking.Pneumatics;
+model Reservoir "Vessel of compressed air"
+  parameter Types.Volume V(min=1e-6, start=0.1) "Volume";
+  parameter Types.Pressure p_start = 0 "Pressure at the start";
+  Interfaces.AirPort port "Air"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+  Interfaces.RealOutput pressure(final unit="Pa") "Pressure"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+protected
+  Types.Pressure p(start=p_start, fixed=true) "Pressure";
+equation
+  V/p_free*der(p) = port.q;
+  port.p = p;
+  pressure = p;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Ellipse(extent={{-80, 40}, {80, -40}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>V dp/dt = p_free q: the temperature stays that of the surroundings.</p>
+<h4>Limitations</h4>
+<p>
+Isothermal. A vessel that empties in seconds cools, and shows up to a third more of pressure drop than it keeps
+once it is warm again
+(adiabatic: 1.4 times).
+</p>
+</html>"));
+end Reservoir;

@@ -1,0 +1,30 @@
+within RailBraking.Pneumatics;
+model SuppliedCylinder "Cylinders that valves fill from an air port, hold and vent"
+  extends PartialValveCylinder;
+  Interfaces.AirPort supply "Reservoir, or outlet of the distributor"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+equation
+  dp_fill = noEvent(max(min(supply.p, p_max) - p, 0));
+  supply.q = air_flow;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-70, 40}, {70, -40}}, lineColor={0, 0, 127}),
+        Line(points={{-10, 40}, {-10, -40}}, color={0, 0, 127}),
+        Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127}),
+        Line(points={{0, -100}, {0, -40}}, color={0, 127, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+Filled from a port, whose pressure falls with the air that is taken, to at most <code>p_max</code>; nothing flows
+back. See
+<a href=\"modelica://RailBraking.Pneumatics.PartialValveCylinder\">PartialValveCylinder</a>.
+</p>
+<h4>Limitations</h4>
+<p>What a distributor releases does not leave through the fill valve: command the vent valve.</p>
+</html>"));
+end SuppliedCylinder;
