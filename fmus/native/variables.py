@@ -150,13 +150,15 @@ def settle(
     fixed_by_now = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
     values = _numbers(dae, fixed_by_now, by_kind["parameter"])
     constants = vector(fixed_by_now), ca.vertcat(*values) if values else SX(0, 1)
-    free, dependent = [], []
-    for p in by_kind["parameter"]:
-        if _is_structural(p):
-            continue
-        if p.expression is not None and constants[0].numel():
-            (p.expression,) = ca.substitute([p.expression], [constants[0]], [constants[1]])
-        (free if p.expression is None or is_number(p.expression) else dependent).append(p)
+    parameters = [p for p in by_kind["parameter"] if not _is_structural(p)]
+    # One substitution for all: each has a cost of its own.
+    bound = [p for p in parameters if p.expression is not None and not is_number(p.expression)]
+    if bound and constants[0].numel():
+        known = ca.substitute([p.binding for p in bound], [constants[0]], [constants[1]])
+        for p, expression in zip(bound, known, strict=True):
+            p.expression = expression
+    free = [p for p in parameters if p.expression is None or is_number(p.expression)]
+    dependent = [p for p in bound if not is_number(p.binding)]
     dependent, dependent_values = _in_order(dependent)
     out = Variables(
         of_id=of_id,
@@ -222,8 +224,10 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     """Return dependent parameters so that each comes after what it needs, with bindings in free ones only."""
     names = vector(dependent)
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
-    for i, p in enumerate(dependent):
-        before[i] = set(ca.jacobian_sparsity(p.binding, names).get_triplet()[1])
+    if dependent:
+        bindings = ca.vertcat(*[p.binding for p in dependent])
+        for i, j in zip(*ca.jacobian_sparsity(bindings, names).get_triplet(), strict=True):
+            before[i].add(j)
     done: dict[int, SX] = {}
     for i in TopologicalSorter(before).static_order():
         expression = dependent[i].binding
