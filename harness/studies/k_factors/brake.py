@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 PARTS = 4
 """Of each step of speed, equal in v²: eight move the distance by less than 1e-4."""
 
-_LARGEST = 20_000
+_LARGEST = 4_000
 """Draws at once: their arrays of a few megabytes stay in the cache."""
 
 _SCALARS = (
