@@ -9,7 +9,8 @@ model Axle "Wheelset with its brake, or several that turn as one"
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
   parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start";
   parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
-  parameter Types.Torque tau_small(min=1e-3) = 10 "Torque by which the track must exceed the brake to turn a locked axle";
+  parameter Types.Torque tau_small(min=1e-3) = 10
+    "Torque by which the track must exceed the brake to turn a locked axle";
   parameter Data.Creep creep "Contact";
   parameter Data.Resistance resistance "Bearings and rolling";
   parameter Data.Rigging rigging "Levers of a brake unit";
@@ -100,7 +101,8 @@ equation
   connect(load, wheels.load);
   connect(mu0, wheels.mu0);
   connect(standstill, wheels.standstill);
-  connect(brake.torque, wheels.brake_torque) annotation(Line(points={{-18, 10}, {0, 10}, {0, -8}, {18, -8}}, color={0, 0, 127}));
+  connect(brake.torque, wheels.brake_torque)
+    annotation(Line(points={{-18, 10}, {0, 10}, {0, -8}, {18, -8}}, color={0, 0, 127}));
   pad_force = Pneumatics.padForce(
     pressure, rigging.A_piston, rigging.i_rigging, rigging.eta_rigging, rigging.F_spring);
   brake.pad_force = pad_force;
@@ -133,15 +135,15 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-<a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> on the rails and the
-<a href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a> on them. The cylinders are not in it: a valve that
-several axles share is one cylinder whose pressure goes to all of them. J dw/dt = r_wheel &Sigma;F + shaft.tau - brake -
-resistance while the wheelsets turn.
+<a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> on the rails and the <a
+href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a> on them. The cylinders are not in it: a valve
+that several axles share is one cylinder whose pressure goes to all of them. J dw/dt = r_wheel &Sigma;F + shaft.tau -
+brake - resistance while the wheelsets turn.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of its parts. The mass of the wheelset is the car's. All wheelsets of the axle have one radius, one pad and one disc
-that stand for all.
+Those of its parts. The mass of the wheelset is the car's. All wheelsets of the axle have one radius, one pad and one
+disc that stand for all.
 </p>
 </html>"));
 end Axle;

@@ -108,7 +108,8 @@ model Bogie "Bogie of any number of axles, braked"
 equation
   for g in 1:groups loop
     connect(axle[g].box, pivot) annotation(Line(points={{-40, -18}, {-40, 10}, {0, 10}, {0, 110}}, color={0, 0, 127}));
-    connect(axle[g].shaft, shaft[g]) annotation(Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
+    connect(axle[g].shaft, shaft[g])
+      annotation(Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
     connect(pressure[g], axle[g].pressure);
     connect(standstill, axle[g].standstill);
     for i in 1:size_of_group loop
@@ -153,15 +154,15 @@ initial equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a> on its wheelsets, each an
-<a href=\"modelica://RailBraking.Components.Axle\">Axle</a> or coupled to others by shafts. Connect <code>pivot</code> with
-<a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the force on the body is that of all wheelsets. A Jacobs
-bogie pulls at the body to which its pivot is connected.
+A <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a> on its wheelsets, each an <a
+href=\"modelica://RailBraking.Components.Axle\">Axle</a> or coupled to others by shafts. Connect <code>pivot</code>
+with <a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the force on the body is that of all
+wheelsets. A Jacobs bogie pulls at the body to which its pivot is connected.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of its parts. Its masses are counted in the car body along the track. The torque of drives that stand on the frame
-does not tip it.
+Those of its parts. Its masses are counted in the car body along the track. The torque of drives that stand on the
+frame does not tip it.
 </p>
 </html>"));
 end Bogie;

@@ -62,24 +62,24 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-In braking the front wheelset gains the load that the rear one loses; at rest on level track that is
-&plusmn;&Sigma;F h_rod/wheelbase for massless parts (see <a
-href=\"modelica://RailBraking.Validation.LoadTransfer\">LoadTransfer</a> for the exact value).
+In braking the front wheelset gains the load that the rear one loses; at rest on level track that is &plusmn;&Sigma;F
+h_rod/wheelbase for massless parts (see <a href=\"modelica://RailBraking.Validation.LoadTransfer\">LoadTransfer</a>
+for the exact value).
 </p>
 <p>
-Deflections are states, one pair for each wheelset; of three and more, two follow from the others, and their start, zero,
-is consistent. With the sums over the wheelsets, x<sub>i</sub> ahead of the centre and F<sub>i</sub> = k dz<sub>i</sub> +
-c ddz<sub>i</sub>: d&sup2;(dz<sub>i</sub>)/dt&sup2; = -&Sigma;F/m_frame + x<sub>i</sub> (tipping - &Sigma;F<sub>i</sub>
-x<sub>i</sub>)/I_frame.
+Deflections are states, one pair for each wheelset; of three and more, two follow from the others, and their start,
+zero, is consistent. With the sums over the wheelsets, x<sub>i</sub> ahead of the centre and F<sub>i</sub> = k
+dz<sub>i</sub> + c ddz<sub>i</sub>: d&sup2;(dz<sub>i</sub>)/dt&sup2; = -&Sigma;F/m_frame + x<sub>i</sub> (tipping -
+&Sigma;F<sub>i</sub> x<sub>i</sub>)/I_frame.
 </p>
 <h4>Limitations</h4>
 <p>
 The wheelsets stand at equal distances about the frame's centre; they follow a rail without irregularities and the car
-body rests on the frame with a constant force: air springs are soft against the primary suspension. Angles are small. All
-masses move along the track at the speed of the train: the power that
-pitching draws from the longitudinal motion, <code>work_power</code>, is not taken back from it. Its integral is exactly
-the heat of the dampers plus <code>stored_energy</code>: of twenty megajoules, some ten joules in a smooth stop and
-15 kJ where slip control throws the brakes on and off throughout.
+body rests on the frame with a constant force: air springs are soft against the primary suspension. Angles are small.
+All masses move along the track at the speed of the train: the power that pitching draws from the longitudinal motion,
+<code>work_power</code>, is not taken back from it. Its integral is exactly the heat of the dampers plus
+<code>stored_energy</code>: of twenty megajoules, some ten joules in a smooth stop and 15 kJ where slip control throws
+the brakes on and off throughout.
 </p>
 </html>"));
 end BogieFrame;

@@ -48,13 +48,13 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-m dv/dt = track_force + pivot.f + front.f + rear.f - rho_air/2 c_drag A_drag v&sup2;. When the train comes to rest, see
-<a href=\"modelica://RailBraking.Components.Rest\">Rest</a>, the speed is exactly zero.
+m dv/dt = track_force + pivot.f + front.f + rear.f - rho_air/2 c_drag A_drag v&sup2;. When the train comes to rest,
+see <a href=\"modelica://RailBraking.Components.Rest\">Rest</a>, the speed is exactly zero.
 </p>
 <h4>Limitations</h4>
 <p>
-The body neither bounces nor pitches. Couplers push and pull at it whatever their height. Cars that are joined without any
-give are one body with the bogies of all.
+The body neither bounces nor pitches. Couplers push and pull at it whatever their height. Cars that are joined without
+any give are one body with the bogies of all.
 </p>
 </html>"));
 end CarBody;

@@ -32,21 +32,25 @@ equation
       graphics={
         Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
         fillPattern=FillPattern.Solid),
-        Line(points={{-100, 0}, {-60, 0}, {-50, 20}, {-30, -20}, {-10, 20}, {10, -20}, {30, 20}, {50, -20}, {60, 0}, {100, 0}}, color={0, 0, 127}),
+        Line(
+          points={
+            {-100, 0}, {-60, 0}, {-50, 20}, {-30, -20}, {-10, 20}, {10, -20}, {30, 20}, {50, -20}, {60, 0}, {100, 0}},
+          color={0, 0, 127}),
         Rectangle(extent={{-60, -40}, {60, -70}}, lineColor={0, 0, 127}),
         Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-With the elongation x, dx/dt = v_front - v_rear, and beyond the slack d = max(x - slack/2, 0) - max(-x - slack/2, 0): force =
-k d + c dx/dt d&sup2;/(d&sup2; + (10 x_small)&sup2;), the damper coming in with the contact; without slack force = k x + c
-dx/dt. Corners are rounded over <code>x_small</code>. Connect <code>front</code> with the rear end of the car ahead.
+With the elongation x, dx/dt = v_front - v_rear, and beyond the slack d = max(x - slack/2, 0) - max(-x - slack/2, 0):
+force = k d + c dx/dt d&sup2;/(d&sup2; + (10 x_small)&sup2;), the damper coming in with the contact; without slack
+force = k x + c dx/dt. Corners are rounded over <code>x_small</code>. Connect <code>front</code> with the rear end of
+the car ahead.
 </p>
 <h4>Limitations</h4>
 <p>
-Buffers and hooks have one stiffness, and the damper acts in both directions: right after a blow it may pull where a buffer
-cannot. Draw gears whose friction remembers the way they came are not in it. Stiffness of 5e7 N/m and more makes a bar: two cars of 40 t swing against each other at 8 Hz
-and stretch it by 0.2 mm with 10 kN.
+Buffers and hooks have one stiffness, and the damper acts in both directions: right after a blow it may pull where a
+buffer cannot. Draw gears whose friction remembers the way they came are not in it. Stiffness of 5e7 N/m and more
+makes a bar: two cars of 40 t swing against each other at 8 Hz and stretch it by 0.2 mm with 10 kN.
 </p>
 </html>"));
 end Coupler;

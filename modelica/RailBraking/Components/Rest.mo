@@ -28,15 +28,15 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A train of which no car moves faster than <code>v_rest</code> and that can be held as a whole is at rest: all speeds are
-exactly zero until the track pulls it forward harder than brakes, bearings and adhesion can hold. A creep force law alone
-would let it approach rest for ever.
+A train of which no car moves faster than <code>v_rest</code> and that can be held as a whole is at rest: all speeds
+are exactly zero until the track pulls it forward harder than brakes, bearings and adhesion can hold. A creep force
+law alone would let it approach rest for ever.
 </p>
 <h4>Limitations</h4>
 <p>
-Forward motion only: what runs back, a car against its couplers or a train with released brakes on a rising gradient, is
-stopped where it turns. Coming to rest discards m v&sup2;/2, 0.02 J for a car of 40 t at <code>v_rest</code>. A train that moves
-off moves as a whole: couplers do not let one car go before the others.
+Forward motion only: what runs back, a car against its couplers or a train with released brakes on a rising gradient,
+is stopped where it turns. Coming to rest discards m v&sup2;/2, 0.02 J for a car of 40 t at <code>v_rest</code>. A
+train that moves off moves as a whole: couplers do not let one car go before the others.
 </p>
 </html>"));
 end Rest;

@@ -16,6 +16,9 @@ record Creep "Contact of wheels and rails, but for the friction itself"
         fillPattern=FillPattern.Solid),
         Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
-<p>Parameters of <a href=\"modelica://RailBraking.Contact.WheelsetContact\">WheelsetContact</a>; the defaults are a wet rail.</p>
+<p>
+Parameters of <a href=\"modelica://RailBraking.Contact.WheelsetContact\">WheelsetContact</a>; the defaults are a wet
+rail.
+</p>
 </html>"));
 end Creep;

@@ -4,8 +4,10 @@ record Pad "Friction of a kind of brake pads"
   parameter Types.Velocity pad_speed_nominal(min=1e-3) = 13 "Sliding speed at which friction is nominal";
   parameter Types.Ratio temperature_effect = 0.10 "Rise of friction over the temperature range, relative";
   parameter Types.Temperature temperature_nominal = 333.15 "Temperature at which friction is nominal";
-  parameter Types.TemperatureDifference temperature_range(min=1e-3) = 150 "Temperature rise at which the effect saturates";
-  parameter Types.Ratio force_effect = 0.08 "Loss of friction from no force to twice the nominal force, half of it, relative";
+  parameter Types.TemperatureDifference temperature_range(min=1e-3) = 150
+    "Temperature rise at which the effect saturates";
+  parameter Types.Ratio force_effect = 0.08
+    "Loss of friction from no force to twice the nominal force, half of it, relative";
   parameter Types.Force pad_force_nominal(min=1e-3) = 56e3 "Pad force at which friction is nominal";
   parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit in which friction settles";
   parameter Types.Time T_settle(min=1e-3) = 3 "Time in which friction settles at little power";
@@ -18,6 +20,9 @@ record Pad "Friction of a kind of brake pads"
         fillPattern=FillPattern.Solid),
         Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
-<p>Parameters of <a href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a> that all groups of a train share.</p>
+<p>
+Parameters of <a href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a> that all groups of a train
+share.
+</p>
 </html>"));
 end Pad;

@@ -11,6 +11,9 @@ record Resistance "Resistance of axle bearings and rolling"
         fillPattern=FillPattern.Solid),
         Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
-<p>Schwarz, L&uuml;dicke and Heckmann (2019); see <a href=\"modelica://RailBraking.Components.bearingFriction\">bearingFriction</a>.</p>
+<p>
+Schwarz, L&uuml;dicke and Heckmann (2019); see <a
+href=\"modelica://RailBraking.Components.bearingFriction\">bearingFriction</a>.
+</p>
 </html>"));
 end Resistance;

@@ -12,6 +12,8 @@ record Suspension "Bogie frame and primary suspension, but for masses and wheelb
         fillPattern=FillPattern.Solid),
         Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
-<p>Parameters of <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a> that bogies of one kind share.</p>
+<p>
+Parameters of <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a> that bogies of one kind share.
+</p>
 </html>"));
 end Suspension;

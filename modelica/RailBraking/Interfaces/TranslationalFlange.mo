@@ -7,8 +7,8 @@ connector TranslationalFlange "Mechanical connection along the track"
       fillColor={0, 0, 127}, fillPattern=FillPattern.Solid)}),
     Documentation(info="<html>
 <p>
-Connected flanges move alike, and the forces on what they belong to add up to zero. Its potential is the speed, not the position:
-nothing needs to be differentiated, and no part needs to know where the train is.
+Connected flanges move alike, and the forces on what they belong to add up to zero. Its potential is the speed, not
+the position: nothing needs to be differentiated, and no part needs to know where the train is.
 </p>
 </html>"));
 end TranslationalFlange;

@@ -186,9 +186,9 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A <a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a> with its
-<a href=\"modelica://RailBraking.Components.Bogie\">Bogies</a>. Wheelsets and groups count from the front. The cylinders are
-the train's: one whose pressure goes to an axle, a bogie or a car.
+A <a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a> with its <a
+href=\"modelica://RailBraking.Components.Bogie\">Bogies</a>. Wheelsets and groups count from the front. The cylinders
+are the train's: one whose pressure goes to an axle, a bogie or a car.
 </p>
 <h4>Limitations</h4>
 <p>

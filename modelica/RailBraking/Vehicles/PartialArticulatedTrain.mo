@@ -88,7 +88,8 @@ equation
   contact_power = leading.contact_power + jacobs.contact_power + trailing.contact_power;
   pad_power = leading.pad_power + jacobs.pad_power + trailing.pad_power;
   damper_power = leading.damper_power + jacobs.damper_power + trailing.damper_power;
-  resistance_power = body.resistance_power + leading.resistance_power + jacobs.resistance_power + trailing.resistance_power;
+  resistance_power = body.resistance_power + leading.resistance_power + jacobs.resistance_power
+    + trailing.resistance_power;
   coupler_power = 0;
   kinetic_energy = body.kinetic_energy + leading.kinetic_energy + jacobs.kinetic_energy + trailing.kinetic_energy;
   annotation (
@@ -109,14 +110,14 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The train of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> from
-<a href=\"modelica://RailBraking.Components.Bogie\">Bogies</a> under one
-<a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the pattern for trains whose bogies differ.
+The train of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> from <a
+href=\"modelica://RailBraking.Components.Bogie\">Bogies</a> under one <a
+href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the pattern for trains whose bogies differ.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. The bodies are joined without give: the
-force between them is not known.
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. The bodies are joined without
+give: the force between them is not known.
 </p>
 </html>"));
 end PartialArticulatedTrain;

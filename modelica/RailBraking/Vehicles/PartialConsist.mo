@@ -15,7 +15,8 @@ partial block PartialConsist "Train of equal cars; what fills the brake cylinder
     annotation(Dialog(group="Formation"));
   parameter Types.Length pivots(min=1e-3) = 14 "Distance of the pivots; decides positions, no dynamics"
     annotation(Dialog(group="Formation"));
-  parameter Types.Length bogie_wheelbase(min=1e-3) = 2.2 "Wheelbase of all bogies" annotation(Dialog(group="Formation"));
+  parameter Types.Length bogie_wheelbase(min=1e-3) = 2.2 "Wheelbase of all bogies"
+    annotation(Dialog(group="Formation"));
   parameter Types.Stiffness k_coupler(min=1) = 5e7 "Stiffness of a coupler" annotation(Dialog(group="Couplers"));
   parameter Types.Damping c_coupler(min=0) = 5e5 "Damping of a coupler" annotation(Dialog(group="Couplers"));
   parameter Types.Length slack_coupler(min=0) = 0 "Slack of a coupler" annotation(Dialog(group="Couplers"));
@@ -95,14 +96,14 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Any number of <a href=\"modelica://RailBraking.Vehicles.Car\">Cars</a> with
-<a href=\"modelica://RailBraking.Components.Coupler\">Couplers</a> between them; cars, wheelsets and groups count from the
-front. Gradients and curves act on each car by its mass.
+Any number of <a href=\"modelica://RailBraking.Vehicles.Car\">Cars</a> with <a
+href=\"modelica://RailBraking.Components.Coupler\">Couplers</a> between them; cars, wheelsets and groups count from
+the front. Gradients and curves act on each car by its mass.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. All cars have the same numbers of bogies,
-wheelsets and groups, and all couplers are alike.
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. All cars have the same numbers of
+bogies, wheelsets and groups, and all couplers are alike.
 </p>
 </html>"));
 end PartialConsist;

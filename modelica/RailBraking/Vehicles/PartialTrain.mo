@@ -272,15 +272,15 @@ equation
     Documentation(info="<html>
 <p>
 The face of the FMU of a train: parameters, inputs and outputs by the names that the loop knows, and the sums over the
-train. A train extends it with its counts, declares car bodies, bogies, couplers and cylinders, connects them, and says
-what its signals are; see <a href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> and
-<a href=\"modelica://RailBraking.Vehicles.PartialArticulatedTrain\">PartialArticulatedTrain</a>.
+train. A train extends it with its counts, declares car bodies, bogies, couplers and cylinders, connects them, and
+says what its signals are; see <a href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> and <a
+href=\"modelica://RailBraking.Vehicles.PartialArticulatedTrain\">PartialArticulatedTrain</a>.
 </p>
 <h4>Implementation</h4>
 <p>
-Energies balance: <code>kinetic_energy + contact_heat + pad_heat + resistance_work + coupler_work</code> is constant, but
-for what the solver loses and what <a href=\"modelica://RailBraking.Components.Rest\">Rest</a> discards. As in
-<a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>, <code>damper_heat</code> stands
+Energies balance: <code>kinetic_energy + contact_heat + pad_heat + resistance_work + coupler_work</code> is constant,
+but for what the solver loses and what <a href=\"modelica://RailBraking.Components.Rest\">Rest</a> discards. As in <a
+href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>, <code>damper_heat</code> stands
 beside that sum.
 </p>
 <h4>Limitations</h4>
