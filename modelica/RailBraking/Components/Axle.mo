@@ -1,5 +1,8 @@
 within RailBraking.Components;
 model Axle "Wheelset with its brake, or several that turn as one"
+  replaceable block AxleContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
+  replaceable block AxlePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
   parameter Types.Inertia J(min=1e-3, start=110) "Inertia of all of them about their axles";
   parameter Types.Length r_wheel(min=1e-3, start=0.42) "Rolling radius";
@@ -78,13 +81,13 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Energy of rotation"
     annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
   Components.Wheelsets wheels(
-    final n=n, J=J, r=r_wheel, r_rail=creep.r_rail, E=creep.E, nu=creep.nu, k_A=creep.k_A, k_S=creep.k_S, A=creep.A,
+    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail, E=creep.E, nu=creep.nu, k_A=creep.k_A, k_S=creep.k_S, A=creep.A,
     B=creep.B, v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
     e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
   Components.GroupBrake brake(
     n_units=n_units, r_friction=r_friction,
-    pad(
+    redeclare AxlePad pad(
       mu_nominal=mu_b_nominal, mu_start=mu_b_start, speed_effect=pads.speed_effect,
       pad_speed_nominal=pads.pad_speed_nominal, temperature_effect=pads.temperature_effect,
       temperature_nominal=pads.temperature_nominal, temperature_range=pads.temperature_range,

@@ -1,5 +1,8 @@
 within RailBraking.Components;
 model Bogie "Bogie of any number of axles, braked"
+  replaceable block BogieContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
+  replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
   parameter Integer groups(min=1) = n "Number of groups that turn as one, equally large: n for none coupled, 1 for all"
     annotation(Evaluate=true);
@@ -94,6 +97,7 @@ model Bogie "Bogie of any number of axles, braked"
     "Energy of rotation"
     annotation(Placement(transformation(extent={{100, -95}, {120, -85}})));
   Components.Axle axle[groups](
+    redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
     each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
     mu_b_start=mu_b_start, T_disc_start=T_disc_start, each v_start=v_start, each tau_small=tau_small, each creep=creep,
     each resistance=resistance, each rigging=rigging, each pads=pads, each discs=discs) "Wheelsets with their brakes"

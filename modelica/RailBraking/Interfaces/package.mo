@@ -1,9 +1,10 @@
 within RailBraking;
-package Interfaces "Signals, and what each kind of part has in common"
+package Interfaces "Signals, mechanical connections, and what each kind of part has in common"
   annotation (Documentation(info="<html>
 <p>
-Parts exchange signals, not physical connectors: the longitudinal masses of a train share one speed, so that a
-connector with a flow would only add constraints for a tool to remove again.
+Car bodies, bogies, couplers and axles are joined by physical connectors, whose flows add up to zero:
+<a href=\"modelica://RailBraking.Interfaces.TranslationalFlange\">TranslationalFlange</a> and
+<a href=\"modelica://RailBraking.Interfaces.RotationalFlange\">RotationalFlange</a>. Everything else is a signal.
 </p>
 </html>"));
 end Interfaces;

@@ -5,6 +5,9 @@ partial block PartialConsist "Train of equal cars; what fills the brake cylinder
     wheelset_position=wheelsetPositions(
       cars, bogies_per_car, axles_per_bogie, car_length, pivots, bogie_wheelbase),
     wheelbase={bogie_wheelbase for i in 1:bogies});
+  replaceable block TrainContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
+  replaceable block TrainPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
   parameter Integer bogies_per_car(min=1) = 2 "Number of bogies of a car"
     annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer axles_per_bogie(min=1) = 2 "Number of wheelsets of a bogie"
@@ -25,6 +28,7 @@ protected
     annotation(Evaluate=true);
   final parameter Integer groups_of_car = bogies_per_car*groups_per_bogie "Groups of a car" annotation(Evaluate=true);
   Car car[cars](
+    redeclare block CarContact = TrainContact, redeclare block CarPad = TrainPad,
     each bogies=bogies_per_car, each axles=axles_per_bogie, each groups=groups_per_bogie,
     m_wheelset={{m_wheelset[wheelsets_of_car*(c - 1) + i] for i in 1:wheelsets_of_car} for c in 1:cars},
     m_unsprung={{m_unsprung[wheelsets_of_car*(c - 1) + i] for i in 1:wheelsets_of_car} for c in 1:cars},
