@@ -31,8 +31,9 @@ partial block PartialPadFriction "Friction coefficient between the pads and the 
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-One coefficient stands for all brake units of a group. The parameters are those of
-<a href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>; another law may leave them alone and bring its own.
+One coefficient stands for all brake units of a group. The parameters are those of <a
+href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a>; another law may leave them alone and bring its
+own.
 </p>
 </html>"));
 end PartialPadFriction;

@@ -6,7 +6,7 @@ class Overview "What is where"
 <p>Packages use only those above them:</p>
 <table border=\"1\" cellspacing=\"0\" cellpadding=\"2\">
 <tr><td>Types</td><td>quantities with units</td></tr>
-<tr><td>Interfaces</td><td>signals, mechanical connections, partial parts</td></tr>
+<tr><td>Interfaces</td><td>signals, physical connections, partial parts</td></tr>
 <tr><td>Data</td><td>records of parameters that parts of one kind share</td></tr>
 <tr><td>Contact</td><td>Hertz, Kalker, Polach; named surfaces</td></tr>
 <tr><td>Friction</td><td>pads and discs</td></tr>
