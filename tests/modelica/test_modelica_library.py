@@ -98,7 +98,7 @@ def test_every_parameter_of_an_exported_block_has_a_value_and_every_input_a_star
     for path in [*exported, *(LIBRARY / "Vehicles").glob("Partial*.mo")]:
         public = text(path).partition("protected")[0]
         for found in re.findall(r"^  parameter [^;]*;", public, re.MULTILINE):
-            assert re.search(r"\w(?:\[\d\])?(?:\([^)]*\))?\s*=", found), found
+            assert re.search(r"\w(?:\[\w+\])?(?:\([^)]*\))?\s*=", found), found
         for found in re.findall(r"^  Interfaces\.RealInput [^;]*;", public, re.MULTILINE):
             assert "start=" in found, found
         if "Interfaces.Real" in public:

@@ -41,13 +41,16 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
   Interfaces.RealOutput resistance_power(final unit="W") "Power of bearing and rolling resistance"
     annotation(Placement(transformation(extent={{100, -93}, {120, -73}})));
+  Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
+    annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
-  Contact.WheelsetContact contact[n](
+  replaceable Contact.WheelsetContact contact[n](
     each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
-    each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small) "Contacts of each wheelset"
+    each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small)
+    constrainedby Interfaces.PartialContact "Contacts of each wheelset"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
-  Types.Torque tau_track "Torque of the track, forward";
+  Types.Torque tau_track "Torque of track and shaft, forward";
   Types.Torque tau_resistance "Torque of bearing and rolling resistance";
 equation
   for i in 1:n loop
@@ -57,7 +60,8 @@ equation
     contact[i].mu0 = mu0[i];
     F[i] = contact[i].F;
   end for;
-  tau_track = r*sum(F);
+  shaft.w = w;
+  tau_track = r*sum(F) + shaft.tau;
   tau_resistance = (r*f_bearing + e_rolling)*sum(load);
   // A level, not an edge: a group that is released and braked again at once cannot slip through to reverse rotation.
   locked = standstill or (if pre(locked) then tau_track - brake_torque - tau_resistance <= tau_small

@@ -1,19 +1,6 @@
 within RailBraking.Friction;
 block PadFriction "Pads whose friction follows temperature, speed and pressure"
   extends Interfaces.PartialPadFriction(mu(start=mu_start, fixed=true));
-  parameter Types.Ratio mu_nominal = 0.35 "Friction at the nominal speed, pressure and temperature";
-  parameter Types.Ratio speed_effect = 0.12 "Rise of friction from nominal speed to standstill, relative";
-  parameter Types.Velocity pad_speed_nominal = 13 "Sliding speed at which friction is nominal";
-  parameter Types.Ratio temperature_effect = 0.10 "Rise of friction over the temperature range, relative";
-  parameter Types.Temperature temperature_nominal = 333.15 "Temperature at which friction is nominal";
-  parameter Types.TemperatureDifference temperature_range = 150 "Temperature rise at which the effect saturates";
-  parameter Types.Ratio force_effect = 0.08
-    "Loss of friction from no force to twice the nominal force, half of it, relative";
-  parameter Types.Force pad_force_nominal = 56e3 "Pad force at which friction is nominal";
-  parameter Types.Energy E_settle = 2e5 "Friction energy of one unit in which friction settles";
-  parameter Types.Time T_settle = 3 "Time in which friction settles at little power";
-  parameter Types.Force F_release = 1e3 "Pad force below which pads count as released";
-  parameter Types.Ratio mu_start = 0.35 "Friction at the start";
   output Types.Ratio mu_steady "Friction that the present conditions lead to";
 protected
   Real rate(final unit="1/s") "Rate at which friction settles";

@@ -1,9 +1,11 @@
 within RailBraking;
-package Interfaces "Signals, and what each kind of part has in common"
+package Interfaces "Signals, physical connections, and what each kind of part has in common"
   annotation (Documentation(info="<html>
 <p>
-Parts exchange signals, not physical connectors: the longitudinal masses of a train share one speed, so that a
-connector with a flow would only add constraints for a tool to remove again.
+Car bodies, bogies, couplers, axles and air are joined by physical connectors, whose flows add up to zero:
+<a href=\"modelica://RailBraking.Interfaces.TranslationalFlange\">TranslationalFlange</a>,
+<a href=\"modelica://RailBraking.Interfaces.RotationalFlange\">RotationalFlange</a> and
+<a href=\"modelica://RailBraking.Interfaces.AirPort\">AirPort</a>. Everything else is a signal.
 </p>
 </html>"));
 end Interfaces;

@@ -6,13 +6,14 @@ class Overview "What is where"
 <p>Packages use only those above them:</p>
 <table border=\"1\" cellspacing=\"0\" cellpadding=\"2\">
 <tr><td>Types</td><td>quantities with units</td></tr>
-<tr><td>Interfaces</td><td>signals, partial parts</td></tr>
+<tr><td>Interfaces</td><td>signals, physical connections, partial parts</td></tr>
+<tr><td>Data</td><td>records of parameters that parts of one kind share</td></tr>
 <tr><td>Contact</td><td>Hertz, Kalker, Polach; named surfaces</td></tr>
 <tr><td>Friction</td><td>pads and discs</td></tr>
 <tr><td>Pneumatics</td><td>cylinders, valves, rigging; brake pipe, distributors, reservoirs, compressor</td></tr>
-<tr><td>Components</td><td>wheelsets, brakes, bogie frames, body</td></tr>
+<tr><td>Components</td><td>wheelsets, brakes, axles, bogies, car bodies, couplers</td></tr>
 <tr><td>Tracks</td><td>gradients and curves</td></tr>
-<tr><td>Vehicles</td><td>trains and their predictions, without what an edition adds</td></tr>
+<tr><td>Vehicles</td><td>cars, trains and their predictions, without what an edition adds</td></tr>
 <tr><td>FMUs</td><td>the blocks that are exported</td></tr>
 <tr><td>Validation, Examples</td><td>closed-form answers; cases to run</td></tr>
 </table>
@@ -28,6 +29,7 @@ class Overview "What is where"
 <a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>,
 <a href=\"modelica://RailBraking.Examples.RollerRigStop\">RollerRigStop</a>,
 <a href=\"modelica://RailBraking.Examples.WagonStop\">WagonStop</a>,
+<a href=\"modelica://RailBraking.Examples.CoupledCarsStop\">CoupledCarsStop</a>,
 <a href=\"modelica://RailBraking.Examples.WanderingWheelset\">WanderingWheelset</a>.
 </p>
 </html>"));

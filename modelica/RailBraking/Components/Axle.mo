@@ -1,0 +1,153 @@
+within RailBraking.Components;
+model Axle "Wheelset with its brake, or several that turn as one"
+  replaceable block AxleContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
+  replaceable block AxlePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
+  parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
+  parameter Types.Inertia J(min=1e-3, start=110) "Inertia of all of them about their axles";
+  parameter Types.Length r_wheel(min=1e-3, start=0.42) "Rolling radius";
+  parameter Types.Ratio n_units(min=0, start=2) "Number of brake units";
+  parameter Types.Length r_friction(min=1e-3, start=0.24) "Radius at which the pads rub";
+  parameter Types.Ratio mu_b_nominal = 0.35 "Pad friction at nominal speed, pressure and temperature";
+  parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
+  parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start";
+  parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
+  parameter Types.Torque tau_small(min=1e-3) = 10
+    "Torque by which the track must exceed the brake to turn a locked axle";
+  parameter Data.Creep creep "Contact";
+  parameter Data.Resistance resistance "Bearings and rolling";
+  parameter Data.Rigging rigging "Levers of a brake unit";
+  parameter Data.Pad pads "Pads";
+  parameter Data.Disc discs "Discs";
+  Interfaces.TranslationalFlange box "Axle boxes, to the bogie frame"
+    annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
+  Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+  Interfaces.RealInput load[n](each final unit="N")
+    "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{-120, 61}, {-100, 81}})));
+  Interfaces.RealInput mu0[n](each final unit="1")
+    "Maximum friction coefficient of the rail at each wheelset"
+    annotation(Placement(transformation(extent={{-120, 14}, {-100, 34}})));
+  Interfaces.RealInput pressure(final unit="Pa")
+    "Pressure in the cylinders"
+    annotation(Placement(transformation(extent={{-120, -34}, {-100, -14}})));
+  Interfaces.BooleanInput standstill
+    "= true, if the train stands"
+    annotation(Placement(transformation(extent={{-120, -81}, {-100, -61}})));
+  Interfaces.RealOutput F[n](each final unit="N")
+    "Braking force of the track on each wheelset"
+    annotation(Placement(transformation(extent={{100, 83}, {120, 95}})));
+  Interfaces.RealOutput w(final unit="rad/s")
+    "Angular velocity"
+    annotation(Placement(transformation(extent={{100, 70}, {120, 82}})));
+  Interfaces.RealOutput slip(final unit="1")
+    "Slip, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{100, 57}, {120, 69}})));
+  Interfaces.RealOutput adhesion(final unit="1")
+    "Braking forces over loads"
+    annotation(Placement(transformation(extent={{100, 45}, {120, 57}})));
+  Interfaces.RealOutput pad_force(final unit="N")
+    "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{100, 32}, {120, 44}})));
+  Interfaces.RealOutput pad_friction(final unit="1")
+    "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{100, 19}, {120, 31}})));
+  Interfaces.RealOutput disc_temperature(final unit="K")
+    "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{100, 7}, {120, 19}})));
+  Interfaces.RealOutput disc_surface_temperature(final unit="K")
+    "Temperature of the surface of the discs"
+    annotation(Placement(transformation(extent={{100, -6}, {120, 6}})));
+  Interfaces.RealOutput brake_torque(final unit="N.m")
+    "Torque that the brake exerts"
+    annotation(Placement(transformation(extent={{100, -19}, {120, -7}})));
+  Interfaces.BooleanOutput locked
+    "= true, if the wheelsets do not turn"
+    annotation(Placement(transformation(extent={{100, -31}, {120, -19}})));
+  Interfaces.RealOutput capacity(final unit="N")
+    "Force with which they can hold the train at rest"
+    annotation(Placement(transformation(extent={{100, -44}, {120, -32}})));
+  Interfaces.RealOutput contact_power(final unit="W")
+    "Heat made between wheels and rails"
+    annotation(Placement(transformation(extent={{100, -57}, {120, -45}})));
+  Interfaces.RealOutput pad_power(final unit="W")
+    "Heat made between pads and discs"
+    annotation(Placement(transformation(extent={{100, -69}, {120, -57}})));
+  Interfaces.RealOutput resistance_power(final unit="W")
+    "Power of bearing and rolling resistance"
+    annotation(Placement(transformation(extent={{100, -82}, {120, -70}})));
+  Interfaces.RealOutput kinetic_energy(final unit="J")
+    "Energy of rotation"
+    annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
+  Components.Wheelsets wheels(
+    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail, E=creep.E, nu=creep.nu,
+    k_A=creep.k_A, k_S=creep.k_S, A=creep.A,
+    B=creep.B, v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
+    e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"
+    annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
+  Components.GroupBrake brake(
+    n_units=n_units, r_friction=r_friction,
+    redeclare AxlePad pad(
+      mu_nominal=mu_b_nominal, mu_start=mu_b_start, speed_effect=pads.speed_effect,
+      pad_speed_nominal=pads.pad_speed_nominal, temperature_effect=pads.temperature_effect,
+      temperature_nominal=pads.temperature_nominal, temperature_range=pads.temperature_range,
+      force_effect=pads.force_effect, pad_force_nominal=pads.pad_force_nominal, E_settle=pads.E_settle,
+      T_settle=pads.T_settle, F_release=pads.F_release),
+    disc(
+      m=discs.m, m_surface=discs.m_surface, c_p=discs.c_p, G=discs.G, G_rest=discs.G_rest, G_speed=discs.G_speed,
+      pad_share=discs.pad_share, T_ambient=discs.T_ambient, T_start=T_disc_start)) "Brake units"
+    annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
+equation
+  wheels.v = box.v;
+  box.f = sum(wheels.F);
+  connect(shaft, wheels.shaft) annotation(Line(points={{0, -110}, {0, 30}, {40, 30}, {40, 22}}, color={0, 0, 127}));
+  connect(load, wheels.load);
+  connect(mu0, wheels.mu0);
+  connect(standstill, wheels.standstill);
+  connect(brake.torque, wheels.brake_torque)
+    annotation(Line(points={{-18, 10}, {0, 10}, {0, -8}, {18, -8}}, color={0, 0, 127}));
+  pad_force = Pneumatics.padForce(
+    pressure, rigging.A_piston, rigging.i_rigging, rigging.eta_rigging, rigging.F_spring);
+  brake.pad_force = pad_force;
+  brake.w = wheels.w;
+  brake.speed = box.v;
+  F = wheels.F;
+  w = wheels.w;
+  slip = wheels.contact[1].slip;
+  adhesion = sum(wheels.F)/sum(load);
+  pad_friction = brake.pad.mu;
+  disc_temperature = brake.disc.temperature;
+  disc_surface_temperature = brake.disc.temperature_surface;
+  brake_torque = wheels.torque;
+  locked = wheels.locked;
+  capacity = wheels.capacity;
+  contact_power = wheels.contact_power;
+  pad_power = brake.heat_flow;
+  resistance_power = wheels.resistance_power;
+  kinetic_energy = J*w^2/2;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Ellipse(extent={{-70, 70}, {70, -70}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{-15, 60}, {15, 30}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+<a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> on the rails and the <a
+href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a> on them. The cylinders are not in it: a valve
+that several axles share is one cylinder whose pressure goes to all of them. J dw/dt = r_wheel &Sigma;F + shaft.tau -
+brake - resistance while the wheelsets turn.
+</p>
+<h4>Limitations</h4>
+<p>
+Those of its parts. The mass of the wheelset is the car's. All wheelsets of the axle have one radius, one pad and one
+disc that stand for all.
+</p>
+</html>"));
+end Axle;

@@ -1,0 +1,172 @@
+within RailBraking.Components;
+model Bogie "Bogie of any number of axles, braked"
+  replaceable block BogieContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
+  replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
+  parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
+  parameter Integer groups(min=1) = n "Number of groups that turn as one, equally large: n for none coupled, 1 for all"
+    annotation(Evaluate=true);
+  parameter Types.Mass m_wheelset[n](each min=1e-3, each start=14000)
+    "Mass that each wheelset carries on the rail, its own included";
+  parameter Types.Mass m_unsprung[n](each min=0, each start=1500) "Mass of each wheelset itself";
+  parameter Types.Mass m_frame(min=1e-3, start=3500) "Mass of the frame";
+  parameter Types.Inertia I_frame(min=1e-3, start=2200) "Pitch inertia of the frame";
+  parameter Types.Length wheelbase(min=1e-3, start=2.2) "Distance of the first and the last wheelset";
+  parameter Types.Inertia J[groups](each min=1e-3, each start=110) "Inertia of each group about its axles";
+  parameter Types.Length r_wheel[groups](each min=1e-3, each start=0.42) "Rolling radius of each group";
+  parameter Types.Ratio n_units[groups](each min=0, each start=2) "Number of brake units of each group";
+  parameter Types.Length r_friction[groups](each min=1e-3, each start=0.24) "Radius at which the pads rub";
+  parameter Types.Ratio mu_b_nominal[groups] = fill(0.35, groups)
+    "Pad friction at nominal speed, pressure and temperature";
+  parameter Types.Ratio mu_b_start[groups] = fill(0.35, groups) "Pad friction at the start";
+  parameter Types.Temperature T_disc_start[groups] = fill(313.15, groups) "Temperature of the discs at the start";
+  parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
+  parameter Types.Torque tau_small(min=1e-3) = 10
+    "Torque by which the track must exceed the brake to turn a locked group";
+  parameter Data.Suspension suspension "Frame and primary suspension";
+  parameter Data.Creep creep "Contact";
+  parameter Data.Resistance resistance "Bearings and rolling";
+  parameter Data.Rigging rigging "Levers of a brake unit";
+  parameter Data.Pad pads "Pads";
+  parameter Data.Disc discs "Discs";
+  Interfaces.TranslationalFlange pivot "Traction rod, to the body of a car"
+    annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
+  Interfaces.RotationalFlange shaft[groups] "To drives or electrodynamic brakes; nothing when they are left open"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+  Interfaces.RealInput mu0[n](each final unit="1")
+    "Maximum friction coefficient of the rail at each wheelset"
+    annotation(Placement(transformation(extent={{-120, 53}, {-100, 73}})));
+  Interfaces.RealInput pressure[groups](each final unit="Pa")
+    "Pressure in the cylinders of each group"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.BooleanInput standstill
+    "= true, if the train stands"
+    annotation(Placement(transformation(extent={{-120, -73}, {-100, -53}})));
+  Interfaces.RealOutput F[n](each final unit="N")
+    "Braking force of the track on each wheelset"
+    annotation(Placement(transformation(extent={{100, 85}, {120, 95}})));
+  Interfaces.RealOutput load[n](each final unit="N")
+    "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{100, 74}, {120, 84}})));
+  Interfaces.RealOutput deflection[n](each final unit="m")
+    "Deflection of the primary suspension, change from static, compression positive"
+    annotation(Placement(transformation(extent={{100, 64}, {120, 74}})));
+  Interfaces.RealOutput w[groups](each final unit="rad/s")
+    "Angular velocity of each group"
+    annotation(Placement(transformation(extent={{100, 53}, {120, 63}})));
+  Interfaces.RealOutput slip[groups](each final unit="1")
+    "Slip of each group, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{100, 43}, {120, 53}})));
+  Interfaces.RealOutput adhesion[groups](each final unit="1")
+    "Adhesion used by each group"
+    annotation(Placement(transformation(extent={{100, 32}, {120, 42}})));
+  Interfaces.RealOutput pad_force[groups](each final unit="N")
+    "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{100, 21}, {120, 31}})));
+  Interfaces.RealOutput pad_friction[groups](each final unit="1")
+    "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{100, 11}, {120, 21}})));
+  Interfaces.RealOutput disc_temperature[groups](each final unit="K")
+    "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{100, 0}, {120, 10}})));
+  Interfaces.RealOutput disc_surface_temperature[groups](each final unit="K")
+    "Temperature of the surface of the discs"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 0}})));
+  Interfaces.RealOutput brake_torque[groups](each final unit="N.m")
+    "Torque that the brake exerts on each group"
+    annotation(Placement(transformation(extent={{100, -21}, {120, -11}})));
+  Interfaces.BooleanOutput locked[groups]
+    "= true, if the group does not turn"
+    annotation(Placement(transformation(extent={{100, -31}, {120, -21}})));
+  Interfaces.RealOutput capacity(final unit="N")
+    "Force with which the bogie can hold the train at rest"
+    annotation(Placement(transformation(extent={{100, -42}, {120, -32}})));
+  Interfaces.RealOutput contact_power(final unit="W")
+    "Heat made between wheels and rails"
+    annotation(Placement(transformation(extent={{100, -53}, {120, -43}})));
+  Interfaces.RealOutput pad_power(final unit="W")
+    "Heat made between pads and discs"
+    annotation(Placement(transformation(extent={{100, -63}, {120, -53}})));
+  Interfaces.RealOutput resistance_power(final unit="W")
+    "Power of bearing and rolling resistance"
+    annotation(Placement(transformation(extent={{100, -74}, {120, -64}})));
+  Interfaces.RealOutput damper_power(final unit="W")
+    "Heat made in the primary suspension"
+    annotation(Placement(transformation(extent={{100, -84}, {120, -74}})));
+  Interfaces.RealOutput kinetic_energy(final unit="J")
+    "Energy of rotation"
+    annotation(Placement(transformation(extent={{100, -95}, {120, -85}})));
+  Components.Axle axle[groups](
+    redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
+    each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
+    mu_b_start=mu_b_start, T_disc_start=T_disc_start, each v_start=v_start, each tau_small=tau_small, each creep=creep,
+    each resistance=resistance, each rigging=rigging, each pads=pads, each discs=discs) "Wheelsets with their brakes"
+    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
+  Components.BogieFrame frame(
+    final n=n, m_wheelset={m_wheelset[j] for j in 1:n}, m_unsprung={m_unsprung[j] for j in 1:n}, m_frame=m_frame,
+    I_frame=I_frame, wheelbase=wheelbase,
+    h_frame=suspension.h_frame, h_rod=suspension.h_rod, k=suspension.k, c=suspension.c,
+    r_wheel=sum(r_wheel)/groups) "Frame on its primary suspension"
+    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
+  final parameter Integer size_of_group = div(n, groups) "Wheelsets of a group" annotation(Evaluate=true);
+equation
+  for g in 1:groups loop
+    connect(axle[g].box, pivot) annotation(Line(points={{-40, -18}, {-40, 10}, {0, 10}, {0, 110}}, color={0, 0, 127}));
+    connect(axle[g].shaft, shaft[g])
+      annotation(Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
+    connect(pressure[g], axle[g].pressure);
+    connect(standstill, axle[g].standstill);
+    for i in 1:size_of_group loop
+      connect(mu0[size_of_group*(g - 1) + i], axle[g].mu0[i]);
+      connect(frame.load[size_of_group*(g - 1) + i], axle[g].load[i]);
+      F[size_of_group*(g - 1) + i] = axle[g].F[i];
+    end for;
+    w[g] = axle[g].w;
+    slip[g] = axle[g].slip;
+    adhesion[g] = axle[g].adhesion;
+    pad_force[g] = axle[g].pad_force;
+    pad_friction[g] = axle[g].pad_friction;
+    disc_temperature[g] = axle[g].disc_temperature;
+    disc_surface_temperature[g] = axle[g].disc_surface_temperature;
+    brake_torque[g] = axle[g].brake_torque;
+    locked[g] = axle[g].locked;
+  end for;
+  frame.a = der(pivot.v);
+  frame.F = pivot.f;
+  frame.torque = sum(brake_torque);
+  load = frame.load;
+  deflection = frame.dz;
+  capacity = sum(axle.capacity);
+  contact_power = sum(axle.contact_power);
+  pad_power = sum(axle.pad_power);
+  resistance_power = sum(axle.resistance_power);
+  damper_power = frame.damper_power;
+  kinetic_energy = sum(axle.kinetic_energy);
+initial equation
+  assert(size_of_group*groups == n, "Bogie: n wheelsets must be shared alike by the groups.");
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-85, 10}, {85, 10}}, color={0, 0, 127}),
+        Ellipse(extent={{-90, 0}, {-30, -60}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127}),
+        Line(points={{0, 10}, {0, 100}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+A <a href=\"modelica://RailBraking.Components.BogieFrame\">BogieFrame</a> on its wheelsets, each an <a
+href=\"modelica://RailBraking.Components.Axle\">Axle</a> or coupled to others by shafts. Connect <code>pivot</code>
+with <a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the force on the body is that of all
+wheelsets. A Jacobs bogie pulls at the body to which its pivot is connected.
+</p>
+<h4>Limitations</h4>
+<p>
+Those of its parts. Its masses are counted in the car body along the track. The torque of drives that stand on the
+frame does not tip it.
+</p>
+</html>"));
+end Bogie;

@@ -1,0 +1,31 @@
+within RailBraking.Examples;
+model CoupledCarsStop "Emergency stop of two coupled cars of which one does not brake"
+  FMUs.Consist train(
+    cars=2, speed_start=60/3.6, k_A=dry.k_A, k_S=dry.k_S, A_falling=dry.A, B_falling=dry.B, k_coupler=1e7,
+    c_coupler=2e5, slack_coupler=0.04) "Train"
+    annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
+  parameter Contact.Surfaces.Dry dry "Rail"
+    annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
+  Types.Ratio build_up "Share of full pressure after 0.4 s of dead time, with a time constant of 0.5 s";
+equation
+  build_up = if time < 0.4 then 0 else 1 - exp(-(time - 0.4)/0.5);
+  train.pressure_command = build_up*{3e5, 3e5, 3e5, 3e5, 0, 0, 0, 0};
+  train.mu0 = fill(dry.mu0, 8);
+  train.track_force = 0;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    experiment(StopTime=60, Tolerance=1e-6, Interval=0.01),
+    Documentation(info="<html>
+<p>
+The second car runs into the first through the slack and is then braked by the coupler. Watch
+<code>train.coupler_force</code> and <code>train.speed</code>.
+</p>
+</html>"));
+end CoupledCarsStop;

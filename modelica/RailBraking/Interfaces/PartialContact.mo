@@ -1,0 +1,44 @@
+within RailBraking.Interfaces;
+partial block PartialContact "What carries the force between a wheelset and its rails"
+  parameter Types.Length r(start=0.38) "Rolling radius of the wheels";
+  parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
+  parameter Types.Curvature curvature_rail(min=0) = 0
+    "Curvature of the rail along the track: none, or that of a roller";
+  parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
+  parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
+  parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";
+  parameter Types.Ratio k_S(start=0.1) "Reduction of the creep stiffness in the area of slip";
+  parameter Types.Ratio A(start=0.4) "Friction at infinite slip speed over maximum friction";
+  parameter Types.InverseVelocity B(start=0.2) "Rate at which friction falls with slip speed";
+  parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
+  RealInput v(final unit="m/s") "Speed of the wheelset along the track"
+    annotation(Placement(transformation(extent={{-120, 65}, {-100, 85}})));
+  RealInput w(final unit="rad/s") "Angular velocity"
+    annotation(Placement(transformation(extent={{-120, 15}, {-100, 35}})));
+  RealInput load(final unit="N") "Load of both wheels together"
+    annotation(Placement(transformation(extent={{-120, -35}, {-100, -15}})));
+  RealInput mu0(final unit="1") "Maximum friction coefficient"
+    annotation(Placement(transformation(extent={{-120, -85}, {-100, -65}})));
+  RealOutput slip(final unit="1") "Slip, regularised"
+    annotation(Placement(transformation(extent={{100, 65}, {120, 85}})));
+  RealOutput alpha(final unit="1") "Adhesion, positive in braking"
+    annotation(Placement(transformation(extent={{100, 15}, {120, 35}})));
+  RealOutput F(final unit="N") "Force of the track on the wheelset, positive when it brakes the train"
+    annotation(Placement(transformation(extent={{100, -35}, {120, -15}})));
+  RealOutput heat_flow(final unit="W") "Heat made in both contacts"
+    annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+One contact stands for both wheels. The parameters are those of Polach's law; another law may leave them alone and bring
+its own.
+</p>
+</html>"));
+end PartialContact;

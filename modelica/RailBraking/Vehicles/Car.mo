@@ -1,0 +1,203 @@
+within RailBraking.Vehicles;
+model Car "Car body on equal bogies"
+  replaceable block CarContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
+  replaceable block CarPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
+  parameter Integer bogies(min=1) = 2 "Number of bogies" annotation(Evaluate=true);
+  parameter Integer axles(min=1) = 2 "Number of wheelsets of a bogie" annotation(Evaluate=true);
+  parameter Integer groups(min=1) = axles "Number of groups of a bogie that turn as one" annotation(Evaluate=true);
+  parameter Types.Mass m_wheelset[bogies*axles](each min=1e-3) = fill(12000, bogies*axles)
+    "Mass that each wheelset carries on the rail, its own included";
+  parameter Types.Mass m_unsprung[bogies*axles](each min=0) = fill(1500, bogies*axles) "Mass of each wheelset itself";
+  parameter Types.Mass m_frame[bogies](each min=1e-3) = fill(3000, bogies) "Mass of each bogie frame";
+  parameter Types.Inertia I_frame[bogies](each min=1e-3) = fill(2000, bogies) "Pitch inertia of each bogie frame";
+  parameter Types.Length wheelbase[bogies](each min=1e-3) = fill(2.2, bogies)
+    "Distance of the first and the last wheelset of each bogie";
+  parameter Types.Inertia J[bogies*groups](each min=1e-3) = fill(110, bogies*groups)
+    "Inertia of each group about its axles";
+  parameter Types.Length r_wheel[bogies*groups](each min=1e-3) = fill(0.42, bogies*groups)
+    "Rolling radius of each group";
+  parameter Types.Ratio n_units[bogies*groups](each min=0) = fill(2, bogies*groups)
+    "Number of brake units of each group";
+  parameter Types.Length r_friction[bogies*groups](each min=1e-3) = fill(0.24, bogies*groups)
+    "Radius at which the pads rub";
+  parameter Types.Ratio mu_b_nominal[bogies*groups] = fill(0.35, bogies*groups)
+    "Pad friction at nominal speed, pressure and temperature";
+  parameter Types.Ratio mu_b_start[bogies*groups] = fill(0.35, bogies*groups) "Pad friction at the start";
+  parameter Types.Temperature T_disc_start[bogies*groups] = fill(313.15, bogies*groups)
+    "Temperature of the discs at the start";
+  parameter Types.Velocity v_start(min=0) = 22 "Speed at the start";
+  parameter Types.Torque tau_small(min=1e-3) = 10
+    "Torque by which the track must exceed the brake to turn a locked group";
+  parameter Data.Drag drag "Air";
+  parameter Data.Suspension suspension "Frames and primary suspension";
+  parameter Data.Creep creep "Contact";
+  parameter Data.Resistance resistance "Bearings and rolling";
+  parameter Data.Rigging rigging "Levers of a brake unit";
+  parameter Data.Pad pads "Pads";
+  parameter Data.Disc discs "Discs";
+  Interfaces.TranslationalFlange front "Front end"
+    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+  Interfaces.TranslationalFlange rear "Rear end"
+    annotation(Placement(transformation(extent={{112, -5}, {120, 5}})));
+  Interfaces.TranslationalFlange pivot "Whatever else brakes the car, or carries it"
+    annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
+  Interfaces.RotationalFlange shaft[bogies*groups] "To drives or electrodynamic brakes; nothing when left open"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+  Interfaces.RealInput mu0[bogies*axles](each final unit="1")
+    "Maximum friction coefficient of the rail at each wheelset"
+    annotation(Placement(transformation(extent={{-120, 61}, {-100, 81}})));
+  Interfaces.RealInput pressure[bogies*groups](each final unit="Pa")
+    "Pressure in the cylinders of each group"
+    annotation(Placement(transformation(extent={{-120, 14}, {-100, 34}})));
+  Interfaces.RealInput track_force(final unit="N")
+    "Force of gradient and curve on this car, forward"
+    annotation(Placement(transformation(extent={{-120, -34}, {-100, -14}})));
+  Interfaces.BooleanInput standstill
+    "= true, if the train stands"
+    annotation(Placement(transformation(extent={{-120, -81}, {-100, -61}})));
+  Interfaces.RealOutput v(final unit="m/s")
+    "Speed"
+    annotation(Placement(transformation(extent={{100, 86}, {110, 94}})));
+  Interfaces.RealOutput a(final unit="m/s2")
+    "Acceleration"
+    annotation(Placement(transformation(extent={{100, 77}, {110, 85}})));
+  Interfaces.RealOutput mass(final unit="kg")
+    "Mass of the car and its bogies, without rotating masses"
+    annotation(Placement(transformation(extent={{100, 68}, {110, 76}})));
+  Interfaces.RealOutput F[bogies*axles](each final unit="N")
+    "Braking force of the track on each wheelset"
+    annotation(Placement(transformation(extent={{100, 59}, {110, 67}})));
+  Interfaces.RealOutput load[bogies*axles](each final unit="N")
+    "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{100, 50}, {110, 58}})));
+  Interfaces.RealOutput deflection[bogies*axles](each final unit="m")
+    "Deflection of the primary suspension, change from static, compression positive"
+    annotation(Placement(transformation(extent={{100, 41}, {110, 49}})));
+  Interfaces.RealOutput w[bogies*groups](each final unit="rad/s")
+    "Angular velocity of each group"
+    annotation(Placement(transformation(extent={{100, 32}, {110, 40}})));
+  Interfaces.RealOutput slip[bogies*groups](each final unit="1")
+    "Slip of each group, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{100, 23}, {110, 31}})));
+  Interfaces.RealOutput adhesion[bogies*groups](each final unit="1")
+    "Adhesion used by each group"
+    annotation(Placement(transformation(extent={{100, 14}, {110, 22}})));
+  Interfaces.RealOutput pad_force[bogies*groups](each final unit="N")
+    "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{100, 5}, {110, 13}})));
+  Interfaces.RealOutput pad_friction[bogies*groups](each final unit="1")
+    "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{100, -4}, {110, 4}})));
+  Interfaces.RealOutput disc_temperature[bogies*groups](each final unit="K")
+    "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{100, -13}, {110, -5}})));
+  Interfaces.RealOutput disc_surface_temperature[bogies*groups](each final unit="K")
+    "Temperature of the surface of the discs"
+    annotation(Placement(transformation(extent={{100, -22}, {110, -14}})));
+  Interfaces.RealOutput brake_torque[bogies*groups](each final unit="N.m")
+    "Torque that the brake exerts on each group"
+    annotation(Placement(transformation(extent={{100, -31}, {110, -23}})));
+  Interfaces.BooleanOutput locked[bogies*groups]
+    "= true, if the group does not turn"
+    annotation(Placement(transformation(extent={{100, -40}, {110, -32}})));
+  Interfaces.RealOutput capacity(final unit="N")
+    "Force with which the car can hold the train at rest"
+    annotation(Placement(transformation(extent={{100, -49}, {110, -41}})));
+  Interfaces.RealOutput contact_power(final unit="W")
+    "Heat made between wheels and rails"
+    annotation(Placement(transformation(extent={{100, -58}, {110, -50}})));
+  Interfaces.RealOutput pad_power(final unit="W")
+    "Heat made between pads and discs"
+    annotation(Placement(transformation(extent={{100, -67}, {110, -59}})));
+  Interfaces.RealOutput resistance_power(final unit="W")
+    "Power of drag, track force, bearing and rolling resistance"
+    annotation(Placement(transformation(extent={{100, -76}, {110, -68}})));
+  Interfaces.RealOutput damper_power(final unit="W")
+    "Heat made in the primary suspension"
+    annotation(Placement(transformation(extent={{100, -85}, {110, -77}})));
+  Interfaces.RealOutput kinetic_energy(final unit="J")
+    "Energy of motion along the track and of rotation"
+    annotation(Placement(transformation(extent={{100, -94}, {110, -86}})));
+  Components.CarBody body(m=sum(m_wheelset), v_start=v_start, drag=drag) "Body"
+    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
+  Components.Bogie bogie[bogies](
+    redeclare block BogieContact = CarContact, redeclare block BogiePad = CarPad,
+    each n=axles, each groups=groups, m_wheelset={{m_wheelset[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies},
+    m_unsprung={{m_unsprung[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies}, m_frame=m_frame,
+    I_frame=I_frame, wheelbase=wheelbase, J={{J[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
+    r_wheel={{r_wheel[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
+    n_units={{n_units[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
+    r_friction={{r_friction[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
+    mu_b_nominal={{mu_b_nominal[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
+    mu_b_start={{mu_b_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
+    T_disc_start={{T_disc_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies}, each v_start=v_start,
+    each tau_small=tau_small, each suspension=suspension, each creep=creep, each resistance=resistance,
+    each rigging=rigging, each pads=pads, each discs=discs) "Bogies"
+    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
+equation
+  connect(front, body.front) annotation(Line(points={{-110, 0}, {-80, 0}, {-80, 40}, {-62, 40}}, color={0, 0, 127}));
+  connect(body.rear, rear) annotation(Line(points={{-18, 40}, {60, 40}, {60, 0}, {112, 0}}, color={0, 0, 127}));
+  connect(pivot, body.pivot) annotation(
+    Line(points={{0, 110}, {0, 10}, {-40, 10}, {-40, 18}}, color={0, 0, 127}));
+  connect(track_force, body.track_force);
+  connect(standstill, body.standstill);
+  for b in 1:bogies loop
+    connect(bogie[b].pivot, body.pivot) annotation(Line(points={{-40, -18}, {-40, 18}}, color={0, 0, 127}));
+    connect(standstill, bogie[b].standstill);
+    for i in 1:axles loop
+      connect(mu0[axles*(b - 1) + i], bogie[b].mu0[i]);
+      F[axles*(b - 1) + i] = bogie[b].F[i];
+      load[axles*(b - 1) + i] = bogie[b].load[i];
+      deflection[axles*(b - 1) + i] = bogie[b].deflection[i];
+    end for;
+    for i in 1:groups loop
+      connect(pressure[groups*(b - 1) + i], bogie[b].pressure[i]);
+      connect(bogie[b].shaft[i], shaft[groups*(b - 1) + i]) annotation(
+        Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
+      w[groups*(b - 1) + i] = bogie[b].w[i];
+      slip[groups*(b - 1) + i] = bogie[b].slip[i];
+      adhesion[groups*(b - 1) + i] = bogie[b].adhesion[i];
+      pad_force[groups*(b - 1) + i] = bogie[b].pad_force[i];
+      pad_friction[groups*(b - 1) + i] = bogie[b].pad_friction[i];
+      disc_temperature[groups*(b - 1) + i] = bogie[b].disc_temperature[i];
+      disc_surface_temperature[groups*(b - 1) + i] = bogie[b].disc_surface_temperature[i];
+      brake_torque[groups*(b - 1) + i] = bogie[b].brake_torque[i];
+      connect(bogie[b].locked[i], locked[groups*(b - 1) + i]);
+    end for;
+  end for;
+  v = body.v;
+  a = body.a;
+  mass = body.m;
+  capacity = sum(bogie.capacity);
+  contact_power = sum(bogie.contact_power);
+  pad_power = sum(bogie.pad_power);
+  resistance_power = body.resistance_power + sum(bogie.resistance_power);
+  damper_power = sum(bogie.damper_power);
+  kinetic_energy = body.kinetic_energy + sum(bogie.kinetic_energy);
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-90, 40}, {90, -30}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-80, -35}, {-50, -65}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-40, -35}, {-10, -65}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{10, -35}, {40, -65}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{50, -35}, {80, -65}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+A <a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a> with its <a
+href=\"modelica://RailBraking.Components.Bogie\">Bogies</a>. Wheelsets and groups count from the front. The cylinders
+are the train's: one whose pressure goes to an axle, a bogie or a car.
+</p>
+<h4>Limitations</h4>
+<p>
+All bogies have the same numbers of wheelsets and groups; a car with others is a CarBody and Bogies of its own, as in
+<a href=\"modelica://RailBraking.Vehicles.PartialArticulatedTrain\">PartialArticulatedTrain</a>.
+</p>
+</html>"));
+end Car;

@@ -1,0 +1,123 @@
+within RailBraking.Vehicles;
+partial block PartialArticulatedTrain "Two-part train with a Jacobs bogie, made of components"
+  extends PartialTrain(
+    final cars=1, final bogies=3, final groups=4, final wheelsets=6, wheelsets_per_group={2, 1, 1, 2},
+    wheelset_position={0, 1.9, 15.625, 18.275, 32, 33.9}, m_wheelset={13400, 14100, 14500, 14500, 14100, 13400},
+    m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},
+    J={222, 209, 209, 222}, r_wheel={0.38, 0.38, 0.38, 0.38}, wheelbase={1.9, 2.65, 1.9}, n_units={3, 2, 2, 3},
+    r_friction={0.235, 0.220, 0.220, 0.235}, p_max={3.4e5, 2.0e5, 2.0e5, 3.4e5});
+protected
+  Components.CarBody body(m=m_train, v_start=speed_start, drag=drag) "Both car bodies"
+    annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
+  Components.Bogie leading(
+    final n=2, final groups=1, m_wheelset=m_wheelset[1:2], m_unsprung=m_unsprung[1:2], m_frame=m_frame[1],
+    I_frame=I_frame[1], wheelbase=wheelbase[1], J=J[1:1], r_wheel=r_wheel[1:1], n_units=n_units[1:1],
+    r_friction=r_friction[1:1], mu_b_nominal=mu_b_nominal[1:1], mu_b_start=mu_b_start[1:1],
+    T_disc_start=T_disc_start[1:1], v_start=speed_start, tau_small=tau_small, suspension=suspension, creep=creep,
+    resistance=resistance, rigging=rigging, pads=pads, discs=discs) "Leading motor bogie"
+    annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
+  Components.Bogie jacobs(
+    final n=2, final groups=2, m_wheelset=m_wheelset[3:4], m_unsprung=m_unsprung[3:4], m_frame=m_frame[2],
+    I_frame=I_frame[2], wheelbase=wheelbase[2], J=J[2:3], r_wheel=r_wheel[2:3], n_units=n_units[2:3],
+    r_friction=r_friction[2:3], mu_b_nominal=mu_b_nominal[2:3], mu_b_start=mu_b_start[2:3],
+    T_disc_start=T_disc_start[2:3], v_start=speed_start, tau_small=tau_small, suspension=suspension, creep=creep,
+    resistance=resistance, rigging=rigging, pads=pads, discs=discs) "Jacobs bogie"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
+  Components.Bogie trailing(
+    final n=2, final groups=1, m_wheelset=m_wheelset[5:6], m_unsprung=m_unsprung[5:6], m_frame=m_frame[3],
+    I_frame=I_frame[3], wheelbase=wheelbase[3], J=J[4:4], r_wheel=r_wheel[4:4], n_units=n_units[4:4],
+    r_friction=r_friction[4:4], mu_b_nominal=mu_b_nominal[4:4], mu_b_start=mu_b_start[4:4],
+    T_disc_start=T_disc_start[4:4], v_start=speed_start, tau_small=tau_small, suspension=suspension, creep=creep,
+    resistance=resistance, rigging=rigging, pads=pads, discs=discs) "Trailing motor bogie"
+    annotation(Placement(transformation(extent={{40, -20}, {80, 20}})));
+equation
+  connect(leading.pivot, body.pivot) annotation(
+    Line(points={{-60, 22}, {-60, 30}, {0, 30}, {0, 38}}, color={0, 0, 127}));
+  connect(jacobs.pivot, body.pivot) annotation(Line(points={{0, 22}, {0, 38}}, color={0, 0, 127}));
+  connect(trailing.pivot, body.pivot) annotation(
+    Line(points={{60, 22}, {60, 30}, {0, 30}, {0, 38}}, color={0, 0, 127}));
+  body.standstill = standstill;
+  body.track_force = track_force;
+  v = {body.v};
+  a = {body.a};
+  m_car = {body.m};
+  F[1:2] = leading.F;
+  wheelset_load[1:2] = leading.load;
+  deflection[1:2] = leading.deflection;
+  wheelset_speed[1:1] = leading.w;
+  slip[1:1] = leading.slip;
+  group_adhesion[1:1] = leading.adhesion;
+  pad_force[1:1] = leading.pad_force;
+  pad_friction[1:1] = leading.pad_friction;
+  disc_temperature[1:1] = leading.disc_temperature;
+  disc_surface_temperature[1:1] = leading.disc_surface_temperature;
+  brake_torque[1:1] = leading.brake_torque;
+  leading.mu0 = mu0[1:2];
+  leading.pressure = cylinder_pressure[1:1];
+  leading.standstill = standstill;
+  F[3:4] = jacobs.F;
+  wheelset_load[3:4] = jacobs.load;
+  deflection[3:4] = jacobs.deflection;
+  wheelset_speed[2:3] = jacobs.w;
+  slip[2:3] = jacobs.slip;
+  group_adhesion[2:3] = jacobs.adhesion;
+  pad_force[2:3] = jacobs.pad_force;
+  pad_friction[2:3] = jacobs.pad_friction;
+  disc_temperature[2:3] = jacobs.disc_temperature;
+  disc_surface_temperature[2:3] = jacobs.disc_surface_temperature;
+  brake_torque[2:3] = jacobs.brake_torque;
+  jacobs.mu0 = mu0[3:4];
+  jacobs.pressure = cylinder_pressure[2:3];
+  jacobs.standstill = standstill;
+  F[5:6] = trailing.F;
+  wheelset_load[5:6] = trailing.load;
+  deflection[5:6] = trailing.deflection;
+  wheelset_speed[4:4] = trailing.w;
+  slip[4:4] = trailing.slip;
+  group_adhesion[4:4] = trailing.adhesion;
+  pad_force[4:4] = trailing.pad_force;
+  pad_friction[4:4] = trailing.pad_friction;
+  disc_temperature[4:4] = trailing.disc_temperature;
+  disc_surface_temperature[4:4] = trailing.disc_surface_temperature;
+  brake_torque[4:4] = trailing.brake_torque;
+  trailing.mu0 = mu0[5:6];
+  trailing.pressure = cylinder_pressure[4:4];
+  trailing.standstill = standstill;
+  locked = {leading.locked[1], jacobs.locked[1], jacobs.locked[2], trailing.locked[1]};
+  capacity = leading.capacity + jacobs.capacity + trailing.capacity;
+  contact_power = leading.contact_power + jacobs.contact_power + trailing.contact_power;
+  pad_power = leading.pad_power + jacobs.pad_power + trailing.pad_power;
+  damper_power = leading.damper_power + jacobs.damper_power + trailing.damper_power;
+  resistance_power = body.resistance_power + leading.resistance_power + jacobs.resistance_power
+    + trailing.resistance_power;
+  coupler_power = 0;
+  kinetic_energy = body.kinetic_energy + leading.kinetic_energy + jacobs.kinetic_energy + trailing.kinetic_energy;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-90, 40}, {-2, -40}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-87, -43}, {-63, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-62, -43}, {-38, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-24, -43}, {0, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{0, -43}, {24, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{38, -43}, {62, -67}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{63, -43}, {87, -67}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+The train of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> from <a
+href=\"modelica://RailBraking.Components.Bogie\">Bogies</a> under one <a
+href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>: the pattern for trains whose bogies differ.
+</p>
+<h4>Limitations</h4>
+<p>
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a>. The bodies are joined without
+give: the force between them is not known.
+</p>
+</html>"));
+end PartialArticulatedTrain;

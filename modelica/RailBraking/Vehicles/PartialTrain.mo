@@ -1,0 +1,289 @@
+within RailBraking.Vehicles;
+partial block PartialTrain "What every train made of cars, bogies and couplers shows and is told"
+  parameter Integer cars(min=1) = 1 "Number of car bodies" annotation(Evaluate=true, Dialog(group="Formation"));
+  parameter Integer bogies(min=1) = 1 "Number of bogies" annotation(Evaluate=true, Dialog(group="Formation"));
+  parameter Integer groups(min=1) = 1 "Number of groups of wheelsets that turn as one"
+    annotation(Evaluate=true, Dialog(group="Formation"));
+  parameter Integer wheelsets(min=1) = 1 "Number of wheelsets" annotation(Evaluate=true, Dialog(group="Formation"));
+  final parameter Integer couplers = cars - 1 "Number of couplers";
+  parameter Types.Velocity speed_start(min=0) = 22.222222222222222 "Speed at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Ratio wheelsets_per_group[groups] = fill(wheelsets/groups, groups)
+    "Number of wheelsets that turn as one, leading group first; a description, no value to change"
+    annotation(Dialog(group="Formation"));
+  parameter Types.Ratio wheelsets_per_car[cars] = fill(wheelsets/cars, cars)
+    "Number of wheelsets of each car; a description, no value to change" annotation(Dialog(group="Formation"));
+  parameter Types.Length wheelset_position[wheelsets] = {3.0*(i - 1) for i in 1:wheelsets}
+    "Distance of each wheelset behind the leading one; a description, no value to change"
+    annotation(Dialog(group="Formation"));
+  parameter Types.Mass m_wheelset[wheelsets](each min=1e-3) = {12000 for i in 1:wheelsets}
+    "Mass that each wheelset carries on the rail, its own included"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Mass m_unsprung[wheelsets](each min=0) = {1500 for i in 1:wheelsets} "Mass of each wheelset itself"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Mass m_frame[bogies](each min=1e-3) = {3000 for i in 1:bogies} "Mass of each bogie frame"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Inertia I_frame[bogies](each min=1e-3) = {2000 for i in 1:bogies} "Pitch inertia of each bogie frame"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Inertia J[groups](each min=1e-3) = {110 for i in 1:groups} "Inertia of each group about its axles"
+    annotation(Dialog(group="Masses"));
+  parameter Types.Length r_wheel[groups](each min=1e-3) = {0.42 for i in 1:groups} "Rolling radius of each group"
+    annotation(Dialog(group="Geometry"));
+  parameter Types.Length wheelbase[bogies](each min=1e-3) = {2.2 for i in 1:bogies}
+    "Distance of the first and the last wheelset of each bogie"
+    annotation(Dialog(group="Geometry"));
+  parameter Types.Length h_frame = 0.55 "Height of the frames' centres of gravity over the rail"
+    annotation(Dialog(group="Geometry"));
+  parameter Types.Length h_rod = 0.40 "Height of the traction rods over the rail" annotation(Dialog(group="Geometry"));
+  parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset"
+    annotation(Dialog(group="Suspension"));
+  parameter Types.Damping c_primary = 2.4e4 "Damping of the primary suspension over one wheelset"
+    annotation(Dialog(group="Suspension"));
+  parameter Types.Ratio n_units[groups](each min=0) = {2 for i in 1:groups} "Number of brake units of each group"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Length r_friction[groups](each min=1e-3) = {0.24 for i in 1:groups} "Radius at which the pads rub"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_max[groups](each min=0) = {3.0e5 for i in 1:groups}
+    "Largest cylinder pressure of each group"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_start[groups] = {0 for i in 1:groups} "Cylinder pressure at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Area A_piston(min=1e-6) = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
+  parameter Types.Ratio i_rigging(min=1e-6) = 6 "Force of both pads over force of the piston"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Ratio eta_rigging(min=0, max=1) = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
+  parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster" annotation(Dialog(group="Brake"));
+  parameter Types.Volume V_cylinder = 3e-3 "Volume of cylinder and hose of one unit" annotation(Dialog(group="Brake"));
+  parameter Types.Pressure p_free(min=1) = 1.01325e5 "Absolute pressure at which free air is counted"
+    annotation(Dialog(group="Brake"));
+  parameter Types.Ratio mu_b_nominal[groups] = {0.35 for i in 1:groups}
+    "Pad friction at nominal speed, pressure and temperature"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Ratio mu_b_start[groups] = {0.35 for i in 1:groups} "Pad friction at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Ratio speed_effect = 0.12 "Rise of pad friction from nominal speed to standstill, relative"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Velocity pad_speed_nominal(min=1e-3) = 13 "Sliding speed at which pad friction is nominal"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Ratio temperature_effect = 0.10 "Rise of pad friction over the temperature range, relative"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Temperature temperature_nominal = 333.15 "Disc temperature at which pad friction is nominal"
+    annotation(Dialog(group="Pads"));
+  parameter Types.TemperatureDifference temperature_range(min=1e-3) = 150
+    "Temperature rise at which the effect saturates"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Ratio force_effect = 0.08 "Loss of pad friction at twice the nominal pad force, relative"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Force pad_force_nominal(min=1e-3) = 56e3 "Pad force at which pad friction is nominal"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit in which pad friction settles"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Time T_settle(min=1e-3) = 3 "Time in which pad friction settles at little power"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released"
+    annotation(Dialog(group="Pads"));
+  parameter Types.Mass m_disc(min=1e-3) = 110 "Mass of a disc" annotation(Dialog(group="Discs"));
+  parameter Types.Mass m_disc_surface(min=1e-3) = 12 "Mass of the friction rings near the surface"
+    annotation(Dialog(group="Discs"));
+  parameter Types.SpecificHeat c_disc(min=1e-3) = 500 "Specific heat capacity of the discs"
+    annotation(Dialog(group="Discs"));
+  parameter Types.HeatConductance G_disc = 2500 "Heat conductance between surface and bulk"
+    annotation(Dialog(group="Discs"));
+  parameter Types.HeatConductance G_rest = 20 "Heat conductance of a disc to the air at rest"
+    annotation(Dialog(group="Discs"));
+  parameter Types.SpeedHeatConductance G_speed = 2.5 "Rise of that conductance with speed"
+    annotation(Dialog(group="Discs"));
+  parameter Types.Ratio pad_share(min=0, max=1) = 0.07 "Share of the friction heat that stays in the pads"
+    annotation(Dialog(group="Discs"));
+  parameter Types.Temperature T_ambient = 293.15 "Temperature of the air" annotation(Dialog(group="Discs"));
+  parameter Types.Temperature T_disc_start[groups] = {313.15 for i in 1:groups} "Temperature of the discs at the start"
+    annotation(Dialog(group="Start"));
+  parameter Types.Ratio k_A(min=0, max=1) = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio k_S(min=0, max=1) = 0.1 "Polach: reduction of the creep stiffness in the area of slip"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio A_falling(min=0, max=1) = 0.4 "Polach: friction at infinite slip speed over maximum friction"
+    annotation(Dialog(group="Contact"));
+  parameter Types.InverseVelocity B_falling(min=0) = 0.2 "Polach: rate at which friction falls with slip speed"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Length r_rail(min=1e-3) = 0.30 "Radius of the rail head across the track"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Modulus E_steel(min=1e-3) = 2.1e11 "Young's modulus of wheel and rail"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio nu_steel(min=0, max=0.5) = 0.28 "Poisson's ratio of wheel and rail"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Velocity v_small(min=1e-3) = 0.1 "Speed below which slip is regularised"
+    annotation(Dialog(group="Contact"));
+  parameter Types.Ratio mu_bearing(min=1e-9) = 0.0018 "Friction coefficient of the axle bearings"
+    annotation(Dialog(group="Resistance"));
+  parameter Types.Length r_bearing(min=1e-9) = 0.065 "Radius of the axle bearings"
+    annotation(Dialog(group="Resistance"));
+  parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance"
+    annotation(Dialog(group="Resistance"));
+  parameter Types.Ratio c_drag = 0.9 "Drag coefficient" annotation(Dialog(group="Resistance"));
+  parameter Types.Area A_drag = 10 "Frontal area of the train; each car has an equal share of its drag"
+    annotation(Dialog(group="Resistance"));
+  parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
+  parameter Types.Torque tau_small(min=1e-3) = 10
+    "Torque by which the track must exceed the brake to turn a locked group"
+    annotation(Dialog(tab="Numerics"));
+  parameter Types.Force F_small(min=1e-3) = 10 "Force by which the track must exceed what holds the train to move it"
+    annotation(Dialog(tab="Numerics"));
+  parameter Types.Velocity v_rest(min=1e-6) = 1e-3 "Speed at which the train comes to rest if it can be held"
+    annotation(Dialog(tab="Numerics"));
+
+  Interfaces.RealInput mu0[wheelsets](each final unit="1", each start=0)
+    "Maximum friction coefficient of the rail at each wheelset"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
+
+  Interfaces.RealOutput distance(final unit="m") "Distance travelled"
+    annotation(Placement(transformation(extent={{107, 93}, {113, 99}})));
+  Interfaces.RealOutput speed(final unit="m/s") "Speed of the train's centre of gravity"
+    annotation(Placement(transformation(extent={{107, 85}, {113, 91}})));
+  Interfaces.RealOutput acceleration(final unit="m/s2") "Acceleration of the train's centre of gravity"
+    annotation(Placement(transformation(extent={{107, 77}, {113, 83}})));
+  Interfaces.RealOutput wheelset_speed[groups](each final unit="rad/s") "Angular velocity of each group"
+    annotation(Placement(transformation(extent={{107, 70}, {113, 76}})));
+  Interfaces.RealOutput slip[groups](each final unit="1") "Slip of each group, 0 rolling, 1 locked"
+    annotation(Placement(transformation(extent={{107, 62}, {113, 68}})));
+  Interfaces.RealOutput adhesion[wheelsets](each final unit="1") "Adhesion used by each wheelset, positive in braking"
+    annotation(Placement(transformation(extent={{107, 54}, {113, 60}})));
+  Interfaces.RealOutput group_adhesion[groups](each final unit="1") "Adhesion used by each group"
+    annotation(Placement(transformation(extent={{107, 46}, {113, 52}})));
+  Interfaces.RealOutput wheelset_load[wheelsets](each final unit="N") "Load of each wheelset on the rail"
+    annotation(Placement(transformation(extent={{107, 38}, {113, 44}})));
+  Interfaces.RealOutput deflection[wheelsets](each final unit="m")
+    "Deflection of the primary suspension, change from static, compression positive"
+    annotation(Placement(transformation(extent={{107, 31}, {113, 37}})));
+  Interfaces.RealOutput cylinder_pressure[groups](each final unit="Pa") "Pressure in the cylinders of each group"
+    annotation(Placement(transformation(extent={{107, 23}, {113, 29}})));
+  Interfaces.RealOutput pad_force[groups](each final unit="N") "Normal force of both pads of one unit"
+    annotation(Placement(transformation(extent={{107, 15}, {113, 21}})));
+  Interfaces.RealOutput pad_friction[groups](each final unit="1") "Friction coefficient of the pads"
+    annotation(Placement(transformation(extent={{107, 7}, {113, 13}})));
+  Interfaces.RealOutput disc_temperature[groups](each final unit="K") "Temperature of the bulk of the discs"
+    annotation(Placement(transformation(extent={{107, -1}, {113, 5}})));
+  Interfaces.RealOutput disc_surface_temperature[groups](each final unit="K") "Temperature of the surface of the discs"
+    annotation(Placement(transformation(extent={{107, -8}, {113, -2}})));
+  Interfaces.RealOutput brake_torque[groups](each final unit="N.m") "Torque that the brake exerts on each group"
+    annotation(Placement(transformation(extent={{107, -16}, {113, -10}})));
+  Interfaces.RealOutput air_used(final unit="m3") "Free air taken from the supply since the start"
+    annotation(Placement(transformation(extent={{107, -24}, {113, -18}})));
+  Interfaces.RealOutput contact_heat(final unit="J") "Heat made between wheels and rails since the start"
+    annotation(Placement(transformation(extent={{107, -32}, {113, -26}})));
+  Interfaces.RealOutput pad_heat(final unit="J") "Heat made between pads and discs since the start"
+    annotation(Placement(transformation(extent={{107, -40}, {113, -34}})));
+  Interfaces.RealOutput damper_heat(final unit="J") "Heat made in the primary suspension since the start"
+    annotation(Placement(transformation(extent={{107, -47}, {113, -41}})));
+  Interfaces.RealOutput resistance_work(final unit="J")
+    "Work against drag, bearings, rolling resistance and track force since the start"
+    annotation(Placement(transformation(extent={{107, -55}, {113, -49}})));
+  Interfaces.RealOutput coupler_work(final unit="J")
+    "Work that the cars have put into the couplers since the start, heat and what they store"
+    annotation(Placement(transformation(extent={{107, -63}, {113, -57}})));
+  Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track and of rotation"
+    annotation(Placement(transformation(extent={{107, -71}, {113, -65}})));
+  Interfaces.RealOutput coupler_force[couplers](each final unit="N") "Force in each coupler, positive when it pulls"
+    annotation(Placement(transformation(extent={{107, -79}, {113, -73}})));
+  Interfaces.BooleanOutput locked[groups] "= true, if the group does not turn"
+    annotation(Placement(transformation(extent={{107, -86}, {113, -80}})));
+  Interfaces.BooleanOutput standstill "= true, if the train stands"
+    annotation(Placement(transformation(extent={{107, -94}, {113, -88}})));
+
+protected
+  final parameter Data.Creep creep = Data.Creep(
+    k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
+  final parameter Data.Resistance resistance = Data.Resistance(
+    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling) "Bearings and rolling";
+  final parameter Data.Rigging rigging = Data.Rigging(
+    A_piston=A_piston, i_rigging=i_rigging, eta_rigging=eta_rigging, F_spring=F_spring) "Levers of a brake unit";
+  final parameter Data.Pad pads = Data.Pad(
+    speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
+    temperature_nominal=temperature_nominal, temperature_range=temperature_range, force_effect=force_effect,
+    pad_force_nominal=pad_force_nominal, E_settle=E_settle, T_settle=T_settle, F_release=F_release) "Pads";
+  final parameter Data.Disc discs = Data.Disc(
+    m=m_disc, m_surface=m_disc_surface, c_p=c_disc, G=G_disc, G_rest=G_rest, G_speed=G_speed, pad_share=pad_share,
+    T_ambient=T_ambient) "Discs";
+  final parameter Data.Suspension suspension = Data.Suspension(
+    h_frame=h_frame, h_rod=h_rod, k=k_primary, c=c_primary) "Frames and primary suspension";
+  final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag/cars, rho_air=rho_air) "Air";
+  final parameter Types.Mass m_train = sum(m_wheelset) "Mass of the train, without rotating masses";
+  final parameter Types.Volume V_group[groups] = V_cylinder*n_units "Volume of all cylinders and hoses of each group";
+  Components.Rest rest(final n=cars, v_rest=v_rest, F_small=F_small) "When the train is at rest"
+    annotation(Placement(transformation(extent={{-100, 80}, {-80, 100}})));
+  Types.Velocity v[cars] "Speed of each car";
+  Types.Acceleration a[cars] "Acceleration of each car";
+  Types.Mass m_car[cars] "Mass of each car; together that of the train";
+  Types.Force F[wheelsets] "Braking force of the track on each wheelset";
+  Types.Force capacity "Force with which brakes and resistance hold the train at rest";
+  Types.VolumeFlow air_flow "Free air taken from the supply, a time";
+  Types.Power contact_power "Heat made between wheels and rails, a time";
+  Types.Power pad_power "Heat made between pads and discs, a time";
+  Types.Power damper_power "Heat made in the primary suspension, a time";
+  Types.Power resistance_power "Power of drag, bearings, rolling resistance and track force";
+  Types.Power coupler_power "Power that the cars put into the couplers";
+  Types.Length s(start=0, fixed=true) "Distance travelled";
+  Types.Volume air(start=0, fixed=true) "Free air taken from the supply";
+  Types.Energy heat_contact(start=0, fixed=true) "Heat made between wheels and rails";
+  Types.Energy heat_pad(start=0, fixed=true) "Heat made between pads and discs";
+  Types.Energy heat_damper(start=0, fixed=true) "Heat made in the primary suspension";
+  Types.Energy work_resistance(start=0, fixed=true) "Work against resistances and track force";
+  Types.Energy work_coupler(start=0, fixed=true) "Work put into the couplers";
+equation
+  rest.v = v;
+  rest.track_force = track_force;
+  rest.capacity = capacity;
+  standstill = rest.standstill;
+  speed = m_car*v/m_train;
+  acceleration = m_car*a/m_train;
+  der(s) = speed;
+  distance = s;
+  for i in 1:wheelsets loop
+    adhesion[i] = F[i]/wheelset_load[i];
+  end for;
+  der(air) = air_flow;
+  der(heat_contact) = contact_power;
+  der(heat_pad) = pad_power;
+  der(heat_damper) = damper_power;
+  der(work_resistance) = resistance_power;
+  der(work_coupler) = coupler_power;
+  air_used = air;
+  contact_heat = heat_contact;
+  pad_heat = heat_pad;
+  damper_heat = heat_damper;
+  resistance_work = work_resistance;
+  coupler_work = work_coupler;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Rectangle(extent={{-90, 40}, {-2, -40}}, lineColor={0, 0, 127}),
+        Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-85, -43}, {-55, -73}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{-40, -43}, {-10, -73}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{10, -43}, {40, -73}}, lineColor={0, 0, 127}),
+        Ellipse(extent={{55, -43}, {85, -73}}, lineColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>
+The face of the FMU of a train: parameters, inputs and outputs by the names that the loop knows, and the sums over the
+train. A train extends it with its counts, declares car bodies, bogies, couplers and cylinders, connects them, and
+says what its signals are; see <a href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> and <a
+href=\"modelica://RailBraking.Vehicles.PartialArticulatedTrain\">PartialArticulatedTrain</a>.
+</p>
+<h4>Implementation</h4>
+<p>
+Energies balance: <code>kinetic_energy + contact_heat + pad_heat + resistance_work + coupler_work</code> is constant,
+but for what the solver loses and what <a href=\"modelica://RailBraking.Components.Rest\">Rest</a> discards. As in <a
+href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>, <code>damper_heat</code> stands
+beside that sum.
+</p>
+<h4>Limitations</h4>
+<p>Straight motion in the plane of the rails, forward only; car bodies neither bounce nor pitch.</p>
+</html>"));
+end PartialTrain;
