@@ -24,6 +24,7 @@ class Overview "What is where"
 <a href=\"modelica://RailBraking.Examples.ProtectedStop\">ProtectedStop</a>,
 <a href=\"modelica://RailBraking.Examples.DownhillStop\">DownhillStop</a>,
 <a href=\"modelica://RailBraking.Examples.BrakePipeOfTenCoaches\">BrakePipeOfTenCoaches</a>,
+<a href=\"modelica://RailBraking.Examples.BlendedStop\">BlendedStop</a>,
 <a href=\"modelica://RailBraking.Examples.BrakedWheelset\">BrakedWheelset</a>,
 <a href=\"modelica://RailBraking.Examples.CreepCurves\">CreepCurves</a>,
 <a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>,
