@@ -185,4 +185,7 @@ def _of_brake(
                 delay = round(amount / scenario.periods.communication)
                 yield CommandFault(kind="late", delay=delay, **common)
             case _:
-                yield CommandFault(kind="limited", value=amount, pressure=fault.pressure or 0.0, **common)
+                refill = (fault.refill or 0.0) * scenario.periods.communication
+                yield CommandFault(
+                    kind="limited", value=amount, pressure=fault.pressure or 0.0, refill=refill, **common
+                )

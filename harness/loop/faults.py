@@ -51,12 +51,13 @@ class CommandFault:
     Attributes:
         kind: `fixed` to a value; `kept` as it was before; `late` by some samples; `limited` by a reservoir that
             empties: its pressure falls with the air that the plant takes, without a change of temperature, and fills
-            no cylinder beyond it.
+            no cylinder beyond it; a compressor refills it, until it is full.
         group: Zero-based.
         begin, end: Samples; `end` is the first one without it.
         value: The fixed command, or the volume of the reservoir [m3].
         delay: Samples.
         pressure: Of the full reservoir above the atmosphere [Pa].
+        refill: Free air that the compressor delivers in a sample [m3].
     """
 
     kind: CommandKind
@@ -66,11 +67,12 @@ class CommandFault:
     value: float = 0.0
     delay: int = 0
     pressure: float = 0.0
+    refill: float = 0.0
 
 
 class _Fault(ctypes.Structure):
     _fields_ = (
-        *((name, ctypes.c_double) for name in ("value", "pressure", "free", "held")),
+        *((name, ctypes.c_double) for name in ("value", "pressure", "free", "held", "refill", "refilled")),
         ("past", ctypes.c_void_p),
         *((name, ctypes.c_longlong) for name in ("kind", "place", "begin", "end", "count")),
     )
@@ -115,7 +117,7 @@ class Faults:
         of_commands = [
             _Fault(
                 kind=get_args(CommandKind).index(fault.kind), place=fault.group, begin=fault.begin, end=fault.end,
-                value=fault.value, held=math.nan, pressure=fault.pressure, free=FREE,
+                value=fault.value, held=math.nan, pressure=fault.pressure, free=FREE, refill=fault.refill,
                 **self._ring(np.zeros(fault.delay + 1)),
             )
             for fault in commands

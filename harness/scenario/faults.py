@@ -75,6 +75,9 @@ class Fault(Table):
     pressure: Annotated[float, Unit("Pa", above=0, at_most=1e8)] | None = Field(
         default=None, exclude_if=_absent, description="of the full reservoir, of a supply that sags"
     )
+    refill: (
+        Annotated[float, Unit("m3/s", above=0, at_most=1, because="compressors deliver some m3 a minute")] | None
+    ) = Field(default=None, exclude_if=_absent, description="free air that its compressor delivers; without it, none")
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
@@ -93,6 +96,8 @@ class Fault(Table):
             raise broken(f"kind '{self.kind}' {'wants a' if self.value is None else 'takes no'} value")
         if (self.pressure is None) == (self.kind == "sagging"):
             raise broken(f"kind '{self.kind}' {'wants the' if self.pressure is None else 'takes no'} pressure")
+        if self.refill is not None and self.kind != "sagging":
+            raise broken(f"kind '{self.kind}' takes no refill")
         return self
 
     def amount(self, unit: str, where: str) -> float:

@@ -97,6 +97,15 @@ def test_a_reservoir_empties_with_the_air_it_gives():
     assert passed([-1.0] * 6, valves=True, inside=inside, **common) == [-1.0] * 6
 
 
+def test_a_compressor_refills_a_reservoir_until_it_is_full():
+    """Half a litre of free air a sample is 0.051 bar of 10 l; what is not missing cannot be refilled."""
+    air = [0.5, 0.5, 0.5, 0.501, 0.510, 0.6]
+    common = dict(kind="limited", value=0.01, pressure=2e5, air=air, valves=False)
+    limits = [3e5, 3e5, 2e5, 2e5 - 0.05 * FREE, 2e5 - 0.9 * FREE, 3e5]
+    assert passed([3e5] * 6, refill=5e-4, **common) == pytest.approx(limits)
+    assert passed([3e5] * 6, refill=1.0, **common)[2:5] == [2e5] * 3
+
+
 @pytest.mark.parametrize("missing", [1, 2, 7])
 def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
     """Over a gap of m teeth one pulse comes in the time of m + 1 pitches: ω/(m + 1), once in a revolution; elsewhere ω.

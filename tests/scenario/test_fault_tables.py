@@ -51,6 +51,7 @@ def plant_of(scenario):
         ({"part": "radar", "kind": "scaled"}, "[faults[1]] kind 'scaled' wants a value"),
         ({"part": "radar", "kind": "dead", "value": 2}, "[faults[1]] kind 'dead' takes no value"),
         ({"part": "supply", "kind": "sagging", "value": "60 l"}, "[faults[1]] kind 'sagging' wants the pressure"),
+        ({"part": "valve", "kind": "held", "refill": "1 m3/min"}, "[faults[1]] kind 'held' takes no refill"),
         ({"part": "wheel", "kind": "dead"}, "[faults[1]] part is 'wheel'; there is 'speed_sensor'"),
         ({"part": "radar", "kind": "biased", "value": "1 bar"}, "plain: [faults[1]] value"),
         ({"part": "radar", "kind": "noisy", "value": "-1 m/s"}, "[faults[1]] value must be above 0 for kind 'noisy'"),

@@ -31,10 +31,13 @@ EXPORT void show_faults(Faults *its, long long sample, double *reading)
     }
 }
 
-/* Pressure that a reservoir still has. */
-static double left(const Fault *fault, const double *truth)
+/* Pressure that a reservoir still has, once another sample of its compressor has come. */
+static double left(Fault *fault, const double *truth)
 {
-    return fault->pressure - (truth[OUTPUT_AIR_USED] - fault->held) * fault->free / fault->value;
+    const double used = truth[OUTPUT_AIR_USED] - fault->held;
+
+    fault->refilled = fmin(fault->refilled + fault->refill, used);
+    return fault->pressure - (used - fault->refilled) * fault->free / fault->value;
 }
 
 /* Give the commands that arrive at the plant for those that were sent to it. */
@@ -66,6 +69,7 @@ EXPORT void pass_faults(Faults *its, long long sample, const double *truth, cons
         case LIMITED:
             if (!active) {
                 fault->held = truth[OUTPUT_AIR_USED];
+                fault->refilled = 0.0;
                 break;
             }
             if (isnan(fault->held))

@@ -17,6 +17,7 @@ typedef struct {
     double value;                                /* factor; what is added; command; volume of a reservoir [m3] */
     double pressure, free;                       /* of the full reservoir [Pa]; at which free air is counted [Pa] */
     double held;                                 /* last reading or command before; free air used before [m3] */
+    double refill, refilled;                     /* free air that comes back each sample; that has come [m3] */
     double *past;                                /* LATE: `count` commands, a ring; NOISY: `count` samples of noise */
     long long kind, place, begin, end, count;    /* place: in the reading, or the group; samples, `end` is not one of them */
 } Fault;
