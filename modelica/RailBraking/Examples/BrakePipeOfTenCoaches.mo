@@ -54,7 +54,8 @@ equation
     experiment(StopTime=15, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>
-The front runs through 284 m in about a second, and the last coach reaches its full pressure some seconds after the
+The front runs to the middle of the last coach, 271 m away, in less than a second,
+and the last coach reaches its full pressure a second after the
 first. Watch
 pipe.pressure and cylinder.pressure.
 </p>

@@ -18,10 +18,11 @@ protected
   Types.VolumeFlow filling "Free air from the main reservoir";
   Types.VolumeFlow venting "Free air into the open";
 equation
-  filling = C_fill*noEvent(min(max((demand - p)/p_band, 0), 1))*orificeFlow(1, noEvent(max(supply.p, p)), p);
-  venting = (C_vent*noEvent(min(max((p - demand)/p_band, 0), 1)) + noEvent(if demand < p_emergency then C_emergency
-else 0))
-    *orificeFlow(1, p, 0);
+  filling = orificeFlow(
+    C_fill*noEvent(min(max((demand - p)/p_band, 0), 1)), noEvent(max(supply.p, p)), p);
+  venting = orificeFlow(
+    C_vent*noEvent(min(max((p - demand)/p_band, 0), 1)) + noEvent(if demand < p_emergency then C_emergency else 0),
+    p, 0);
   V/p_free*der(p) = filling - venting + pipe.q;
   pipe.p = p;
   supply.q = filling;

@@ -1,0 +1,36 @@
+"""The built-in compiler takes air ports, pipes of cells and clocks, and finds the closed forms and published limits."""
+
+import re
+
+import fmpy
+import numpy as np
+import pytest
+
+from railgrip.fmus.build import build_class
+from railgrip.fmus.native.library import LIBRARY
+
+
+def simulated(name: str, *outputs: str) -> np.ndarray:
+    """Simulate a class of RailBraking; an assertion that fails raises."""
+    text = (LIBRARY / (name.replace(".", "/") + ".mo")).read_text()
+    until = float(re.search(r"StopTime=([\d.]+)", text)[1])
+    file = build_class(f"RailBraking.{name}", LIBRARY, compiler="native").path
+    return fmpy.simulate_fmu(str(file), stop_time=until, output_interval=0.01, output=outputs)
+
+
+@pytest.mark.parametrize("name", ["PipeFront", "PipeFriction", "DistributorTimes", "CommandDelay", "CompressorCycle"])
+def test_the_built_in_compiler_finds_the_answer(name: str) -> None:
+    error = simulated(f"Validation.{name}", "error")["error"]
+    assert len(error) > 100
+    assert np.isfinite(error).all()
+
+
+def test_an_emergency_brake_reaches_the_last_of_ten_coaches() -> None:
+    """271 m of pipe to the middle of the last one at 250 to 300 m/s; UIC 540 gives each distributor 3 to 5 s from there on, in position P."""
+    pressures = [f"distributor[{k}].pressure" for k in range(1, 12)]
+    trace = simulated("Examples.BrakePipeOfTenCoaches", *pressures)
+    since = trace["time"] - 1.0
+    begins, fills = (np.array([since[np.argmax(trace[p] > level)] for p in pressures]) for level in (1e3, 0.95 * 3.8e5))
+    assert 271 / 300 < begins[-1] < 271 / 250
+    assert np.all(np.diff(begins) > 0)
+    assert np.all((fills - begins > 3.0) & (fills - begins < 5.0))
