@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import PrivateAttr
 
 from railgrip.scenario import schema
-from railgrip.scenario.load import demand_kind, installed, read_toml, validated
+from railgrip.scenario.file import installed
+from railgrip.scenario.load import demand_kind, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
 
 if TYPE_CHECKING:

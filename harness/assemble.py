@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from hashlib import sha256
 from importlib.metadata import version
 from itertools import count, takewhile
 from math import inf, isclose
@@ -17,6 +18,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip import custom
+from railgrip.cache import keep
 from railgrip.contact import compiled_contact
 from railgrip.controllers import tuning
 from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
@@ -53,6 +55,8 @@ from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Plant
 from railgrip.loop.rail import Field, SandedRail, TabulatedRail
 from railgrip.loop.watch import StateEstimator
+from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.demand import phases_of
@@ -340,16 +344,19 @@ def _rail(scenario: Scenario, plant_file: Description, layout: Layout) -> Tabula
         position_of(scenario, formation)
         field = Field(formation, adhesion.recovery, adhesion.polach.model_copy(update=laid), reach_of(scenario))
     sand = None
-    if scenario.sanders:
+    sanders = scenario.sanders
+    if adhesion.sand is not None and not sanders and scenario.vehicle.train is not None:
+        sanders = load_train(scenario.vehicle.train.path).sanders
+    if sanders:
         assert adhesion.sand is not None  # or the scenario has been refused
         position_of(scenario, formation)
-        for number, sander in enumerate(scenario.sanders, start=1):
+        for number, sander in enumerate(sanders, start=1):
             if sander.wheelset > formation.wheelsets:
                 raise ScenarioError(
                     f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
                     f"{formation.wheelsets}"
                 )
-        sand = SandedRail(formation, adhesion.sand, scenario.sanders, reach_of(scenario))
+        sand = SandedRail(formation, adhesion.sand, sanders, reach_of(scenario))
     return TabulatedRail(layout, profile_of(scenario, formation), force_on(scenario, plant_file), field, sand)
 
 
@@ -460,6 +467,23 @@ def class_file(class_name: str, library: NamedFile, interface: Literal["me", "cs
     return _class_file(class_name, library.path, library.digest(), interface)
 
 
+@cache
+def _train_file(path: Path, digest: str, pneumatic: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+    train = load_train(path)
+    name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic).encode()
+    source = keep("modelica", sha256(text).hexdigest(), f"{name}.mo", text)
+    return build_class(name, source).path
+
+
+def train_file(train: NamedFile, *, pneumatic: bool) -> Path:
+    """Return the FMU of a train file, built when it is not up to date.
+
+    Raises:
+        ScenarioError: The file is no train.
+    """
+    return _train_file(train.path, train.digest(), pneumatic)
+
+
 def plant_description(scenario: Scenario) -> Description:
     """Return the description of the plant FMU of a scenario; of a plant in Python, which has none, an empty one."""
     vehicle = scenario.vehicle
@@ -471,6 +495,8 @@ def plant_description(scenario: Scenario) -> Description:
         )  # fmt: skip
     if vehicle.model is not None and vehicle.library is not None:
         return description_of(class_file(vehicle.model, vehicle.library, "cs"))
+    if vehicle.train is not None:
+        return description_of(train_file(vehicle.train, pneumatic=scenario.actuation.kind == "pneumatic"))
     if isinstance(vehicle.plant, NamedFile):
         return description_of(vehicle.plant.path, scenario.limits.fmu.limits())
     assert vehicle.plant is not None  # or there is a model
@@ -484,8 +510,8 @@ def is_trusted(scenario: Scenario) -> bool:
     makes may.
     """
     vehicle = scenario.vehicle
-    own = vehicle.recipe is not None or (vehicle.model is not None and choose("auto") == "native")
-    return own or vehicle.trust
+    compiled = vehicle.model is not None or vehicle.train is not None
+    return vehicle.recipe is not None or (compiled and choose("auto") == "native") or vehicle.trust
 
 
 def parameters_of(description: Description) -> dict[str, float]:

@@ -17,8 +17,12 @@ from railgrip.trace.bound import Brake
 
 GRAVITY = 9.81  # m/s2, as in RailBraking.Types
 
-_OF_GROUPS = MappingProxyType({"p_max": "Pa", "n_units": "1", "r_friction": "m", "r_wheel": "m", "J": "kg.m2"})
-_OF_ALL = MappingProxyType({"A_piston": "m2", "i_rigging": "1", "eta_rigging": "1", "F_spring": "N"})
+_OF_GROUPS = MappingProxyType(
+    {
+        "p_max": "Pa", "n_units": "1", "r_friction": "m", "r_wheel": "m", "J": "kg.m2",
+        "A_piston": "m2", "i_rigging": "1", "eta_rigging": "1", "F_spring": "N",
+    }
+)  # fmt: skip
 _MASS = "m_wheelset"
 
 
@@ -31,7 +35,7 @@ def units_of_nominal_data(formation: Formation) -> dict[str, str]:
 def units_of_brakes(formation: Formation) -> dict[str, str]:
     """Return the same of its brakes and what turns with them."""
     each = {f"{name}[{g + 1}]": unit for name, unit in _OF_GROUPS.items() for g in range(formation.groups)}
-    return {**_OF_ALL, **_OF_GROUPS, **each}
+    return {**_OF_GROUPS, **each}
 
 
 def spread(parameters: Mapping[str, float], formation: Formation) -> dict[str, float]:
@@ -58,9 +62,7 @@ def brake_of(parameters: Mapping[str, float], formation: Formation) -> Brake:
     Raises:
         ScenarioError: A parameter is missing.
     """
-    values: dict[str, object] = {name: _value(parameters, name) for name in _OF_ALL}
-    values |= {name: _each(parameters, name, formation.groups) for name in _OF_GROUPS}
-    return Brake(**values)  # pyright: ignore[reportArgumentType]  (floats and arrays by name, as the fields say)
+    return Brake(**{name: _each(parameters, name, formation.groups) for name in _OF_GROUPS})
 
 
 def brake_groups_of(parameters: Mapping[str, float], formation: Formation) -> tuple[BrakeGroup, ...]:
@@ -79,9 +81,9 @@ def brake_groups_of(parameters: Mapping[str, float], formation: Formation) -> tu
                 wheel_radius=float(brake.r_wheel[g]),
                 units=float(brake.n_units[g]),
                 friction_radius=float(brake.r_friction[g]),
-                piston_area=brake.A_piston,
-                rigging=brake.i_rigging * brake.eta_rigging,
-                spring_force=brake.F_spring,
+                piston_area=float(brake.A_piston[g]),
+                rigging=float(brake.i_rigging[g] * brake.eta_rigging[g]),
+                spring_force=float(brake.F_spring[g]),
                 pressure_max=float(brake.p_max[g]),
             )
             for g in range(formation.groups)

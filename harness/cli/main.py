@@ -7,12 +7,12 @@ import sys
 from typing import Final
 
 import railgrip.cli.runs  # first: help lists commands in the order of these imports
-from railgrip.cli import bench, campaigns, estimation, studies, type_test
+from railgrip.cli import bench, campaigns, estimation, studies, trains, type_test
 from railgrip.cli.app import app
 from railgrip.console import complain
 from railgrip.errors import for_user
 
-FAMILIES: Final = (railgrip.cli.runs, campaigns, type_test, estimation, bench, studies)
+FAMILIES: Final = (railgrip.cli.runs, trains, campaigns, type_test, estimation, bench, studies)
 """Modules whose import has put their commands on `app`."""
 
 

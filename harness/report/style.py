@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
@@ -70,9 +71,12 @@ def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
 
 
 def save(drawing: Figure, path: Path) -> Path:
-    """Write a figure as PNG, whole or not at all; the same figure gives the same bytes."""
-    with replacing(path) as partial:
-        drawing.savefig(partial, format="png", dpi=150, metadata={"Software": None})
+    """Write a figure as PNG, or as SVG by its name, whole or not at all; the same figure gives the same bytes."""
+    vectors = path.suffix == ".svg"
+    with replacing(path) as partial, rc_context({"svg.hashsalt": path.name}):
+        drawing.savefig(
+            partial, format="svg" if vectors else "png", dpi=150, metadata={"Date" if vectors else "Software": None}
+        )
     return path
 
 

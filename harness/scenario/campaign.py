@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
-from railgrip.scenario.file import is_file
-from railgrip.scenario.load import demand_kind, installed, read_toml, scenario_of, validated
+from railgrip.scenario.file import installed, is_file
+from railgrip.scenario.load import demand_kind, read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -20,6 +20,12 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def installed(name: Path, folder: Literal["library", "campaigns", "trains"]) -> Path:
+    """Return the file that comes with this package under a bare name, such as `trapezoid`; else the path as it is."""
+    ours = Path(__file__).parent / folder / f"{name}.toml"
+    return ours if len(name.parts) == 1 and not name.suffix and not is_file(name) and is_file(ours) else name
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from railgrip.errors import ScenarioError
 from railgrip.scenario.custom import CUSTOM, OURS
-from railgrip.scenario.file import DIRECTORY, is_file
+from railgrip.scenario.file import DIRECTORY, installed
 from railgrip.scenario.merge import merged, parsed, read_overrides
 from railgrip.scenario.schema import Scenario
 from railgrip.units import cut, place, short
@@ -32,12 +32,6 @@ _OPEN = frozenset({"controller", "estimator", "sensors"})
 _LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
 
 _Model = TypeVar("_Model", bound=BaseModel)
-
-
-def installed(name: Path, folder: Literal["library", "campaigns"]) -> Path:
-    """Return the file that comes with this package under a bare name, such as `trapezoid`; else the path as it is."""
-    ours = Path(__file__).parent / folder / f"{name}.toml"
-    return ours if len(name.parts) == 1 and not name.suffix and not is_file(name) and is_file(ours) else name
 
 
 def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:

@@ -60,7 +60,7 @@ class Scenario(Table):
             )
         if self.demand is not None and self.controller.kind == "ideal_bound":
             raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
-        if self.actuation.kind == "pneumatic" and self.vehicle.recipe:
+        if self.actuation.kind == "pneumatic" and (self.vehicle.recipe or self.vehicle.train):
             try:
                 off_the_samples(self.periods.communication)
             except PydanticCustomError as refusal:
@@ -107,7 +107,7 @@ class Scenario(Table):
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
         prediction = self.estimator.library if isinstance(self.estimator, KalmanFilter) else None
         profile = self.demand.file if self.demand is not None else None
-        named = (self.vehicle.plant, self.vehicle.library, *table, *controller, prediction, profile)
+        named = (self.vehicle.plant, self.vehicle.library, self.vehicle.train, *table, *controller, prediction, profile)
         return tuple(file for file in named if isinstance(file, NamedFile))
 
     def resolved(self) -> dict[str, Any]:

@@ -1,10 +1,11 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
+from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator, model_validator
 
-from railgrip.scenario.file import NamedFile
+from railgrip.scenario.file import NamedFile, installed
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, scalars
@@ -34,8 +35,8 @@ class FormationTable(Table):
     )
     brakes: Parameters = Field(
         default={},
-        description="p_max, n_units, r_friction, r_wheel, J for all or each group; A_piston, i_rigging, eta_rigging, "
-        "F_spring",
+        description="p_max, n_units, r_friction, r_wheel, J, A_piston, i_rigging, eta_rigging, F_spring, "
+        "for all or each group",
     )
 
     _flat = field_validator("brakes", mode="before")(scalars)
@@ -74,6 +75,11 @@ class Vehicle(Table):
     library: NamedFile | None = Field(
         default=None, exclude_if=_absent, description="the package.mo of its library, or the .mo file it stands in"
     )
+    train: NamedFile | None = Field(
+        default=None,
+        exclude_if=_absent,
+        description="in place of `plant`: a train of this project, such as emu387, or a train file of one's own",
+    )
     parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
     map: dict[str, MapEntry] = Field(
         default={}, description="our name → variable of a foreign FMU: text with {i} for arrays, list, or table"
@@ -101,7 +107,14 @@ class Vehicle(Table):
             )
         return written
 
-    @field_serializer("plant")
+    @field_validator("train", mode="plain")
+    @classmethod
+    def _named_or_file(cls, written: Any, info: ValidationInfo) -> NamedFile | None:
+        if isinstance(written, str) and (path := installed(Path(written), "trains")) != Path(written):
+            return NamedFile(written=written, path=path)
+        return None if written is None else NamedFile.find(written, info)
+
+    @field_serializer("plant", "train")
     def _as_written(self, plant: str | NamedFile | None) -> str | None:
         return plant.written if isinstance(plant, NamedFile) else plant
 
@@ -109,9 +122,10 @@ class Vehicle(Table):
     def _one_plant(self) -> Self:
         if (self.model is None) != (self.library is None):
             raise broken("a class of one's own wants both, 'model' and the 'library' it is in")
-        if (self.plant is None) == (self.model is None):
-            wrong = "has no plant" if self.plant is None else "has two plants"
-            raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own")
+        given = sum(one is not None for one in (self.plant, self.model, self.train))
+        if given != 1:
+            wrong = "has two plants" if given else "has no plant"
+            raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'")
         return self
 
     @property

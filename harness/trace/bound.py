@@ -28,10 +28,10 @@ class Brake:
         r_friction: Friction radius, shape (groups,) [m].
         r_wheel: Rolling radius, shape (groups,) [m].
         J: Moment of inertia, shape (groups,) [kg m2].
-        A_piston: Piston area [m2].
-        i_rigging: Rigging ratio, both pads.
-        eta_rigging: Rigging efficiency.
-        F_spring: Force of the return spring at the piston [N].
+        A_piston: Piston area, shape (groups,) [m2].
+        i_rigging: Rigging ratio, both pads, shape (groups,).
+        eta_rigging: Rigging efficiency, shape (groups,).
+        F_spring: Force of the return spring at the piston, shape (groups,) [N].
     """
 
     p_max: Array
@@ -39,10 +39,10 @@ class Brake:
     r_friction: Array
     r_wheel: Array
     J: Array
-    A_piston: float
-    i_rigging: float
-    eta_rigging: float
-    F_spring: float
+    A_piston: Array
+    i_rigging: Array
+    eta_rigging: Array
+    F_spring: Array
 
     def limit(self, pad_friction: Array, load: Array, deceleration: Array, pressure: Array | None = None) -> Array:
         """Return the adhesion at which full pressure, or another, would just hold the slip, shape (n, groups).

@@ -160,7 +160,7 @@ class QuasiStaticBrake:
         """
         brake, of, group = self._brake, self._of, self._group
         piston = np.maximum(self._pressure(one) * brake.A_piston - brake.F_spring, 0.0)[:, group]
-        force = brake.i_rigging * brake.eta_rigging * piston
+        force = (brake.i_rigging * brake.eta_rigging)[group] * piston
         arm = brake.r_friction[group] * self._friction[group]
         if not alike:
             force, arm = force * one["efficiency"], arm * one["friction_radius"] * one["pad_friction"]

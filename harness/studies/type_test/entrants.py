@@ -11,7 +11,8 @@ from railgrip.assemble import formation_of, plant_description
 from railgrip.errors import ScenarioError
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.load import installed, read_toml, scenario_of, validated
+from railgrip.scenario.file import installed
+from railgrip.scenario.load import read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases

@@ -1,6 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialArticulatedTrain "Two-part train with a Jacobs bogie, made of components"
-  extends PartialTrain(
+  extends PartialUniformTrain(
     final cars=1, final bogies=3, final groups=4, final wheelsets=6, wheelsets_per_group={2, 1, 1, 2},
     wheelset_position={0, 1.9, 15.625, 18.275, 32, 33.9}, m_wheelset={13400, 14100, 14500, 14500, 14100, 13400},
     m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},

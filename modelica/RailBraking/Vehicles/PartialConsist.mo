@@ -1,6 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialConsist "Train of equal cars; what fills the brake cylinders is left open"
-  extends PartialTrain(
+  extends PartialUniformTrain(
     final bogies=cars*bogies_per_car, final groups=cars*groups_of_car, final wheelsets=cars*wheelsets_of_car,
     wheelset_position=wheelsetPositions(
       cars, bogies_per_car, axles_per_bogie, car_length, pivots, bogie_wheelbase),

@@ -32,13 +32,6 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
   parameter Types.Length wheelbase[bogies](each min=1e-3) = {2.2 for i in 1:bogies}
     "Distance of the first and the last wheelset of each bogie"
     annotation(Dialog(group="Geometry"));
-  parameter Types.Length h_frame = 0.55 "Height of the frames' centres of gravity over the rail"
-    annotation(Dialog(group="Geometry"));
-  parameter Types.Length h_rod = 0.40 "Height of the traction rods over the rail" annotation(Dialog(group="Geometry"));
-  parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset"
-    annotation(Dialog(group="Suspension"));
-  parameter Types.Damping c_primary = 2.4e4 "Damping of the primary suspension over one wheelset"
-    annotation(Dialog(group="Suspension"));
   parameter Types.Ratio n_units[groups](each min=0) = {2 for i in 1:groups} "Number of brake units of each group"
     annotation(Dialog(group="Brake"));
   parameter Types.Length r_friction[groups](each min=1e-3) = {0.24 for i in 1:groups} "Radius at which the pads rub"
@@ -48,11 +41,6 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
     annotation(Dialog(group="Brake"));
   parameter Types.Pressure p_start[groups] = {0 for i in 1:groups} "Cylinder pressure at the start"
     annotation(Dialog(group="Start"));
-  parameter Types.Area A_piston(min=1e-6) = 0.0324 "Area of a piston" annotation(Dialog(group="Brake"));
-  parameter Types.Ratio i_rigging(min=1e-6) = 6 "Force of both pads over force of the piston"
-    annotation(Dialog(group="Brake"));
-  parameter Types.Ratio eta_rigging(min=0, max=1) = 0.95 "Efficiency of the rigging" annotation(Dialog(group="Brake"));
-  parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster" annotation(Dialog(group="Brake"));
   parameter Types.Volume V_cylinder = 3e-3 "Volume of cylinder and hose of one unit" annotation(Dialog(group="Brake"));
   parameter Types.Pressure p_free(min=1) = 1.01325e5 "Absolute pressure at which free air is counted"
     annotation(Dialog(group="Brake"));
@@ -61,27 +49,6 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
     annotation(Dialog(group="Pads"));
   parameter Types.Ratio mu_b_start[groups] = {0.35 for i in 1:groups} "Pad friction at the start"
     annotation(Dialog(group="Start"));
-  parameter Types.Ratio speed_effect = 0.12 "Rise of pad friction from nominal speed to standstill, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Velocity pad_speed_nominal(min=1e-3) = 13 "Sliding speed at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio temperature_effect = 0.10 "Rise of pad friction over the temperature range, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Temperature temperature_nominal = 333.15 "Disc temperature at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.TemperatureDifference temperature_range(min=1e-3) = 150
-    "Temperature rise at which the effect saturates"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Ratio force_effect = 0.08 "Loss of pad friction at twice the nominal pad force, relative"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Force pad_force_nominal(min=1e-3) = 56e3 "Pad force at which pad friction is nominal"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Energy E_settle(min=1e-3) = 2e5 "Friction energy of one unit in which pad friction settles"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Time T_settle(min=1e-3) = 3 "Time in which pad friction settles at little power"
-    annotation(Dialog(group="Pads"));
-  parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released"
-    annotation(Dialog(group="Pads"));
   parameter Types.Mass m_disc(min=1e-3) = 110 "Mass of a disc" annotation(Dialog(group="Discs"));
   parameter Types.Mass m_disc_surface(min=1e-3) = 12 "Mass of the friction rings near the surface"
     annotation(Dialog(group="Discs"));
@@ -197,17 +164,9 @@ protected
     k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
   final parameter Data.Resistance resistance = Data.Resistance(
     mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling) "Bearings and rolling";
-  final parameter Data.Rigging rigging = Data.Rigging(
-    A_piston=A_piston, i_rigging=i_rigging, eta_rigging=eta_rigging, F_spring=F_spring) "Levers of a brake unit";
-  final parameter Data.Pad pads = Data.Pad(
-    speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
-    temperature_nominal=temperature_nominal, temperature_range=temperature_range, force_effect=force_effect,
-    pad_force_nominal=pad_force_nominal, E_settle=E_settle, T_settle=T_settle, F_release=F_release) "Pads";
   final parameter Data.Disc discs = Data.Disc(
     m=m_disc, m_surface=m_disc_surface, c_p=c_disc, G=G_disc, G_rest=G_rest, G_speed=G_speed, pad_share=pad_share,
     T_ambient=T_ambient) "Discs";
-  final parameter Data.Suspension suspension = Data.Suspension(
-    h_frame=h_frame, h_rod=h_rod, k=k_primary, c=c_primary) "Frames and primary suspension";
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag/cars, rho_air=rho_air) "Air";
   final parameter Types.Mass m_train = sum(m_wheelset) "Mass of the train, without rotating masses";
   final parameter Types.Volume V_group[groups] = V_cylinder*n_units "Volume of all cylinders and hoses of each group";

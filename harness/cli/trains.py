@@ -1,0 +1,71 @@
+"""Trains in files: begin one, look at one, check one."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from railgrip.cli.app import app
+from railgrip.console import remark, say, show_table
+from railgrip.errors import InputError
+
+trains = typer.Typer(help="Trains in files, for [vehicle] train of a scenario: begin, look at and check one.")
+app.add_typer(trains, name="train")
+
+TrainFile = Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="A train file, or one of ours, such as emu387.")]
+
+
+@trains.command()
+def new(
+    file: Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="File to write; it must not be there yet.")],
+) -> None:
+    """Write a train file to begin with: two cars, every key explained."""
+    from railgrip.atomic import write_text
+    from railgrip.rolling_stock.files import beginning
+
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: a train file ends in .toml")
+    if file.exists():
+        raise InputError(f"{file} is already there; name another file")
+    write_text(file, beginning(file.stem))
+    say(f"{file}; look at it with: railgrip train show {file}")
+
+
+@trains.command()
+def show(
+    file: TrainFile,
+    out: Annotated[Path | None, typer.Option(help="Figure, .png or .svg; build/trains/NAME.png unless given.")] = None,
+) -> None:
+    """Draw a train to scale and print its axles."""
+    from railgrip.report.style import save
+    from railgrip.rolling_stock.drawing import drawing
+    from railgrip.rolling_stock.files import load_train
+    from railgrip.rolling_stock.tables import table_of_axles
+
+    train = load_train(file)
+    path = out or Path("build/trains") / f"{train.name}.png"
+    if path.suffix not in (".png", ".svg"):
+        raise InputError(f"--out {path}: a figure ends in .png or .svg")
+    show_table(table_of_axles(train))
+    say(str(save(drawing(train), path)))
+
+
+@trains.command()
+def check(file: TrainFile) -> None:
+    """Say what of a train does not fit together, and how it stops by hand calculation."""
+    from railgrip.rolling_stock.check import findings, stops_by_hand
+    from railgrip.rolling_stock.files import load_train
+    from railgrip.rolling_stock.tables import sentence_of_stop
+    from railgrip.scenario.file import installed
+
+    train = load_train(file)
+    found = findings(train)
+    name = installed(file, "trains").name
+    for one in found:
+        if not one.wrong:
+            remark(f"{name}: {one}")
+    wrong = [f"{name}: {one}" for one in found if one.wrong]
+    if wrong:
+        raise InputError("\n".join(wrong))
+    for speed, stop in stops_by_hand(train).items():
+        say(sentence_of_stop(train, speed, stop))

@@ -1,0 +1,157 @@
+"""What of a train does not fit together, in sentences."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from railgrip.rolling_stock.schema import BogieInTrain, Train
+from railgrip.rolling_stock.stopping import HandCalculation, by_hand
+
+_SAME_MASS = 0.01  # between a car's mass and what stands on its axles: rounding of data sheets
+_DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: most that a brake may count on from 30 to 250 km/h
+_CLOSE = 0.10  # to a published stop
+_ROTATING = (0.01, 0.30)  # share of the mass; 5 % to 10 % for coaches, up to 25 % for locomotives (EN 14531-1)
+USUAL_SPEED = 120 / 3.6  # m/s, of a stop where the file names none
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A sentence about a train.
+
+    Attributes:
+        key: Of the file.
+        sentence: What was found there, and what to look at.
+        wrong: Whether no such train can be; else it is only unusual.
+    """
+
+    key: str
+    sentence: str
+    wrong: bool = True
+
+    def __str__(self) -> str:
+        """Return key and sentence."""
+        return f"{self.key}: {self.sentence}"
+
+
+def findings(train: Train) -> list[Finding]:
+    """Return all that does not fit or is unusual, what is wrong first."""
+    found = [*_masses(train), *_places(train), *_brakes(train)]
+    if not any(one.wrong for one in found):
+        found += _stops(train)
+    return sorted(found, key=lambda one: not one.wrong)
+
+
+def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
+    """Return speed [m/s] → stop for the speeds of [[reference]], or for the usual one."""
+    return {speed: by_hand(train, speed) for speed in sorted({r.speed for r in train.reference} or {USUAL_SPEED})}
+
+
+def _masses(train: Train) -> Iterator[Finding]:
+    shared = any(placed.shared for car in train.cars for placed in car.bogies)
+    if shared:
+        pairs = [("[[cars]] mass", "all cars together", sum(car.mass for car in train.cars), train.mass)]
+    else:
+        carried = [sum(axle.mass for axle in train.axles if axle.car == i) for i in range(len(train.cars))]
+        pairs = [
+            (f"[cars[{i}]] mass", car.name, car.mass, on_axles)
+            for i, (car, on_axles) in enumerate(zip(train.cars, carried, strict=True), start=1)
+        ]
+    for key, who, mass, on_axles in pairs:
+        if abs(mass - on_axles) > _SAME_MASS * mass:
+            yield Finding(
+                key,
+                f"{who} has {mass / 1e3:g} t, and {on_axles / 1e3:g} t stand on the axles; correct mass or axle_masses",
+            )
+    for kind, ours in _by_kind(train):
+        for bogie in ours:
+            own = bogie.data.frame_mass + bogie.data.axle_mass * len(bogie.axles)
+            carried = sum(train.axles[i].mass for i in bogie.axles)
+            if own >= carried:
+                yield Finding(
+                    f"[bogies.{kind}] frame_mass",
+                    f"frame and axles have {own / 1e3:g} t, but only {carried / 1e3:g} t stand on the bogie's axles",
+                )
+                break
+    rotating = (
+        sum(axle.inertia / train.bogies_in_train[axle.bogie].data.wheel_radius ** 2 for axle in train.axles)
+        / train.mass
+    )
+    if not _ROTATING[0] <= rotating <= _ROTATING[1]:
+        yield Finding(
+            "[bogies] inertia",
+            f"what turns adds {rotating:.1%} to the mass; {_ROTATING[0]:.0%} to {_ROTATING[1]:.0%} are usual",
+            wrong=False,
+        )
+
+
+def _places(train: Train) -> Iterator[Finding]:
+    for number, car in enumerate(train.cars, start=1):
+        for placed in car.bogies:
+            half = train.bogies[placed.kind].wheelbase / 2
+            if not placed.shared and (placed.at < half or placed.at + half > car.length):
+                yield Finding(
+                    f"[cars[{number}]] bogies",
+                    f"the axles of {placed.kind} at {placed.at:g} m are not under {car.name}, {car.length:g} m long",
+                )
+    for kind, bogie in train.bogies.items():
+        gaps = [b - a for a, b in zip(bogie.axles, bogie.axles[1:], strict=False)]
+        if gaps and min(gaps) <= 2 * bogie.wheel_radius:
+            yield Finding(
+                f"[bogies.{kind}] axles",
+                f"wheels of {2e3 * bogie.wheel_radius:g} mm touch where axles are {1e3 * min(gaps):g} mm apart",
+            )
+
+
+def _brakes(train: Train) -> Iterator[Finding]:
+    for kind, brake in train.brakes.items():
+        if brake.spring_force >= brake.pressure_max * brake.piston_area:
+            yield Finding(
+                f"[brakes.{kind}] spring_force",
+                f"the spring holds the piston back at pressure_max: {brake.spring_force:g} N against "
+                f"{brake.pressure_max * brake.piston_area:g} N",
+            )
+        wheels = [bogie.wheel_radius for bogie in train.bogies.values() if bogie.brake == kind]
+        if wheels and brake.friction_radius > 1.001 * min(wheels):
+            yield Finding(
+                f"[brakes.{kind}] friction_radius",
+                f"is {brake.friction_radius:g} m, beyond the wheels of {min(wheels):g} m",
+            )
+
+
+def _stops(train: Train) -> Iterator[Finding]:
+    stops = stops_by_hand(train)
+    fastest = stops[max(stops)]
+    for kind, bogies in _by_kind(train):
+        most = float(np.max(fastest.adhesion[[i for bogie in bogies for i in bogie.axles]]))
+        if most > _DESIGN_ADHESION:
+            yield Finding(
+                f"[bogies.{kind}] brake",
+                f"needs an adhesion of {most:.3f} in an emergency stop; a main-line brake may count on "
+                f"{_DESIGN_ADHESION:g} (LOC&PAS TSI 4.2.4.6.1)",
+                wrong=False,
+            )
+    for number, car in enumerate(train.cars[:-1], start=1):
+        if car.coupler is None:
+            continue
+        force, strength = abs(float(fastest.coupler_force[number - 1])), train.couplers[car.coupler].strength
+        if force > strength:
+            yield Finding(
+                f"[couplers.{car.coupler}] strength",
+                f"is {strength / 1e3:g} kN, behind {car.name} the brakes alone make {force / 1e3:.0f} kN",
+            )
+    for number, reference in enumerate(train.reference, start=1):
+        distance = stops[reference.speed].distance
+        off = distance / reference.distance - 1
+        what = f"{distance:.1f} m from {3.6 * reference.speed:g} km/h by hand, {reference.distance:g} m"
+        if reference.limit and off > 0:
+            yield Finding(f"[reference[{number}]] distance", f"{what} are allowed ({reference.source})")
+        elif not reference.limit and abs(off) > _CLOSE:
+            words = f"{what} published: {off:+.1%} ({reference.source})"
+            yield Finding(f"[reference[{number}]] distance", words, wrong=False)
+
+
+def _by_kind(train: Train) -> Iterator[tuple[str, list[BogieInTrain]]]:
+    for kind, ours in groupby(sorted(train.bogies_in_train, key=lambda one: one.kind), key=lambda one: one.kind):
+        yield kind, list(ours)

@@ -1,0 +1,36 @@
+"""Train files by path or by name, and one to begin with."""
+
+from pathlib import Path
+from typing import Any
+
+from railgrip.rolling_stock.schema import Train
+from railgrip.scenario.file import installed
+from railgrip.scenario.load import read_toml, validated
+
+NAMED = ("vt642", "emu387", "loco_coaches", "tram")
+"""Trains that come with this package."""
+
+
+def load_train(path: Path) -> Train:
+    """Return the train of a TOML file, or of this package by its name.
+
+    Raises:
+        ScenarioError: The file is missing, not TOML, or no train; each problem in one sentence with file and key.
+    """
+    path = installed(path, "trains")
+    return train_of(read_toml(path), path.name)
+
+
+def beginning(name: str) -> str:
+    """Return the text of a train file to begin with, every key explained."""
+    text = (Path(__file__).parent / "library" / "new.toml").read_text(encoding="utf-8")
+    return text.replace('name = "new"', f'name = "{name}"', 1)
+
+
+def train_of(table: dict[str, Any], origin: str) -> Train:
+    """Return the train that plain tables describe; `origin` is what sentences call their source.
+
+    Raises:
+        ScenarioError: They describe none.
+    """
+    return validated(Train, table, directory=Path(), origin=origin)

@@ -1,0 +1,136 @@
+"""A train as a Modelica class that the harness takes for a plant: parts of RailBraking, joined."""
+
+import re
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from typing import Any
+
+from railgrip.report.page import rendered
+from railgrip.rolling_stock.schema import Train
+
+
+def class_name(train: Train, *, pneumatic: bool) -> str:
+    """Return the name of a train's class: its own as an identifier."""
+    return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
+
+
+def class_text(train: Train, *, pneumatic: bool) -> str:
+    """Return the Modelica text of a train's class, whose cylinders valves fill, or which follow commands."""
+    # Cars that no coupler joins move as one body.
+    body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
+    axles, groups, bogies = train.axles, train.groups, train.bogies_in_train
+    bogie_of_group = [train.bogie_of(number) for number in range(len(groups))]
+    carried = [body_of_car[axle.car] for axle in axles]
+    bodies = range(body_of_car[-1] + 1)
+    known: dict[str, Sequence[float]] = {
+        "wheelsets_per_group": [len(members) for members in groups],
+        "wheelsets_per_car": [carried.count(body) for body in bodies],
+        "wheelset_position": [axle.position - axles[0].position for axle in axles],
+        "m_wheelset": [axle.mass for axle in axles],
+        "m_unsprung": [bogies[axle.bogie].data.axle_mass for axle in axles],
+        "m_frame": [bogie.data.frame_mass for bogie in bogies],
+        "I_frame": [bogie.data.frame_inertia for bogie in bogies],
+        "wheelbase": [bogie.data.wheelbase for bogie in bogies],
+        "J": [sum(axles[i].inertia for i in members) for members in groups],
+        "r_wheel": [bogie.data.wheel_radius for bogie in bogie_of_group],
+        "n_units": [sum(axles[i].units for i in members) for members in groups],
+        "r_friction": [bogie.brake.friction_radius for bogie in bogie_of_group],
+        "p_max": [bogie.brake.pressure_max for bogie in bogie_of_group],
+        "mu_b_nominal": [bogie.brake.pad_friction for bogie in bogie_of_group],
+        "mu_b_start": [bogie.brake.pad_friction for bogie in bogie_of_group],
+    }
+    rigging = {
+        key: [getattr(bogie.brake, key) for bogie in bogie_of_group]
+        for key in ("piston_area", "rigging", "efficiency", "spring_force")
+    }
+    parts: list[dict[str, Any]] = []
+    for bogie in bogies:
+        own = [number for number, members in enumerate(groups, start=1) if members[0] in bogie.axles]
+        parts.append(
+            {
+                "title": bogie.kind,
+                "kind": _identifier(bogie.kind),
+                "n": len(bogie.axles),
+                "groups": len(own),
+                "group_numbers": own,
+                "g0": own[0],
+                "g": f"{own[0]}:{own[-1]}",
+                "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
+                "body": body_of_car[bogie.cars[0]] + 1,
+            }
+        )
+    piped = train.command is not None and train.command.kind == "brake_pipe"
+    kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
+    return rendered(
+        "rolling_stock/plant.mo.jinja",
+        name=class_name(train, pneumatic=pneumatic),
+        title=_text(train.description or train.name),
+        train=train,
+        pneumatic=pneumatic,
+        groups=len(groups),
+        wheelsets=len(axles),
+        known=known,
+        rigging=rigging,
+        bogies=parts,
+        kinds=[{"id": kind, "data": bogie.data, "pads": bogie.pads} for kind, bogie in kinds.items()],
+        bodies=[
+            {
+                "mass": sum(axle.mass for axle, of in zip(axles, carried, strict=True) if of == body),
+                "title": _text(
+                    ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
+                ),
+            }
+            for body in bodies
+        ],
+        couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
+        track_brakes=[
+            {"number": number, "brake": bogie.track_brake, "body": body_of_car[bogie.cars[0]] + 1}
+            for number, bogie in enumerate((one for one in bogies if one.track_brake is not None), start=1)
+        ],
+        command=train.command,
+        # Through the pipe each car has a pressure of its own, by wire there is one for all.
+        available=[max(_pressures(train, number)) for number in range(len(train.cars))] if piped else [1.0],
+        lengths=[car.length for car in train.cars],
+        supply_of_group=[axles[members[0]].car + 1 if piped else 1 for members in groups],
+        commands=_sharing(train.groups_per_valve),
+        array=_array,
+        lowest=_lowest,
+        total=_total,
+    )
+
+
+def _sharing(groups_per_valve: Sequence[int]) -> list[range]:
+    """Return for each group all groups of its valve, from 1 on."""
+    last = list(accumulate(groups_per_valve))
+    valves = zip(last, groups_per_valve, strict=True)
+    return [range(end - count + 1, end + 1) for end, count in valves for _ in range(count)]
+
+
+def _pressures(train: Train, car: int) -> list[float]:
+    """Return the highest cylinder pressures in a car [Pa]."""
+    return [train.bogies_in_train[axle.bogie].brake.pressure_max for axle in train.axles if axle.car == car]
+
+
+def _lowest(signal: str, groups: range) -> str:
+    """Return the lowest of a signal's elements: a valve of several groups vents where one of them wants it vented."""
+    first, *others = (f"{signal}[{number}]" for number in groups)
+    for other in others:
+        first = f"noEvent(min({first}, {other}))"
+    return first
+
+
+def _total(member: str, part: str, parts: Sequence[object]) -> str:
+    return " + ".join(f"{part}{number}.{member}" for number in range(1, len(parts) + 1))
+
+
+def _array(values: Iterable[float]) -> str:
+    return "{" + ", ".join(f"{value:.10g}" for value in values) + "}"
+
+
+def _identifier(name: str) -> str:
+    return re.sub(r"\W", "_", name)
+
+
+def _text(words: str) -> str:
+    """Return words as they may stand in a Modelica string."""
+    return words.replace("\\", "\\\\").replace('"', '\\"')

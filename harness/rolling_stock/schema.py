@@ -1,0 +1,431 @@
+"""The train file as a type: cars on bogies on axles, brakes, couplers, and where each number comes from.
+
+Every table of numbers says whose they are: `source = "…"` for what somebody published, `estimated = true`, or a list of
+keys, for what is ours. No physical value has a default.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, StrictBool, StrictInt, model_validator
+
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.sanders import Sander
+from railgrip.scenario.table import Length, Mass, Name, Speed, Table, broken
+
+GRAVITY = 9.81  # m/s2, as in RailBraking.Types
+
+Positive = Annotated[float, Unit("1", above=0, at_most=1e3)]
+Share = Annotated[float, Unit("1", above=0, at_most=1)]
+Effect = Annotated[float, Unit("1", at_least=-1, at_most=1)]
+Size = Annotated[float, Unit("m", above=0, at_most=100, because="no part of a car is longer than 100 m")]
+Height = Annotated[float, Unit("m", at_least=0, at_most=5, because="no centre of a bogie is higher than 5 m")]
+Inertia = Annotated[float, Unit("kg.m2", above=0, at_most=1e6)]
+Area = Annotated[float, Unit("m2", above=0, at_most=1e3)]
+Force = Annotated[float, Unit("N", at_least=0, at_most=1e7)]
+Pressure = Annotated[float, Unit("Pa", above=0, at_most=1e8)]
+Stiffness = Annotated[float, Unit("N/m", above=0, at_most=1e10)]
+Damping = Annotated[float, Unit("N.s/m", at_least=0, at_most=1e9)]
+Seconds = Annotated[float, Unit("s", at_least=0, at_most=120, because="no cylinder takes two minutes")]
+Temperature = Annotated[float, Unit("K", above=0, at_most=3e3)]
+SharedBy = Literal["axle", "bogie", "car"]
+
+
+class Sourced(Table):
+    """A table of numbers that says whose they are."""
+
+    source: str = Field(default="", description="who published these numbers, and where")
+    estimated: StrictBool | tuple[str, ...] = Field(
+        default=False, description="true where the numbers are estimates of ours, or the keys of those that are"
+    )
+
+    @model_validator(mode="after")
+    def _marked(self) -> Self:
+        if not self.source and self.estimated is False:
+            raise broken("does not say whose its numbers are: give source = '…', or estimated = true for your own")
+        if isinstance(self.estimated, tuple):
+            if not self.source:
+                raise broken("names its estimated keys, but nobody for the others: give source = '…', too")
+            for key in self.estimated:
+                if key not in type(self).model_fields:
+                    known = ", ".join(name for name in type(self).model_fields if name not in Sourced.model_fields)
+                    raise broken(f"calls '{key}' estimated, which it does not have; it has {known}")
+        return self
+
+
+class Resistance(Sourced):
+    """What slows the train beside its brakes: air, bearings, rolling."""
+
+    drag_coefficient: Positive
+    frontal_area: Area
+    bearing_friction: Share
+    bearing_radius: Size
+    rolling_arm: Annotated[float, Unit("m", at_least=0, at_most=0.01)] = Field(
+        description="lever arm of the rolling resistance"
+    )
+
+
+class Pads(Sourced):
+    """How the friction of pads on discs follows speed, force and temperature: RailBraking.Friction.PadFriction."""
+
+    speed_effect: Effect = Field(description="rise of friction from nominal speed to standstill, relative")
+    speed_nominal: Speed = Field(description="sliding speed at which it is nominal")
+    force_effect: Effect = Field(description="loss of friction from nominal force to twice of it, relative")
+    force_nominal: Force = Field(description="force of both pads at which it is nominal")
+    temperature_effect: Effect = Field(description="rise of friction over the temperature range, relative")
+    temperature_nominal: Temperature
+    temperature_range: Temperature
+    settle_energy: Annotated[float, Unit("J", above=0, at_most=1e9)] = Field(
+        description="friction energy of one unit in which friction settles"
+    )
+
+
+class Brake(Sourced):
+    """A unit of the friction brake: cylinder, rigging, two pads and a disc."""
+
+    pads: Name = Field(description="of [pads]")
+    friction_radius: Size = Field(description="mean radius of the pads on the disc")
+    piston_area: Area
+    rigging: Positive = Field(description="force of both pads over force of the piston")
+    efficiency: Share = Field(description="of the rigging")
+    spring_force: Force = Field(description="of slack adjuster and return spring, at the piston")
+    pressure_max: Pressure = Field(description="highest cylinder pressure")
+    pad_friction: Share = Field(description="nominal")
+
+    def pad_force(self, pressure: float) -> float:
+        """Return the normal force of both pads of a unit [N] at a cylinder pressure [Pa]."""
+        return self.efficiency * self.rigging * max(pressure * self.piston_area - self.spring_force, 0.0)
+
+
+class TrackBrake(Sourced):
+    """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
+
+    magnets: Annotated[StrictInt, Field(ge=1, le=8)]
+    attraction: Force = Field(description="that draws one magnet to the rail")
+    friction_slow: Share = Field(description="at standstill")
+    friction_fast: Share = Field(description="at high speed")
+    friction_speed: Speed = Field(description="at which friction has fallen half way")
+    delay: Seconds = Field(description="until magnets are lowered")
+    time_constant: Annotated[float, Unit("s", above=0, at_most=60)] = Field(description="of the magnetic field")
+
+
+class Electropneumatic(Sourced):
+    """An emergency brake commanded by wire: the same dead time and first-order build-up in the whole train."""
+
+    kind: Literal["electropneumatic"]
+    delay: Seconds = Field(description="from the demand to the first pressure")
+    time_constant: Annotated[float, Unit("s", above=0, at_most=60)] = Field(description="of the build-up after it")
+
+
+class BrakePipe(Sourced):
+    """An emergency brake commanded through the brake pipe; a distributor in each car fills its cylinders."""
+
+    kind: Literal["brake_pipe"]
+    diameter: Size = Field(description="inner one, of the pipe")
+    fill_time: Annotated[float, Unit("s", above=0, at_most=60)] = Field(
+        description="of a distributor, from the first pressure to 95 % of the highest"
+    )
+    reservoir: Annotated[float, Unit("m3", above=0, at_most=10)] = Field(description="auxiliary one of each car")
+
+
+Command = Annotated[Electropneumatic | BrakePipe, Field(discriminator="kind")]
+
+
+class Bogie(Sourced):
+    """A frame on axles, all of one wheel size and one kind of brake unit."""
+
+    axles: tuple[Annotated[float, Unit("m", at_least=0, at_most=20)], ...] = Field(
+        min_length=2, max_length=8, description="positions behind the first one, which is 0, evenly apart"
+    )
+    brake: Name = Field(description="of [brakes]")
+    units: tuple[Annotated[StrictInt, Field(ge=1, le=16)], ...] = Field(
+        min_length=1, description="number of brake units: one for all axles, or one for each"
+    )
+    coupled: StrictBool = Field(description="whether shafts let all its axles turn as one")
+    valve: SharedBy = Field(description="who shares a brake valve: each axle has its own, or its bogie's or car's")
+    track_brake: Name | None = Field(default=None, description="of [track_brakes], in an emergency")
+    wheel_radius: Size
+    inertia: tuple[Inertia, ...] = Field(
+        min_length=1, description="of an axle with wheels, discs and drive: one for all axles, or one for each"
+    )
+    axle_mass: Mass = Field(description="of a wheelset itself")
+    frame_mass: Mass
+    frame_inertia: Inertia = Field(description="in pitch")
+    frame_height: Height = Field(description="of its centre of gravity above the rail")
+    rod_height: Height = Field(description="of the traction rod above the rail")
+    stiffness: Stiffness = Field(description="of the primary suspension of an axle")
+    damping: Damping = Field(description="of the primary suspension of an axle")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.axles[0] != 0 or list(self.axles) != sorted(set(self.axles)):
+            raise broken("has axles that are no rising positions from 0 on")
+        gap = self.wheelbase / (len(self.axles) - 1)
+        if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
+            raise broken("has axles that are not evenly apart; a bogie of RailBraking is")
+        for key in ("units", "inertia"):
+            found = len(getattr(self, key))
+            if found not in (1, len(self.axles)):
+                raise broken(f"has {len(self.axles)} axles and {found} {key}; give one for all, or one for each")
+        return self
+
+    @property
+    def wheelbase(self) -> float:
+        """From the first axle to the last [m]."""
+        return self.axles[-1]
+
+    def each(self, values: Sequence[float]) -> list[float]:
+        """Return a value for each axle of what is one for all or one for each."""
+        return list(values) * (len(self.axles) // len(values))
+
+
+class Placed(Table):
+    """A bogie under a car."""
+
+    kind: Name = Field(description="of [bogies]")
+    at: Length = Field(description="from the front end of the car to the pivot, the middle of the bogie")
+    reversed: StrictBool = Field(default=False, description="whether its last axle of [bogies] leads")
+    shared: StrictBool = Field(default=False, description="whether it carries the next car, too (a Jacobs bogie)")
+
+
+class Coupler(Sourced):
+    """What joins two cars: a spring and a damper behind some slack."""
+
+    stiffness: Stiffness
+    damping: Damping
+    slack: Annotated[float, Unit("m", at_least=0, at_most=1)]
+    strength: Force = Field(description="force in it that must not be passed")
+
+
+class Car(Sourced):
+    """A car: what it weighs as it brakes, and the bogies under it."""
+
+    name: Name
+    length: Size = Field(description="over couplers")
+    mass: Mass = Field(description="as it brakes, with bogies and load")
+    axle_masses: tuple[Mass, ...] = Field(
+        default=(), description="on each of the axles listed under it; shared alike among all where they are not given"
+    )
+    bogies: tuple[Placed, ...] = Field(default=(), max_length=16)
+    coupler: Name | None = Field(
+        default=None, description="of [couplers], to the next car; without one they move as one body"
+    )
+
+
+class Reference(Table):
+    """A dry stop on level track that somebody published."""
+
+    speed: Speed
+    distance: Annotated[float, Unit("m", above=0, at_most=1e4)]
+    limit: StrictBool = Field(default=False, description="whether it is the longest that is allowed, not a measurement")
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Axle:
+    """An axle where it runs in the train.
+
+    Attributes:
+        position: Behind the front end of the train [m].
+        mass: That it carries on the rail, its own included [kg].
+        inertia: About itself [kg m2].
+        units: Of its brake.
+        bogie, car, group: Zero-based numbers; of a group all axles turn as one.
+    """
+
+    position: float
+    mass: float
+    inertia: float
+    units: float
+    bogie: int
+    car: int
+    group: int
+
+
+@dataclass(frozen=True, slots=True)
+class BogieInTrain:
+    """A bogie where it runs in the train.
+
+    Attributes:
+        kind: Of [bogies].
+        data: Of that kind.
+        brake: One unit of its brakes.
+        pads: Of that unit.
+        track_brake: Of the bogie, if it has one.
+        position: Of its leading axle behind the front end of the train [m].
+        axles: Zero-based numbers.
+        cars: Zero-based numbers of the one or two that it carries.
+        reversed: Whether its last axle of [bogies] leads.
+    """
+
+    kind: str
+    data: Bogie
+    brake: Brake
+    pads: Pads
+    track_brake: TrackBrake | None
+    position: float
+    axles: range
+    cars: tuple[int, ...]
+    reversed: bool
+
+
+class Train(Table):
+    """Everything that a train is made of, leading car first."""
+
+    name: Name
+    description: str = ""
+    command: Command | None = Field(
+        default=None, description="of an emergency brake; without it pressure is there as soon as it is demanded"
+    )
+    resistance: Resistance
+    pads: dict[Name, Pads]
+    brakes: dict[Name, Brake]
+    track_brakes: dict[Name, TrackBrake] = Field(default={})
+    bogies: dict[Name, Bogie]
+    couplers: dict[Name, Coupler] = Field(default={})
+    cars: tuple[Car, ...] = Field(min_length=1, max_length=64)
+    sanders: tuple[Sander, ...] = Field(default=(), max_length=256, description="for scenarios with [adhesion.sand]")
+    reference: tuple[Reference, ...] = ()
+
+    @model_validator(mode="after")
+    def _joined(self) -> Self:
+        for kind, brake in self.brakes.items():
+            _known("pads", [brake.pads], self.pads, f"[brakes.{kind}] pads")
+        for kind, bogie in self.bogies.items():
+            _known("brakes", [bogie.brake], self.brakes, f"[bogies.{kind}] brake")
+            magnets = [bogie.track_brake] if bogie.track_brake else []
+            _known("track_brakes", magnets, self.track_brakes, f"[bogies.{kind}] track_brake")
+        for number, car in enumerate(self.cars, start=1):
+            where = f"[cars[{number}]]"
+            _known("bogies", [placed.kind for placed in car.bogies], self.bogies, f"{where} bogies")
+            _known("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
+            count = sum(len(self.bogies[placed.kind].axles) for placed in car.bogies)
+            if car.axle_masses and len(car.axle_masses) != count:
+                raise broken(f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles")
+            if not car.axle_masses and any(placed.shared for placed in car.bogies):
+                raise broken(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
+            last = number == len(self.cars)
+            if last and (car.coupler or any(placed.shared for placed in car.bogies)):
+                raise broken(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
+        if not self.axles:
+            raise broken("[[cars]] have no bogies: a train runs on one axle at least")
+        beyond = next((i for i, one in enumerate(self.sanders, start=1) if one.wheelset > len(self.axles)), None)
+        if beyond is not None:
+            raise broken(
+                f"[sanders[{beyond}]] is at wheelset {self.sanders[beyond - 1].wheelset}, "
+                f"the train has {len(self.axles)}"
+            )
+        positions = [axle.position for axle in self.axles]
+        if positions != sorted(set(positions)):
+            raise broken("[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles")
+        return self
+
+    @cached_property
+    def bogies_in_train(self) -> tuple[BogieInTrain, ...]:
+        """All bogies, leading first."""
+        found: list[BogieInTrain] = []
+        front, first = 0.0, 0
+        for number, car in enumerate(self.cars):
+            for placed in car.bogies:
+                data = self.bogies[placed.kind]
+                last = first + len(data.axles)
+                found.append(
+                    BogieInTrain(
+                        kind=placed.kind,
+                        data=data,
+                        brake=self.brakes[data.brake],
+                        pads=self.pads[self.brakes[data.brake].pads],
+                        track_brake=self.track_brakes[data.track_brake] if data.track_brake else None,
+                        position=front + placed.at - data.wheelbase / 2,
+                        axles=range(first, last),
+                        cars=(number, number + 1) if placed.shared else (number,),
+                        reversed=placed.reversed,
+                    )
+                )
+                first = last
+            front += car.length
+        return tuple(found)
+
+    @cached_property
+    def axles(self) -> tuple[Axle, ...]:
+        """All axles, leading first."""
+        found: list[Axle] = []
+        group = 0
+        masses = [mass for car in self.cars for mass in self._axle_masses(car)]
+        for number, bogie in enumerate(self.bogies_in_train):
+            data = bogie.data
+            units, inertia = data.each(data.units), data.each(data.inertia)
+            offsets = list(data.axles)
+            if bogie.reversed:
+                offsets = [data.wheelbase - offset for offset in reversed(offsets)]
+                units, inertia = units[::-1], inertia[::-1]
+            half = len(offsets) / 2
+            for index, offset in enumerate(offsets):
+                # Of a bogie under two cars each has its share.
+                car = bogie.cars[0] if len(bogie.cars) == 1 or index < half else bogie.cars[1]
+                found.append(
+                    Axle(
+                        position=bogie.position + offset,
+                        mass=masses[len(found)],
+                        inertia=inertia[index],
+                        units=units[index],
+                        bogie=number,
+                        car=car,
+                        group=group,
+                    )
+                )
+                group += not data.coupled
+            group += data.coupled
+        return tuple(found)
+
+    @cached_property
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """Zero-based axles of each group that turns as one."""
+        count = self.axles[-1].group + 1
+        return tuple(tuple(i for i, axle in enumerate(self.axles) if axle.group == g) for g in range(count))
+
+    def bogie_of(self, group: int) -> BogieInTrain:
+        """Return the bogie that a group's axles belong to."""
+        return self.bogies_in_train[self.axles[self.groups[group][0]].bogie]
+
+    @cached_property
+    def groups_per_valve(self) -> tuple[int, ...]:
+        """Number of groups that share each brake valve, leading first."""
+        keys: list[tuple[str, int]] = []
+        for number, members in enumerate(self.groups):
+            axle, shared_by = self.axles[members[0]], self.bogie_of(number).data.valve
+            keys.append((shared_by, {"axle": axle.group, "bogie": axle.bogie, "car": axle.car}[shared_by]))
+        counts: list[int] = []
+        for index, key in enumerate(keys):
+            if index and key == keys[index - 1]:
+                counts[-1] += 1
+            else:
+                counts.append(1)
+        return tuple(counts)
+
+    @property
+    def axles_per_car(self) -> tuple[int, ...]:
+        """Number of axles of each car; of a bogie under two cars each has its share."""
+        return tuple(sum(axle.car == number for axle in self.axles) for number in range(len(self.cars)))
+
+    @property
+    def mass(self) -> float:
+        """That all axles carry [kg]."""
+        return sum(axle.mass for axle in self.axles)
+
+    @property
+    def length(self) -> float:
+        """Over couplers [m]."""
+        return sum(car.length for car in self.cars)
+
+    def _axle_masses(self, car: Car) -> Sequence[float]:
+        count = sum(len(self.bogies[placed.kind].axles) for placed in car.bogies)
+        return car.axle_masses or [car.mass / max(count, 1)] * count
+
+
+def _known(table: str, names: Sequence[str], known: Mapping[str, Table], where: str) -> None:
+    for name in names:
+        if name not in known:
+            raise broken(f"{where} names '{name}', which is not in [{table}]; it has {', '.join(known) or 'nothing'}")

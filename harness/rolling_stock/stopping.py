@@ -1,0 +1,184 @@
+"""The stopping distance of a dry train, calculated as by hand: no slip, no suspension, no wheel-slide protection.
+
+Source: EN 14531-1, stopping distance by steps of time from instantaneous forces; adhesion is not a part of it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import expm1, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.rolling_stock.schema import GRAVITY, TrackBrake, Train
+from railgrip.scenario.table import Table
+
+Vector = NDArray[np.float64]
+
+_STEP = 1e-2  # s
+_FILLED = 0.95  # of the highest pressure at the end of the filling time
+_PROPAGATION = 290.0  # m/s, of a front in the brake pipe: isothermal speed of sound; UIC 540 wants 250 at least
+_AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Components.TrainBody
+_LONGEST = 600.0  # s
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HandCalculation:
+    """What the calculation gives.
+
+    Attributes:
+        distance: From the brake demand to standstill [m].
+        duration: Of it [s].
+        deceleration: Mean of fully developed braking [m/s2].
+        equivalent_time: Of the build-up [s]: so long no brake, then all of it, gives the same distance.
+        adhesion: Largest that each axle uses, shape (axles,); axles that turn as one share their brakes.
+        brake_force: At the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N].
+        rotating_mass: Added by what turns [kg].
+        coupler_force: Largest in each joint of two cars, compression positive, shape (cars - 1,) [N].
+    """
+
+    distance: float
+    duration: float
+    deceleration: float
+    equivalent_time: float
+    adhesion: Vector
+    brake_force: Vector
+    rotating_mass: float
+    coupler_force: Vector
+
+
+def by_hand(train: Train, speed: float) -> HandCalculation:
+    """Return the emergency stop of a train on level dry track.
+
+    Args:
+        train: What stops.
+        speed: At the brake demand [m/s].
+
+    Raises:
+        ValueError: It does not come to stand in ten minutes.
+    """
+    parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
+    wheel = _each([part.data for part in parts], "wheel_radius")
+    mass, inertia, units = np.array([[axle.mass, axle.inertia, axle.units] for axle in train.axles]).T
+    brakes = _Brakes(
+        lever=units * _each([part.brake for part in parts], "friction_radius") / wheel,
+        sliding=_each([part.brake for part in parts], "friction_radius") / wheel,
+        **{name: _each([part.brake for part in parts], name) for name in _BRAKE},
+        **{name: _each([part.pads for part in parts], name) for name in _PADS},
+    )
+    command = train.command
+    if command is None:
+        delay, developed_at = np.zeros(mass.size), 0.0
+    elif command.kind == "electropneumatic":
+        delay = np.full(mass.size, command.delay)
+        developed_at = command.delay + 3 * command.time_constant
+    else:
+        delay = np.array([axle.position for axle in train.axles]) / _PROPAGATION
+        developed_at = float(delay.max()) + command.fill_time / _FILLED
+    air = train.resistance
+    bearing = np.array([_bearing(train, radius) for radius in wheel])
+    rolling = mass * GRAVITY * (bearing + air.rolling_arm / wheel)
+    turning = inertia / wheel**2
+    inert = float(mass.sum() + turning.sum())
+    # Row by row which axles turn as one, as shares of their load.
+    shares = np.zeros((mass.size, mass.size))
+    for members in train.groups:
+        shares[np.ix_(members, members)] = 1.0 / (mass[list(members)].sum() * GRAVITY)
+    # Row by row which axles belong to which car.
+    cars = np.array([[axle.car == number for axle in train.axles] for number in range(len(train.cars))], dtype=float)
+
+    magnetic = [bogie for bogie in train.bogies_in_train if bogie.track_brake is not None]
+    track_brakes = [bogie.track_brake for bogie in magnetic if bogie.track_brake is not None]
+    magnetic_car = np.array([bogie.cars[0] for bogie in magnetic], dtype=np.intp)
+
+    v, s, t = speed, 0.0, 0.0
+    adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
+    developed: list[float] = []
+    while v > 0:
+        now = t + _STEP / 2  # forces of the middle of a step
+        if command is None:
+            share = np.ones(mass.size)
+        elif command.kind == "electropneumatic":
+            share = -np.expm1(-np.maximum(now - delay, 0.0) / command.time_constant)
+        else:
+            share = np.clip(_FILLED * (now - delay) / command.fill_time, 0.0, 1.0)
+        braking = brakes.force(v, share) + rolling
+        magnets = np.array([_magnetic_force(brake, v, now) for brake in track_brakes]) if track_brakes else np.zeros(0)
+        drag = 0.5 * _AIR_DENSITY * air.drag_coefficient * air.frontal_area * v**2
+        deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
+        adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
+        # What a joint takes is what the cars before it brake more, or less, than the common deceleration wants.
+        of_cars = cars @ (braking + drag * mass / mass.sum() - (mass + turning) * deceleration)
+        np.add.at(of_cars, magnetic_car, magnets)
+        surplus = np.cumsum(of_cars)[:-1]
+        joints = np.where(np.abs(surplus) > np.abs(joints), surplus, joints)
+        if t > developed_at:
+            developed.append(deceleration)
+        last = deceleration * _STEP >= v
+        step = v / deceleration if last else _STEP
+        s += v * step - 0.5 * deceleration * step**2
+        v = 0.0 if last else v - deceleration * step
+        t += step
+        if t > _LONGEST:
+            raise ValueError(f"{train.name} does not come to stand within {_LONGEST:g} s")
+    mean = float(np.mean(developed)) if developed else speed**2 / (2 * s)
+    return HandCalculation(
+        distance=s,
+        duration=t,
+        deceleration=mean,
+        equivalent_time=max(s / speed - speed / (2 * mean), 0.0),
+        adhesion=adhesion,
+        brake_force=brakes.lever * brakes.pad_friction * brakes.pad_force(brakes.pressure_max),
+        rotating_mass=float(turning.sum()),
+        coupler_force=joints,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Brakes:
+    """The brakes of all axles, each value of shape (axles,), named as in [brakes] and [pads]."""
+
+    lever: Vector
+    sliding: Vector
+    piston_area: Vector
+    rigging: Vector
+    efficiency: Vector
+    spring_force: Vector
+    pressure_max: Vector
+    pad_friction: Vector
+    speed_effect: Vector
+    speed_nominal: Vector
+    force_effect: Vector
+    force_nominal: Vector
+
+    def pad_force(self, pressure: Vector) -> Vector:
+        """Return the normal force of both pads of a unit [N]."""
+        return self.efficiency * self.rigging * np.maximum(pressure * self.piston_area - self.spring_force, 0.0)
+
+    def force(self, speed: float, share: Vector) -> Vector:
+        """Return the force at the rim [N] with a share of the highest pressure."""
+        pad_force = self.pad_force(share * self.pressure_max)
+        friction = self.pad_friction * (1 + self.speed_effect * (1 - speed * self.sliding / self.speed_nominal))
+        friction = friction * (1 - self.force_effect * (pad_force / self.force_nominal - 1))
+        return self.lever * friction * pad_force
+
+
+def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:
+    """Return the force of the track brakes of a bogie so long after the demand [N]."""
+    field = -expm1(-max(time - brake.delay, 0.0) / brake.time_constant)
+    friction = brake.friction_fast + (brake.friction_slow - brake.friction_fast) / (1 + speed / brake.friction_speed)
+    return brake.magnets * brake.attraction * friction * field
+
+
+_BRAKE = ("piston_area", "rigging", "efficiency", "spring_force", "pressure_max", "pad_friction")
+_PADS = ("speed_effect", "speed_nominal", "force_effect", "force_nominal")
+
+
+def _each(parts: Sequence[Table], name: str) -> Vector:
+    return np.array([getattr(part, name) for part in parts])
+
+
+def _bearing(train: Train, wheel_radius: float) -> float:
+    """Return bearing resistance over load, as RailBraking.Components.bearingFriction."""
+    friction, radius = train.resistance.bearing_friction, train.resistance.bearing_radius
+    return 1 / sqrt(wheel_radius**2 / (friction * radius) ** 2 * (1 + friction**2) - 1)

@@ -1,0 +1,119 @@
+"""The calculation by hand against closed forms, and what the check says of trains that do not fit together."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip.rolling_stock.check import findings, stops_by_hand
+from railgrip.rolling_stock.files import NAMED, load_train, train_of
+from railgrip.rolling_stock.modelica import class_text
+from railgrip.rolling_stock.schema import GRAVITY
+from railgrip.rolling_stock.stopping import by_hand
+
+
+def bare(tables):
+    """A train that nothing but constant brake forces slows."""
+    tables["resistance"] |= {"drag_coefficient": 1e-9, "bearing_friction": 1e-9, "rolling_arm": 0}
+    tables["pads"]["organic"] |= {"speed_effect": 0, "force_effect": 0}
+    del tables["command"]
+    return tables
+
+
+def deceleration(train):
+    """Of its brakes at full pressure, with what turns: 2 units of 0.95·4·(p A − F) on each of 8 axles."""
+    pad_force = 0.95 * 4 * (3.2e5 * 0.0324 - 1200)
+    force = 8 * 2 * 0.35 * pad_force * 0.25 / 0.46
+    return force / (88e3 + 8 * 120 / 0.46**2)
+
+
+def test_constant_force_gives_the_textbook_distance(tables):
+    train = train_of(bare(tables), "ours.toml")
+    stop = by_hand(train, 30.0)
+    assert stop.distance == pytest.approx(30.0**2 / (2 * deceleration(train)), rel=1e-6)
+    assert stop.deceleration == pytest.approx(deceleration(train), rel=1e-6)
+    inertia = 120 / 0.46**2
+    used = (stop.brake_force[0] - inertia * stop.deceleration) / (11e3 * GRAVITY)
+    assert stop.adhesion == pytest.approx(np.full(8, used), rel=1e-6)
+
+
+def test_an_electropneumatic_build_up_costs_its_closed_form(tables):
+    """With a(t) = a (1 − e^(−(t − d)/T)) the distance grows by v (d + T) − a T²/2."""
+    command = tables["command"]
+    tables["brakes"]["disc"]["spring_force"] = 0
+    full = by_hand(train_of(bare(tables), "ours.toml"), 30.0)
+    stop = by_hand(train_of(tables | {"command": command}, "ours.toml"), 30.0)
+    expected = 30.0 * (0.4 + 0.5) - full.deceleration * 0.5**2 / 2
+    assert stop.distance - full.distance == pytest.approx(expected, rel=1e-3)
+    assert stop.equivalent_time == pytest.approx(0.9, abs=0.05)
+
+
+def test_a_brake_pipe_brakes_the_rear_later(tables):
+    """290 m/s along 48 m, then evenly to 95 % in 4 s: half of 4/0.95 s and the way of the front, a quarter lost."""
+    command = {"kind": "brake_pipe", "diameter": "32 mm", "fill_time": "4 s", "reservoir": "0.1 m3", "estimated": True}
+    tables["brakes"]["disc"]["spring_force"] = 0
+    full = by_hand(train_of(bare(tables), "ours.toml"), 30.0)
+    train = train_of(tables | {"command": command}, "ours.toml")
+    mean = sum(axle.position for axle in train.axles) / len(train.axles) / 290
+    rise = 4 / 0.95
+    expected = 30.0 * (mean + rise / 2) - full.deceleration * rise**2 / 24
+    assert by_hand(train, 30.0).distance - full.distance == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_coupler_takes_what_one_car_brakes_more_than_its_mass_wants(tables):
+    """Two equal bodies, one braked twice as hard: a quarter of the sum goes through the coupler."""
+    bare(tables)
+    weak = dict(tables["bogies"]["trailer"], units=[1])
+    tables["bogies"]["weak"] = weak
+    for placed in tables["cars"][1]["bogies"]:
+        placed["kind"] = "weak"
+    stop = by_hand(train_of(tables, "ours.toml"), 20.0)
+    front, rear = stop.brake_force[:4].sum(), stop.brake_force[4:].sum()
+    assert stop.coupler_force == pytest.approx([(front - rear) / 2], rel=1e-5)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_the_trains_of_this_project_fit_together(name):
+    train = load_train(Path(name))
+    assert [str(one) for one in findings(train) if one.wrong] == []
+    for reference in train.reference:
+        distance = stops_by_hand(train)[reference.speed].distance
+        known = reference.distance
+        assert distance <= known if reference.limit else distance == pytest.approx(known, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        (lambda t: t["cars"][0].update(axle_masses=["12 t"] * 4), "[cars[1]] mass", "A has 44 t, and 48 t stand"),
+        (lambda t: t["bogies"]["trailer"].update(frame_mass="30 t"), "[bogies.trailer] frame_mass", "33 t, but"),
+        (lambda t: t["cars"][0]["bogies"][0].update(at="0.5 m"), "[cars[1]] bogies", "are not under A"),
+        (lambda t: t["bogies"]["trailer"].update(axles=[0, 0.8]), "[bogies.trailer] axles", "mm touch where"),
+        (lambda t: t["brakes"]["disc"].update(spring_force="20 kN"), "[brakes.disc] spring_force", "holds the piston"),
+        (lambda t: t["brakes"]["disc"].update(friction_radius=0.5), "[brakes.disc] friction_radius", "beyond the"),
+        (lambda t: t["couplers"]["bar"].update(strength="0.01 N"), "[couplers.bar] strength", "the brakes alone make"),
+        (lambda t: t.update(reference=[{"speed": 33, "distance": 400, "limit": True, "source": "x"}]),
+         "[reference[1]] distance", "are allowed"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_said_with_its_key(tables, change, key, words):
+    tables["bogies"]["light"] = dict(tables["bogies"]["trailer"], units=[1])
+    tables["cars"][1]["bogies"][0]["kind"] = "light"
+    change(tables)
+    wrong = [one for one in findings(train_of(tables, "ours.toml")) if one.wrong]
+    assert [one.key for one in wrong] == [key]
+    assert words in wrong[0].sentence
+
+
+def test_a_brake_that_counts_on_too_much_adhesion_is_unusual(tables):
+    tables["brakes"]["disc"]["pressure_max"] = "5 bar"
+    (one,) = findings(train_of(tables, "ours.toml"))
+    assert not one.wrong
+    assert one.key == "[bogies.trailer] brake"
+    assert "LOC&PAS TSI" in one.sentence
+
+
+def test_a_name_with_quotes_stays_inside_its_string(tables):
+    tables["description"] = 'so called "train" \\'
+    text = class_text(train_of(tables, "ours.toml"), pneumatic=False)
+    assert 'block Train_ours "so called \\"train\\" \\\\"' in text

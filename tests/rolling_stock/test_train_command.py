@@ -1,0 +1,67 @@
+"""`railgrip train`: a file to begin with, a drawing to scale, and what does not fit with exit code 2."""
+
+import pytest
+
+from railgrip.cli.main import main
+
+PNG, SVG = b"\x89PNG", b"<?xml"
+
+
+@pytest.fixture
+def railgrip(tmp_path, monkeypatch, capfd):
+    """Run a command in an empty folder; return exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as end:
+            main(list(arguments))
+        out, err = capfd.readouterr()
+        return int(end.value.code or 0), out, err
+
+    return run
+
+
+def test_a_new_file_is_a_train_that_fits_together(railgrip):
+    assert railgrip("train", "new", "mine.toml")[0] == 0
+    code, out, err = railgrip("train", "check", "mine.toml")
+    assert (code, err) == (0, "")
+    assert "mine: 88.0 t" in out
+    assert "by hand (EN 14531-1)" in out
+    assert railgrip("train", "new", "mine.toml") == (2, "", "mine.toml is already there; name another file\n")
+
+
+def test_what_does_not_fit_ends_with_file_and_key(railgrip, tmp_path):
+    railgrip("train", "new", "mine.toml")
+    file = tmp_path / "mine.toml"
+    file.write_text(file.read_text(encoding="utf-8").replace('mass = "44 t"', 'mass = "4 t"'), encoding="utf-8")
+    code, _, err = railgrip("train", "check", "mine.toml")
+    assert code == 2
+    assert "mine.toml: [bogies.trailer] frame_mass: frame and axles have 5.6 t, but only 2 t stand" in err
+    assert railgrip("train", "check", "nothing")[0] == 2
+
+
+@pytest.mark.parametrize(("suffix", "begins"), [("png", PNG), ("svg", SVG)])
+def test_a_train_is_drawn(railgrip, tmp_path, suffix, begins):
+    code, out, _ = railgrip("train", "show", "loco_coaches", "--out", f"train.{suffix}")
+    assert code == 0
+    assert out.count("coach") == 40
+    first = (tmp_path / f"train.{suffix}").read_bytes()
+    assert first.startswith(begins)
+    railgrip("train", "show", "loco_coaches", "--out", f"train.{suffix}")
+    assert (tmp_path / f"train.{suffix}").read_bytes() == first
+
+
+def test_the_drawing_is_to_scale():
+    from pathlib import Path
+
+    from matplotlib.patches import Circle
+
+    from railgrip.rolling_stock.drawing import drawing
+    from railgrip.rolling_stock.files import load_train
+
+    train = load_train(Path("emu387"))
+    (axes,) = drawing(train).axes
+    assert axes.get_aspect() == 1
+    wheels = [one for one in axes.patches if isinstance(one, Circle) and one.radius == 0.42]
+    assert [wheel.center[0] for wheel in wheels] == pytest.approx([axle.position for axle in train.axles])

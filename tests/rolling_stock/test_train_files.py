@@ -1,0 +1,80 @@
+"""A train file says everything and whose it is; what it cannot mean is refused with file and key."""
+
+from pathlib import Path
+
+import pytest
+
+from railgrip.errors import ScenarioError
+from railgrip.rolling_stock.files import NAMED, load_train, train_of
+from railgrip.rolling_stock.schema import Sourced
+
+
+def refused(tables):
+    with pytest.raises(ScenarioError) as refusal:
+        train_of(tables, "ours.toml")
+    return str(refusal.value)
+
+
+def test_quantities_are_read_in_their_units(tables):
+    tables["cars"][0]["mass"] = "44000 kg"
+    tables["bogies"]["trailer"]["axles"] = [0, "2500 mm"]
+    train = train_of(tables, "ours.toml")
+    assert train.mass == pytest.approx(88e3)
+    assert [axle.position for axle in train.axles[:4]] == pytest.approx([2.25, 4.75, 19.25, 21.75])
+    assert train.axles[4].position == pytest.approx(26.25)
+    assert train.axles_per_car == (4, 4)
+    assert len(train.groups) == 8
+
+
+def test_every_table_says_whose_its_numbers_are(tables):
+    del tables["brakes"]["disc"]["estimated"]
+    assert "ours.toml: [brakes.disc] does not say whose its numbers are" in refused(tables)
+    tables["brakes"]["disc"] |= {"source": "data sheet", "estimated": ["rigg"]}
+    assert "[brakes.disc] calls 'rigg' estimated, which it does not have" in refused(tables)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda t: t["bogies"]["trailer"].update(brake="drum"), "[bogies.trailer] brake names 'drum'"),
+        (lambda t: t["cars"][1]["bogies"][0].update(kind="jacobs"), "[cars[2]] bogies names 'jacobs'"),
+        (lambda t: t["bogies"]["trailer"].update(axles=[0, 1, 3]), "axles that are not evenly apart"),
+        (lambda t: t["bogies"]["trailer"].update(units=[1, 2, 3]), "has 2 axles and 3 units"),
+        (lambda t: t["cars"][0].update(axle_masses=["1 t"]), "[cars[1]] axle_masses has 1 values, A has 4 axles"),
+        (lambda t: t["cars"][1].update(coupler="bar"), "[cars[2]] is the last car"),
+        (lambda t: t["cars"][1]["bogies"][0].update(at="23 m"), "do not stand one behind the other"),
+        (lambda t: t["cars"][0].update(mass="44 kN"), "[cars[1]] mass is '44 kN'"),
+        (lambda t: t["cars"][0].update(weight=3), "[cars[1]] has no key 'weight'"),
+        (lambda t: t.update(sanders=[{"wheelset": 9, "rate": "2 kg/min", "delay": 1}]), "[sanders[1]] is at wheelset"),
+    ],
+)  # fmt: skip
+def test_what_is_no_train_is_refused_with_its_key(tables, change, sentence):
+    change(tables)
+    assert sentence in refused(tables)
+
+
+def test_coupled_axles_turn_as_one_and_valves_are_shared_as_the_bogie_says(tables):
+    tables["bogies"]["trailer"] |= {"coupled": True, "valve": "car", "units": [2, 1], "inertia": [90, 120]}
+    tables["cars"][1]["bogies"][1]["reversed"] = True
+    train = train_of(tables, "ours.toml")
+    assert train.groups == ((0, 1), (2, 3), (4, 5), (6, 7))
+    assert train.groups_per_valve == (2, 2)
+    assert [axle.units for axle in train.axles] == [2, 1, 2, 1, 2, 1, 1, 2]
+    assert train.axles[-1].inertia == 90
+
+
+def test_of_a_shared_bogie_each_car_has_half():
+    train = load_train(Path("vt642"))
+    assert train.axles_per_car == (3, 3)
+    behind = [axle.position - train.axles[0].position for axle in train.axles]
+    assert behind == pytest.approx([0, 1.9, 15.625, 18.275, 32, 33.9])
+    assert train.groups == ((0, 1), (2,), (3,), (4, 5))
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_the_trains_of_this_project_say_whose_every_number_is(name):
+    train = load_train(Path(name))
+    assert train.name == name
+    tables = [train.resistance, *train.pads.values(), *train.brakes.values(), *train.bogies.values(), *train.cars,
+              *train.couplers.values(), *train.track_brakes.values(), train.command]  # fmt: skip
+    assert all(isinstance(table, Sourced) and (table.source or table.estimated) for table in tables)
