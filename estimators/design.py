@@ -11,7 +11,7 @@ from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.gate import Gate
-from railgrip.estimators.prediction import Prediction
+from railgrip.estimators.prediction import Variables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +48,7 @@ class Design:
     @classmethod
     def of(
         cls,
-        prediction: Prediction,
+        prediction: Variables,
         process_noise: ArrayLike,
         reading_noise: ArrayLike,
         period: float,
@@ -59,7 +59,7 @@ class Design:
         """Check the parts of a filter against each other.
 
         Args:
-            prediction: The model.
+            prediction: Names of states, inputs and readings.
             process_noise: Density of the process noise in (unit of the state)²/s: shape (n,) for independent
                 noises, or (n, n). Positive semidefinite.
             reading_noise: Covariance of the readings: shape (m,) of variances, or (m, m). Positive definite.

@@ -11,13 +11,8 @@ from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
 
 
-@runtime_checkable
-class Prediction(Protocol):
-    """A smooth model ẋ = f(x, u), y = h(x, u) that does not change with time: n states, nu inputs, m outputs.
-
-    Outputs may depend on inputs: an accelerometer shows what the brakes do at once. Every call returns an
-    array that the caller may keep.
-    """
+class Variables(Protocol):
+    """What a filter is about: n states, nu inputs, m outputs."""
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -33,6 +28,15 @@ class Prediction(Protocol):
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs, in the order of the readings."""
         ...
+
+
+@runtime_checkable
+class Prediction(Variables, Protocol):
+    """A smooth model ẋ = f(x, u), y = h(x, u) that does not change with time.
+
+    Outputs may depend on inputs: an accelerometer shows what the brakes do at once. Every call returns an
+    array that the caller may keep.
+    """
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
         """Return f(x, u), shape (n,), in units of the states per second."""

@@ -34,7 +34,9 @@ from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceT
 from railgrip.engine import Engine
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
@@ -52,9 +54,10 @@ from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
-from railgrip.loop.ports import Actuation, Controller, Plant
+from railgrip.loop.ports import Actuation, Controller, Filter, Plant
 from railgrip.loop.rail import Field, SandedRail, TabulatedRail
 from railgrip.loop.watch import StateEstimator
+from railgrip.prediction import consist_of, data_of, radius_of, release_pressure, start_of, units_of_predictions
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
@@ -949,15 +952,15 @@ def lowered(class_name: str) -> Model:
     return lower(class_name)
 
 
-def _predicted(table: KalmanFilter, layout: Layout) -> Model:
+def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
     """Return the model inside a filter, one of ours or of the user's own.
 
     Raises:
         ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
     """
     own = table.library
-    model = lowered(f"RailBraking.FMUs.{table.model}") if own is None else lower(table.model, library_of(own.path))
-    where = f"[estimator] model '{table.model}'"
+    model = lowered(f"RailBraking.FMUs.{name}") if own is None else lower(name, library_of(own.path))
+    where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
     predicted = sum(name.startswith("w[") for name in states)
     if predicted != groups:
@@ -983,6 +986,9 @@ def _predicted(table: KalmanFilter, layout: Layout) -> Model:
     return model
 
 
+RELEASED_PADS = 1500.0
+"""Normal force of both pads of a unit [N] below which nothing is learned of their friction; see `pad_gate`."""
+
 _PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
 _NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"}
 
@@ -994,7 +1000,10 @@ def _state_estimator(scenario: Scenario, layout: Layout, fmus: dict[str, Descrip
     assert isinstance(table, KalmanFilter)
     noise = _noise(table)
     period = scenario.periods.estimator
-    model = _predicted(table, layout)
+    if table.model is None:
+        yield _own_estimator(scenario, table, noise, layout)
+        return
+    model = _predicted(table, table.model, layout)
     groups = layout.formation.groups
     changed = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | changed
@@ -1017,7 +1026,7 @@ def _state_estimator(scenario: Scenario, layout: Layout, fmus: dict[str, Descrip
         else:
             prediction = CasadiPrediction(model, parameters)
         gate = pad_gate(
-            pad_force=1500.0,
+            pad_force=RELEASED_PADS,
             A_piston=parameters["A_piston"],
             i_rigging=parameters["i_rigging"],
             eta_rigging=parameters["eta_rigging"],
@@ -1035,12 +1044,7 @@ def _state_estimator(scenario: Scenario, layout: Layout, fmus: dict[str, Descrip
         mean[at["mu_b"] + every] = [parameters[f"mu_b_start[{g + 1}]"] for g in every]
         mean[at["alpha"] + every] = [parameters[f"alpha_start[{g + 1}]"] for g in every]
         first = mean, noise.start_covariance(states)
-        if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-            filter_ = CompiledFilter(prediction, *noises, period, gate)
-            filter_.start(*first)
-        else:
-            plain = ExtendedKalmanFilter(prediction, *noises, period, gate)
-            filter_ = Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(outputs))
+        filter_ = _central(table, prediction, *noises, period, gate, first)
         seen = [layout.reading[name.partition("[")[0]].start + _element(name) for name in outputs]
         yield StateEstimator(
             filter=filter_,
@@ -1053,6 +1057,62 @@ def _state_estimator(scenario: Scenario, layout: Layout, fmus: dict[str, Descrip
         )
 
 
+def _own_estimator(scenario: Scenario, table: KalmanFilter, noise: NoiseSet, layout: Layout) -> StateEstimator:
+    """Return the estimator whose prediction is made from the vehicle's nominal data."""
+    formation = controlled_formation(scenario)
+    groups, wheelsets = range(1, formation.groups + 1), range(1, formation.wheelsets + 1)
+    units = units_of_predictions()
+    each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
+    changed = in_units("[estimator.parameters]", table.parameters, units | each)
+    data = data_of(nominal_parameters(scenario, plant_description(scenario)), formation)
+    data = {name: value for name, value in data.items() if name.partition("[")[0] not in changed} | changed
+    consist = consist_of(formation, data)
+    gate = Gate(
+        states=tuple(f"mu_b[{g}]" for g in groups),
+        inputs=tuple(f"cylinder_pressure[{g}]" for g in groups),
+        threshold=max(release_pressure(data, g - 1, RELEASED_PADS) for g in groups),
+    )
+    noises = noise.process_noise(consist.states), noise.reading_noise(consist.outputs)
+    first = start_of(consist, formation, data, scenario.start.speed), noise.start_covariance(consist.states)
+    if table.kind == "decentralised":
+        filter_ = DecentralisedFilter(consist, *noises, scenario.periods.estimator, gate)
+        filter_.start(*first)
+    else:
+        filter_ = _central(table, consist.prediction, *noises, scenario.periods.estimator, gate, first)
+
+    def places(name: str) -> NDArray[np.intp]:
+        return np.array([consist.states.index(f"{name}[{g}]") for g in groups])
+
+    seen = [layout.reading[name.partition("[")[0]].start + _element(name) for name in consist.outputs]
+    return StateEstimator(
+        filter=filter_,
+        seen=np.array(seen, dtype=np.intp),
+        speed=0,
+        wheelset_speed=places("w"),
+        adhesion=places("alpha"),
+        pad_friction=places("mu_b"),
+        wheel_radius=tuple(radius_of(data, g - 1) for g in groups),
+    )
+
+
+def _central(
+    table: KalmanFilter,
+    prediction: CasadiPrediction | FmuPrediction,
+    process: Vector,
+    reading: Vector,
+    period: float,
+    gate: Gate,
+    first: tuple[Vector, Vector],
+) -> Filter:
+    """Return a filter of all states together that holds its first belief."""
+    if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
+        compiled = CompiledFilter(prediction, process, reading, period, gate)
+        compiled.start(*first)
+        return compiled
+    plain = ExtendedKalmanFilter(prediction, process, reading, period, gate)
+    return Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(prediction.outputs))
+
+
 def _element(name: str) -> int:
     """Return the zero-based index of `name[i]`, 0 for a scalar."""
     index = name.partition("[")[2]
@@ -1060,11 +1120,12 @@ def _element(name: str) -> int:
 
 
 def _noise(table: KalmanFilter) -> NoiseSet:
-    prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(table.model, table.model)}_"
+    model = table.model or "TrainPrediction"
+    prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(model, model)}_"
     wanted = f"{prefix}{table.noise}"
     if wanted not in NOISE_SETS:
         raise ScenarioError(
-            f"[estimator] has no noise set '{table.noise}' for model '{table.model}'; there are "
+            f"[estimator] has no noise set '{table.noise}' for model '{model}'; there are "
             + ", ".join(sorted(NOISE_SETS))
             + " (model_noise)."
         )

@@ -11,7 +11,7 @@ def bench() -> None:
     from railgrip.bench.estimation import estimation_cost
     from railgrip.bench.fmi import step_cost
     from railgrip.bench.rig_filter import rig_filter_cost
-    from railgrip.bench.stop import bare_cost, build_cost, filter_cost, machine, stop_costs
+    from railgrip.bench.stop import bare_cost, build_cost, decentralised_cost, filter_cost, machine, stop_costs
     from railgrip.fmus.build import fmu
     from railgrip.report.table import Table
 
@@ -42,6 +42,11 @@ def bench() -> None:
             add(what, f"{filtering.advance:.1f} µs", target)
             add("  on values", f"{filtering.step:.1f} µs", "")
             add("  filter in numpy over compiled", f"{filtering.reference / filtering.step:.0f}", "")
+        for groups in (4, 8, 16, 32):
+            shown.update(doing=f"decentralised filter, {groups} groups")
+            cost = f"{decentralised_cost(groups):.1f} µs"
+            add(f"decentralised filter, {groups} wheelsets that turn apart", cost, "40 µs" if groups == 16 else "")
+            add("  with suspension", f"{decentralised_cost(groups, suspension=True):.1f} µs", "")
         shown.update(doing="filter of the roller rig")
         add("compiled filter of the roller rig, in place", f"{rig_filter_cost().advance:.1f} µs", "3 µs")
         shown.update(doing="filter of the field test over a recording")

@@ -29,11 +29,16 @@ class KalmanFilter(Table):
     """An extended Kalman filter over a prediction model.
 
     `fmu` evaluates the prediction FMU through FMI, `python` the CasADi function of the same class, `compiled`
-    the same filter as generated C.
+    the same filter as generated C; `decentralised` has a part for each bogie or group, at a cost linear in them.
     """
 
-    kind: Literal["fmu", "python", "compiled"]
-    model: str = Field(description="prediction class, such as TrainPrediction or TrainPredictionReduced")
+    kind: Literal["fmu", "python", "compiled", "decentralised"]
+    model: str | None = Field(
+        default=None,
+        exclude_if=lambda name: name is None,
+        description="prediction class, such as TrainPrediction or TrainPredictionReduced; without one it is made from "
+        "the vehicle's nominal data",
+    )
     library: NamedFile | None = Field(
         default=None,
         exclude_if=lambda file: file is None,
@@ -44,10 +49,20 @@ class KalmanFilter(Table):
 
     _flat = field_validator("parameters", mode="before")(scalars)
 
+    @model_validator(mode="after")
+    def _one_prediction(self) -> Self:
+        if self.model is None and (self.kind == "fmu" or self.library is not None):
+            raise broken("has no model; name the class of the prediction")
+        if self.model is not None and self.kind == "decentralised":
+            raise broken(
+                "makes its prediction from the vehicle's nominal data when it is decentralised; leave out model"
+            )
+        return self
+
 
 Estimator = Annotated[
     Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
-    Discriminator(whose("estimators", frozenset({"none", "fmu", "python", "compiled"}))),
+    Discriminator(whose("estimators", frozenset({"none", *get_args(KalmanFilter.model_fields["kind"].annotation)}))),
 ]
 
 

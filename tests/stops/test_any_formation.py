@@ -1,6 +1,7 @@
 """Trains of any number of wheelsets and groups run from their scenario to metrics and figures, with both engines."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,13 +9,16 @@ import xarray
 from PIL import Image
 
 from railgrip.__main__ import main
-from railgrip.assemble import controlled_formation, run_stop
+from railgrip.assemble import assembled, controlled_formation, run_stop
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.export import controller_fmu
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
-from railgrip.scenario.load import load
+from railgrip.loop import compiled_cycle
+from railgrip.scenario.load import installed, load, read_toml, scenario_of
+from railgrip.scenario.merge import merged
+from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import read_stop, write_stop
@@ -70,6 +74,10 @@ TRAINS = {
     "two-part train": ((2, 1, 1, 2), ("trapezoid", *SLOW)),
     "car": ((1,) * 4, (FREIGHT, "vehicle.model=SimpleTrain.Car", *SLOW)),
     "freight train": ((1,) * 16, (FREIGHT, *SLOW)),
+    "freight train that estimates": (
+        (1,) * 16,
+        (FREIGHT, "estimator.kind=decentralised", "estimator.noise=ideal", "controller.kind=adhesion_based", *SLOW),
+    ),
     "trolley": ((2, 1), ("trolley.toml", *SLOW)),
 }
 
@@ -258,3 +266,80 @@ def test_a_table_that_contradicts_the_plant_is_refused(override, sentence):
     scenario = load(LIBRARY / "trapezoid.toml", [f"vehicle.formation.{override}"])
     with pytest.raises(ScenarioError, match=rf"\[vehicle.formation\] {sentence}"):
         run_stop(scenario)
+
+
+SERVICE = LIBRARY.parent / "edges" / "service.toml"
+
+
+@pytest.mark.parametrize("name", ["two-part train", "freight train"])
+def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: str):
+    """Root mean square errors of adhesion, pad friction and slip within 10 %, over the same readings.
+
+    With valves and service sensors on the two-part train, whose central filter is that of the written prediction; the
+    freight train has none, and the central filter over the same one drives. Loops closed over either need not stay
+    together: valves make of a difference in the last digit another course.
+    """
+    counts, (scenario, *_) = TRAINS[name]
+    service = name == "two-part train"
+    written = read_toml(installed(Path(scenario), "library"))
+    model = {"model": "TrainPrediction"} if service else {}
+
+    def with_estimator(kind: str, **more: str) -> Scenario:
+        table = merged(written, read_toml(SERVICE)) if service else written
+        table = merged(table, {"estimator": {"kind": "none"}, "start": {"speed": "50 km/h"}})
+        estimator = {"kind": kind, "noise": "service"} | more
+        table = merged(table, {"estimator": estimator, "controller": {"kind": "adhesion_based"}})
+        return scenario_of(table, directory=Path(scenario).parent, origin=name)
+
+    with assembled(with_estimator("compiled", **model)) as parts:
+        ended = compiled_cycle.run(controller=parts.controller, **parts.parties)
+        rows, columns = parts.recorder.rows[: ended.samples], parts.recorder.columns
+        layout, radius = parts.parties["layout"], np.array(parts.parties["wheel_radius"])
+        central = [rows[:, columns[f"estimate_{name}"]] for name in ("adhesion", "pad_friction", "slip")]
+    readings = np.column_stack([rows[:, columns[signal.name]] for signal in layout.reading_signals])
+    with assembled(with_estimator("decentralised")) as parts:
+        ours = parts.parties["state_estimator"]
+    adhesion, pads, slip = (np.full((ended.samples, len(counts)), np.nan) for _ in range(3))
+    latest, pressure = readings[0], layout.reading["cylinder_pressure"]
+    for k, reading in enumerate(readings[1:], 1):
+        ours.filter.held[: len(counts)] = latest[pressure]
+        ours.filter.seen[:] = reading[ours.seen]
+        ours.filter.advance()
+        latest = np.where(np.isnan(reading), latest, reading)
+        adhesion[k], pads[k] = ours.filter.mean[ours.adhesion], ours.filter.mean[ours.pad_friction]
+        slip[k] = 1.0 - radius * ours.filter.mean[ours.wheelset_speed] / ours.filter.mean[ours.speed]
+    moving = rows[:, columns["speed"]][:, 0] > 10 / 3.6
+    moving[0] = False
+    truths = [rows[:, columns[name]] for name in ("group_adhesion", "pad_friction", "slip")]
+    theirs, own = (
+        [float(np.sqrt(np.mean((estimate - truth)[moving] ** 2))) for estimate, truth in zip(each, truths, strict=True)]
+        for each in (central, (adhesion, pads, slip))
+    )
+    assert own == pytest.approx(theirs, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        ({"kind": "decentralised", "model": "TrainPrediction", "noise": "ideal"}, "leave out model"),
+        ({"kind": "fmu", "noise": "ideal"}, "has no model; name the class of the prediction"),
+        ({"kind": "decentralised", "noise": "quiet"}, "has no noise set 'quiet'"),
+        ({"kind": "decentralised", "noise": "ideal", "parameters": {"J": "2 kg"}}, "estimator.parameters"),
+    ],
+)
+def test_an_estimator_that_cannot_be_made_is_refused_in_a_sentence(table: dict[str, Any], sentence: str):
+    path = LIBRARY / "trapezoid.toml"
+    written = merged(merged(read_toml(path), {"estimator": {"kind": "none"}}), {"estimator": table})
+    with pytest.raises(ScenarioError, match=sentence):
+        run_stop(scenario_of(written, directory=LIBRARY, origin=path.name))
+
+
+def test_the_decentralised_estimator_believes_its_own_parameters():
+    """Wheels believed 1 % larger turn as if they rolled on: a slip of −1 % while they do."""
+    estimator = ("estimator.kind=decentralised", "estimator.noise=ideal")
+    plain, larger = (
+        run_stop(load(LIBRARY / "trapezoid.toml", (*estimator, *more, "controller.kind=full_brake", *SLOW))).trace
+        for more in ((), ("estimator.parameters.r_wheel=0.3838 m",))
+    )
+    beyond = (1.0 - larger["estimate_slip"]) / (1.0 - plain["estimate_slip"])
+    assert beyond.isel(time=slice(5, 50)).values == pytest.approx(1.01, abs=1e-3)

@@ -1,0 +1,535 @@
+/* One step of the decentralised Kalman filter of decentralised.py: cost linear in the parts of a train.
+
+   shape.h is generated beside this file: sizes, tables, the layout of `block`, and by CasADi the equations of each kind
+   of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) LENGTH; those beyond
+   what is used are zero. All sums run in the order written, so that two widths of vectors give the same bits. */
+
+#include <math.h>
+#include <string.h>
+
+#define CASADI_CODEGEN_PREFIX STEP
+#define CODEGEN_PREFIX STEP
+#include "shape.h"
+
+enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, NOT_DEFINITE = 2, MEAN_NOT_FINITE = 3 };
+
+/* Columns of U: RANK that are kept, and three that a step adds. */
+enum { PULLED = RANK, PUSHED = RANK + 1, WEIGHED = RANK + 2, COLUMNS = RANK + 3 };
+
+typedef double row[WIDTH];
+typedef double mode[LENGTH];
+
+typedef struct {
+    row spread[PARTS][WIDTH];        /* D: what is known of each part by itself */
+    mode shared[N];                  /* U: how the common unknowns move each state */
+    mode common[LENGTH];             /* C: covariance of the common unknowns, may be negative */
+    double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
+} Belief;
+
+static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double **arguments,
+                double **results)
+{
+    casadi_int whole[WHOLE];
+    double work[WORK];
+    return function(arguments, results, whole, work, 0);
+}
+
+/* Inputs of a part: its pressures, and no acceleration, for the equations are linear in that. */
+static void inputs_of(int part, const double *block, double *inputs)
+{
+    const int count = PART_INPUT[part + 1] - PART_INPUT[part];
+    for (int i = 0; i < count; i++)
+        inputs[i] = block[HELD + INPUT[PART_INPUT[part] + i]];
+    inputs[count] = 0.0;
+}
+
+/* Acceleration of the train, and its derivatives by speed and by force. */
+static void body_at(const double *block, double v, double force, double *acceleration, double *by_speed, double *by_force)
+{
+    const double inputs[2] = {force, block[HELD + TRACK_FORCE]};
+    const double *arguments[ARGUMENTS] = {&v, inputs, block + PARAMETERS};
+    double *results[RESULTS] = {acceleration, by_speed, by_force};
+    call(body, arguments, results);
+}
+
+/* Time derivative of all states at x; with `at`, also the linear equations of each part: x' = A x + push a. */
+static void slope_at(const double *block, const double *x, double *slope, Belief *at)
+{
+    double force = 0.0, acceleration, by_speed, by_force;
+    for (int p = 1; p < PARTS; p++) {
+        double inputs[WIDTH + 1], own;
+        inputs_of(p, block, inputs);
+        const double *arguments[ARGUMENTS] = {x + PART_STATE[p], inputs, block + PARAMETERS + PART_PARAMETER[p]};
+        double *results[RESULTS] = {slope + PART_STATE[p], &own};
+        if (at) {
+            results[2] = at->push + PART_STATE[p];
+            results[3] = at->pull + PART_STATE[p];
+            results[4] = at->jacobian[p];
+        }
+        call(at ? LINEAR[KIND[p]] : SLOPE[KIND[p]], arguments, results);
+        force += own;
+    }
+    body_at(block, x[0], force, &acceleration, &by_speed, &by_force);
+    slope[0] = acceleration;
+    if (at) {
+        for (int i = 1; i < N; i++)
+            at->pull[i] *= by_force;
+        at->pull[0] = by_speed;
+        at->push[0] = 1.0;
+    }
+    const double *push = block + PUSH;
+    for (int i = 1; i < N; i++)
+        slope[i] += (at ? at->push[i] : push[i]) * acceleration;
+}
+
+/* Mean one period later by RK4, all parts together; leaves the linear equations at the prior mean in `b`. */
+static void advance(double *block, Belief *b)
+{
+    const double *x = block + MEAN, period = block[PERIOD];
+    double k1[N], k2[N], k3[N], k4[N], at[N];
+    slope_at(block, x, k1, b);
+    memcpy(block + PUSH, b->push, sizeof b->push);
+    for (int i = 0; i < N; i++)
+        at[i] = x[i] + 0.5 * period * k1[i];
+    slope_at(block, at, k2, 0);
+    for (int i = 0; i < N; i++)
+        at[i] = x[i] + 0.5 * period * k2[i];
+    slope_at(block, at, k3, 0);
+    for (int i = 0; i < N; i++)
+        at[i] = x[i] + period * k3[i];
+    slope_at(block, at, k4, 0);
+    for (int i = 0; i < N; i++)
+        b->mean[i] = x[i] + period / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+}
+
+/* phi = sum over k <= 4 of (T A)^k / k!, by Horner's scheme. */
+static void transition(double period, int n, const double *jacobian, row *phi)
+{
+    row last[WIDTH];
+    memset(phi, 0, WIDTH * sizeof *phi);
+    for (int i = 0; i < n; i++)
+        phi[i][i] = 1.0;
+    for (int k = 4; k >= 1; k--) {
+        memcpy(last, phi, sizeof last);
+        for (int i = 0; i < n; i++) {
+            for (int l = 0; l < WIDTH; l++)
+                phi[i][l] = 0.0;
+            for (int j = 0; j < n; j++) {
+                const double factor = period / k * jacobian[i * n + j];
+                if (factor != 0.0)
+                    for (int l = 0; l < WIDTH; l++)
+                        phi[i][l] += factor * last[j][l];
+            }
+            phi[i][i] += 1.0;
+        }
+    }
+}
+
+/* phi D phi' of one part, and its rows of phi U. */
+static void propagate(int n, const row *phi, row *spread, mode *shared)
+{
+    row half[WIDTH], turned[WIDTH];
+    mode moved[WIDTH];
+    for (int i = 0; i < n; i++) {
+        for (int l = 0; l < WIDTH; l++)
+            half[i][l] = 0.0;
+        for (int l = 0; l < LENGTH; l++)
+            moved[i][l] = 0.0;
+        for (int j = 0; j < n; j++) {
+            const double factor = phi[i][j];
+            if (factor == 0.0)
+                continue;
+            for (int l = 0; l < WIDTH; l++)
+                half[i][l] += factor * spread[j][l];
+            for (int l = 0; l < LENGTH; l++)
+                moved[i][l] += factor * shared[j][l];
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            turned[j][i] = half[i][j];
+    memset(spread, 0, WIDTH * sizeof *spread);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            const double factor = phi[i][j];
+            if (factor != 0.0)
+                for (int l = 0; l < n; l++)
+                    spread[i][l] += factor * turned[j][l];
+        }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            spread[i][j] = spread[j][i];
+    memcpy(shared, moved, n * sizeof *moved);
+}
+
+static double dot(int count, const double *a, const double *b)
+{
+    double total = 0.0;
+    for (int i = 0; i < count; i++)
+        total += a[i] * b[i];
+    return total;
+}
+
+/* C z, and z' C z as result. */
+static double through(const mode *common, const double *z, double *product)
+{
+    for (int l = 0; l < LENGTH; l++)
+        product[l] = 0.0;
+    for (int k = 0; k < COLUMNS; k++)
+        for (int l = 0; l < LENGTH; l++)
+            product[l] += z[k] * common[k][l];
+    return dot(COLUMNS, z, product);
+}
+
+/* C - k k' / by */
+static void learn(mode *common, const double *k, double by)
+{
+    for (int i = 0; i < COLUMNS; i++) {
+        const double factor = k[i] / by;
+        for (int l = 0; l < LENGTH; l++)
+            common[i][l] -= factor * k[l];
+    }
+}
+
+/* D c by parts, and what c sees of the common unknowns; c' D c as result. */
+static double seen_by(const Belief *b, const double *c, double *product, double *z)
+{
+    double total = 0.0;
+    for (int l = 0; l < LENGTH; l++)
+        z[l] = 0.0;
+    for (int p = 0; p < PARTS; p++) {
+        const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
+        for (int i = 0; i < n; i++) {
+            product[first + i] = dot(n, b->spread[p][i], c + first);
+            total += c[first + i] * product[first + i];
+            for (int l = 0; l < LENGTH; l++)
+                z[l] += c[first + i] * b->shared[first + i][l];
+        }
+    }
+    return total;
+}
+
+/* Covariance one period later. */
+static void predict(double *block, Belief *b, const double *free)
+{
+    const double period = block[PERIOD];
+    double own[N];
+    mode z, carried;
+
+    for (int p = 0; p < PARTS; p++)
+        for (int i = 0; i < WIDTH; i++)
+            for (int l = 0; l < WIDTH; l++)
+                b->spread[p][i][l] = block[SPREAD + (p * WIDTH + i) * WIDTH + l];
+    memset(b->common, 0, sizeof b->common);
+    for (int k = 0; k < RANK; k++)
+        b->common[k][k] = block[COMMON + k];
+    for (int i = 0; i < N; i++) {
+        for (int l = 0; l < LENGTH; l++)
+            b->shared[i][l] = l < RANK ? block[SHARED + i * RANK + l] : 0.0;
+    }
+    const double alone = seen_by(b, b->pull, own, z);
+    const double total = alone + through((const mode *)b->common, z, carried);
+    carried[PULLED] = 1.0;
+    for (int k = 0; k <= PULLED; k++) {
+        b->common[k][PUSHED] = carried[k];
+        b->common[PUSHED][k] = carried[k];
+    }
+    b->common[PUSHED][PUSHED] = total;
+
+    for (int i = 0; i < N; i++)
+        b->shared[i][PULLED] = own[i];
+    for (int p = 1; p < PARTS; p++) {
+        row phi[WIDTH];
+        const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
+        transition(period, n, b->jacobian[p], phi);
+        propagate(n, (const row *)phi, b->spread[p], b->shared + first);
+    }
+    for (int p = 0; p < PARTS; p++)
+        for (int i = PART_STATE[p]; i < PART_STATE[p + 1]; i++) {
+            b->shared[i][PUSHED] = period * b->push[i];
+            b->spread[p][i - PART_STATE[p]][i - PART_STATE[p]] += block[NOISE + i] * free[i];
+        }
+}
+
+/* Condition on the readings; the mean moves by `shift`. */
+static int condition(double *block, Belief *b, double *shift)
+{
+    double eta[LENGTH] = {0}, pull[N], own[N];
+    mode z, product;
+
+    memset(shift, 0, N * sizeof *shift);
+    block[SQUARED] = 0.0;
+    for (int i = 0; i < M; i++) {
+        const int p = READING_PART[i], state = READING_STATE[i];
+        block[USED + i] = 0.0;
+        if (p < 0 || isnan(block[SEEN + i]))
+            continue;
+        const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
+        row k;
+        memcpy(k, b->spread[p][state - first], sizeof k);
+        memcpy(z, b->shared[state], sizeof z);
+        const double alone = k[state - first] + block[READING_NOISE + i];
+        const double all = alone + through((const mode *)b->common, z, product);
+        if (!(alone > 0.0 && all > 0.0))
+            return NOT_DEFINITE;
+        const double residual = block[SEEN + i] - b->mean[state] - shift[state];
+        const double innovation = residual - dot(COLUMNS, z, eta);
+        for (int r = 0; r < n; r++) {
+            const double gain = k[r] / alone;
+            shift[first + r] += gain * residual;
+            for (int l = 0; l < WIDTH; l++)
+                b->spread[p][r][l] -= gain * k[l];
+            for (int l = 0; l < LENGTH; l++)
+                b->shared[first + r][l] -= gain * z[l];
+        }
+        learn(b->common, product, all);
+        for (int l = 0; l < COLUMNS; l++)
+            eta[l] += product[l] * innovation / all;
+        block[SQUARED] += innovation * innovation / all;
+        block[USED + i] = 1.0;
+    }
+    for (int i = 0; i < M; i++) {
+        if (READING_PART[i] >= 0 || isnan(block[SEEN + i]))
+            continue;
+        double force = 0.0, acceleration, by_speed, by_force;
+        for (int p = 1; p < PARTS; p++) {
+            double inputs[WIDTH + 1], part;
+            inputs_of(p, block, inputs);
+            const double *arguments[ARGUMENTS] = {b->mean + PART_STATE[p], inputs, block + PARAMETERS + PART_PARAMETER[p]};
+            double *results[RESULTS] = {&part, pull + PART_STATE[p]};
+            call(FORCE[KIND[p]], arguments, results);
+            force += part;
+        }
+        body_at(block, b->mean[0], force, &acceleration, &by_speed, &by_force);
+        pull[0] = by_speed;
+        for (int j = 1; j < N; j++)
+            pull[j] *= by_force;
+        const double alone = seen_by(b, pull, own, z) + block[READING_NOISE + i];
+        const double all = alone + through((const mode *)b->common, z, product);
+        if (!(all > 0.0))
+            return NOT_DEFINITE;
+        const double innovation = block[SEEN + i] - acceleration - dot(N, pull, shift) - dot(COLUMNS, z, eta);
+        for (int j = 0; j < N; j++)
+            b->shared[j][WEIGHED] = own[j];
+        product[WEIGHED] = 1.0;
+        learn(b->common, product, all);
+        for (int l = 0; l < COLUMNS; l++)
+            eta[l] += product[l] * innovation / all;
+        block[SQUARED] += innovation * innovation / all;
+        block[USED + i] = 1.0;
+    }
+    for (int i = 0; i < N; i++)
+        shift[i] += dot(COLUMNS, b->shared[i], eta);
+    return FINE;
+}
+
+/* Covariance of every frozen state with the frozen ones of its part. */
+static void frozen(const Belief *b, const double *free, row *known)
+{
+    for (int g = 0; g < GATES; g++) {
+        const int p = GATE_PART[g], first = PART_STATE[p], state = GATE_STATE[g];
+        mode product;
+        if (free[state] != 0.0)
+            continue;
+        through((const mode *)b->common, b->shared[state], product);
+        for (int i = first; i < PART_STATE[p + 1]; i++)
+            if (free[i] == 0.0)
+                known[g][i - first] = b->spread[p][state - first][i - first] + dot(COLUMNS, product, b->shared[i]);
+    }
+}
+
+/* Give frozen states back what the readings told of them: consider states of Schmidt's filter, but for what frozen
+   states of different parts share. */
+static void restore(Belief *b, const double *free, const row *before, double *shift)
+{
+    row after[GATES + 1];
+    frozen(b, free, after);
+    for (int g = 0; g < GATES; g++) {
+        const int p = GATE_PART[g], first = PART_STATE[p], state = GATE_STATE[g];
+        if (free[state] != 0.0)
+            continue;
+        shift[state] = 0.0;
+        for (int i = first; i < PART_STATE[p + 1]; i++)
+            if (free[i] == 0.0)
+                b->spread[p][state - first][i - first] += before[g][i - first] - after[g][i - first];
+    }
+}
+
+/* Eigenvalues of a symmetric matrix on its diagonal and eigenvectors in the rows of `vector`, by Jacobi's rotations. */
+static void eigen(mode *matrix, mode *vector)
+{
+    memset(vector, 0, LENGTH * sizeof *vector);
+    for (int i = 0; i < COLUMNS; i++)
+        vector[i][i] = 1.0;
+    for (int sweep = 0; sweep < 30; sweep++) {
+        int turned = 0;
+        for (int p = 0; p < COLUMNS - 1; p++)
+            for (int q = p + 1; q < COLUMNS; q++) {
+                const double off = matrix[p][q];
+                if (fabs(off) <= 1e-13 * (1.0 + fabs(matrix[p][p]) + fabs(matrix[q][q])))
+                    continue;
+                turned = 1;
+                const double theta = (matrix[q][q] - matrix[p][p]) / (2.0 * off);
+                const double t = (theta < 0.0 ? -1.0 : 1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
+                const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                const double at_p = matrix[p][p] - t * off, at_q = matrix[q][q] + t * off;
+                for (int l = 0; l < LENGTH; l++) {
+                    const double a = matrix[p][l], b = matrix[q][l], x = vector[p][l], y = vector[q][l];
+                    matrix[p][l] = c * a - s * b;
+                    matrix[q][l] = s * a + c * b;
+                    vector[p][l] = c * x - s * y;
+                    vector[q][l] = s * x + c * y;
+                }
+                for (int l = 0; l < COLUMNS; l++) {
+                    matrix[l][p] = matrix[p][l];
+                    matrix[l][q] = matrix[q][l];
+                }
+                matrix[p][p] = at_p;
+                matrix[q][q] = at_q;
+                matrix[p][q] = matrix[q][p] = 0.0;
+            }
+        if (!turned)
+            return;
+    }
+}
+
+/* Write D + U C U' back with RANK common unknowns: those that matter most, seen in units of D.
+
+   What is left out and is positive goes into D; what is negative, knowledge that parts share, is forgotten. Both
+   leave the covariance at least as large as it was. */
+static int compress(double *block, Belief *b)
+{
+    mode gram[LENGTH] = {{0}}, root[LENGTH] = {{0}}, inner[LENGTH] = {{0}}, vector[LENGTH], weight[LENGTH] = {{0}};
+    int order[COLUMNS];
+
+    for (int p = 0; p < PARTS; p++) {
+        const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
+        row factor[WIDTH];
+        mode white[WIDTH];
+        for (int i = 0; i < n; i++) {
+            memcpy(white[i], b->shared[first + i], sizeof white[i]);
+            for (int j = 0; j < i; j++) {
+                factor[i][j] = (b->spread[p][i][j] - dot(j, factor[i], factor[j])) / factor[j][j];
+                for (int l = 0; l < LENGTH; l++)
+                    white[i][l] -= factor[i][j] * white[j][l];
+            }
+            const double left = b->spread[p][i][i] - dot(i, factor[i], factor[i]);
+            if (!(left > 0.0))
+                return NOT_DEFINITE;
+            factor[i][i] = sqrt(left);
+            for (int l = 0; l < LENGTH; l++)
+                white[i][l] /= factor[i][i];
+            for (int k = 0; k < COLUMNS; k++)
+                for (int l = k & ~3; l < LENGTH; l++) /* of a symmetric matrix, from a whole vector on */
+                    gram[k][l] += white[i][k] * white[i][l];
+        }
+    }
+    /* gram = root' root; a column that others make up has no row in it */
+    for (int k = 0; k < COLUMNS; k++) {
+        const double whole = gram[k][k];
+        double left = whole;
+        for (int j = 0; j < k; j++)
+            left -= root[j][k] * root[j][k];
+        if (!(left > 1e-13 * whole))
+            continue;
+        for (int l = 0; l < LENGTH; l++)
+            root[k][l] = l < k ? 0.0 : gram[k][l];
+        for (int j = 0; j < k; j++)
+            for (int l = k; l < LENGTH; l++)
+                root[k][l] -= root[j][k] * root[j][l];
+        const double pivot = sqrt(left);
+        for (int l = k; l < LENGTH; l++)
+            root[k][l] /= pivot;
+    }
+    for (int k = 0; k < COLUMNS; k++) {
+        mode product;
+        through((const mode *)b->common, root[k], product);
+        for (int j = 0; j <= k; j++)
+            inner[k][j] = inner[j][k] = dot(COLUMNS, root[j], product);
+    }
+    eigen(inner, vector);
+    for (int k = 0; k < COLUMNS; k++) {
+        int at = k;
+        if (!(inner[k][k] > -1.0))
+            return NOT_DEFINITE;
+        for (; at > 0 && fabs(log1p(inner[order[at - 1]][order[at - 1]])) < fabs(log1p(inner[k][k])); at--)
+            order[at] = order[at - 1];
+        order[at] = k;
+    }
+    /* root weight = eigenvectors, the ones that matter most first */
+    for (int k = COLUMNS - 1; k >= 0; k--) {
+        if (root[k][k] == 0.0)
+            continue;
+        for (int l = 0; l < COLUMNS; l++)
+            weight[k][l] = vector[order[l]][k];
+        for (int j = k + 1; j < COLUMNS; j++)
+            for (int l = 0; l < LENGTH; l++)
+                weight[k][l] -= root[k][j] * weight[j][l];
+        for (int l = 0; l < LENGTH; l++)
+            weight[k][l] /= root[k][k];
+    }
+    for (int p = 0; p < PARTS; p++) {
+        const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
+        mode turned[WIDTH];
+        for (int i = 0; i < n; i++) {
+            for (int l = 0; l < LENGTH; l++)
+                turned[i][l] = 0.0;
+            for (int k = 0; k < COLUMNS; k++)
+                for (int l = 0; l < LENGTH; l++)
+                    turned[i][l] += b->shared[first + i][k] * weight[k][l];
+        }
+        for (int l = RANK; l < COLUMNS; l++) {
+            const double excess = inner[order[l]][order[l]];
+            if (excess > 0.0)
+                for (int i = 0; i < n; i++)
+                    for (int j = 0; j < n; j++)
+                        b->spread[p][i][j] += excess * turned[i][l] * turned[j][l];
+        }
+        for (int i = 0; i < n; i++) {
+            double variance = b->spread[p][i][i];
+            for (int k = 0; k < RANK; k++) {
+                variance += inner[order[k]][order[k]] * turned[i][k] * turned[i][k];
+                block[SHARED + (first + i) * RANK + k] = turned[i][k];
+            }
+            for (int j = 0; j < WIDTH; j++)
+                block[SPREAD + (p * WIDTH + i) * WIDTH + j] = b->spread[p][i][j];
+            block[COVARIANCE + (first + i) * (N + 1)] = variance;
+        }
+    }
+    for (int k = 0; k < RANK; k++)
+        block[COMMON + k] = inner[order[k]][order[k]];
+    return FINE;
+}
+
+/* Advance the belief in `block` by one period; on failure it stays as it was. */
+int STEP(double *block)
+{
+    Belief b;
+    double free[N], shift[N];
+    row before[GATES + 1];
+
+    for (int i = 0; i < N; i++)
+        free[i] = 1.0;
+    for (int g = 0; g < GATES; g++)
+        if (block[HELD + GATE_INPUT[g]] < block[THRESHOLD])
+            free[GATE_STATE[g]] = 0.0;
+    advance(block, &b);
+    for (int i = 0; i < N; i++)
+        if (!isfinite(b.mean[i]))
+            return PREDICTED_MEAN_NOT_FINITE;
+    predict(block, &b, free);
+    frozen(&b, free, before);
+    int outcome = condition(block, &b, shift);
+    if (outcome)
+        return outcome;
+    restore(&b, free, (const row *)before, shift);
+    for (int i = 0; i < N; i++)
+        if (!isfinite(b.mean[i] + shift[i]))
+            return MEAN_NOT_FINITE;
+    outcome = compress(block, &b);
+    if (outcome)
+        return outcome;
+    for (int i = 0; i < N; i++)
+        block[MEAN + i] = b.mean[i] + shift[i];
+    return FINE;
+}

@@ -1,0 +1,176 @@
+"""The prediction of a train made from its nominal data, for any formation."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.errors import ScenarioError
+from railgrip.estimators.consist import Consist, Part
+from railgrip.fmus.native import Model, Variable, lower
+from railgrip.formation import Formation
+from railgrip.train import GRAVITY
+
+_PACKAGE = "RailBraking.Vehicles"
+_OF_WHEELSETS = frozenset({"m_wheelset", "m_unsprung"})
+_OF_BOGIES = frozenset({"m_frame", "I_frame", "wheelbase", "h_frame", "h_rod", "k_primary", "c_primary"})
+_PAD_FRICTION = "mu_b_nominal"
+
+
+@cache
+def _model(name: str) -> Model:
+    return lower(f"{_PACKAGE}.{name}")
+
+
+@dataclass(frozen=True, slots=True)
+class _Members:
+    """Zero-based groups and wheelsets of a part, and its bogie where it is one."""
+
+    groups: tuple[int, ...]
+    wheelsets: tuple[int, ...]
+    bogie: int | None = None
+
+
+def units_of_predictions() -> dict[str, str]:
+    """Return the unit of every parameter that a prediction has, without indices."""
+    models = [_model(name) for name in ("BodyPrediction", "GroupPrediction", "BogiePrediction")]
+    units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
+    return {name: unit for name, unit in units.items() if name not in ("m", "m_group")} | {_PAD_FRICTION: "1"}
+
+
+def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
+    """Return what a prediction takes of a train: nominal data, and what the formation knows where they lack it."""
+    known = {name.partition("[")[0] for name in nominal}
+    of_brakes = {
+        "J": "inertia", "r_wheel": "wheel_radius", "n_units": "units", "r_friction": "friction_radius",
+        "A_piston": "piston_area", "i_rigging": "rigging", "F_spring": "spring_force",
+    }  # fmt: skip
+    each = {
+        f"{name}[{g + 1}]": float(getattr(brake, attribute))
+        for name, attribute in of_brakes.items()
+        if name not in known
+        for g, brake in enumerate(formation.brakes)
+    }
+    if "i_rigging" not in known:  # the product with its efficiency
+        each["eta_rigging"] = 1.0
+    masses = {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
+    return dict(nominal) | each | masses
+
+
+def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
+    """Return the prediction of a train.
+
+    A bogie of two wheelsets whose frame is known is a part with its suspension; of every other group the load is
+    static. Bogies are those of `wheelsets_per_bogie`, else of two wheelsets each where there are half as many frames.
+
+    Args:
+        formation: Wheelsets and groups.
+        data: Parameter by the names of Modelica, of one group, wheelset or bogie (`J[2]`) or of all (`J`), SI; those
+            that are missing are as in the prediction's classes.
+
+    Raises:
+        ScenarioError: `wheelsets_per_bogie` has another number of wheelsets.
+    """
+    parts = [_part(members, formation, data) for members in _members(formation, data)]
+    body = _model("BodyPrediction")
+    mass = sum(data[f"m_wheelset[{i + 1}]"] for i in range(formation.wheelsets))
+    values = [mass if v.name == "m" else data.get(v.name, v.start) for v in body.parameters]
+    return Consist(body=body, body_parameters=np.array(values), parts=parts)
+
+
+def start_of(consist: Consist, formation: Formation, data: Mapping[str, float], speed: float) -> NDArray[np.float64]:
+    """Return the mean at the start: rolling at a speed [m/s], pads as nominal, the rest at zero; shape (n,)."""
+    mean = np.zeros(len(consist.states))
+    mean[0] = speed
+    for g in range(formation.groups):
+        mean[consist.states.index(f"w[{g + 1}]")] = speed / radius_of(data, g)
+        mean[consist.states.index(f"mu_b[{g + 1}]")] = _value(data, _PAD_FRICTION, g, 0.35)
+    return mean
+
+
+def radius_of(data: Mapping[str, float], group: int) -> float:
+    """Return the rolling radius of a group [m]."""
+    return _value(data, "r_wheel", group, np.nan)
+
+
+def release_pressure(data: Mapping[str, float], group: int, pad_force: float) -> float:
+    """Return the cylinder pressure [Pa] at which both pads of a unit of a group press with a force [N]."""
+    area, rigging, efficiency, spring = (
+        _value(data, name, group, np.nan) for name in ("A_piston", "i_rigging", "eta_rigging", "F_spring")
+    )
+    return (pad_force / (rigging * efficiency) + spring) / area
+
+
+def _value(data: Mapping[str, float], name: str, index: int, default: float) -> float:
+    return data.get(f"{name}[{index + 1}]", data.get(name, default))
+
+
+def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
+    """Return the parts of a train: bogies of two wheelsets with known frames, and the groups of no such bogie."""
+    ends = np.cumsum([0, *_wheelsets_per_bogie(formation, data)]).tolist()
+    group_of, per_group = formation.group_of_wheelset.tolist(), formation.wheelsets_per_group
+    found: list[_Members] = []
+    for bogie, (first, end) in enumerate(pairwise(ends)):
+        groups = tuple(dict.fromkeys(group_of[first:end]))
+        framed = all(f"{name}[{bogie + 1}]" in data or name in data for name in ("m_frame", "I_frame", "wheelbase"))
+        if end - first == 2 and framed and sum(per_group[g] for g in groups) == 2:
+            found.append(_Members(groups, (first, first + 1), bogie))
+    alone = set(range(formation.groups)).difference(*(members.groups for members in found))
+    wheelsets = np.arange(formation.wheelsets)
+    found += [_Members((g,), tuple(wheelsets[formation.group_of_wheelset == g].tolist())) for g in alone]
+    return sorted(found, key=lambda members: members.groups)
+
+
+def _wheelsets_per_bogie(formation: Formation, data: Mapping[str, float]) -> list[int]:
+    written = sorted((name for name in data if name.startswith("wheelsets_per_bogie[")), key=_number)
+    if written:
+        counts = [int(data[name]) for name in written]
+        if sum(counts) != formation.wheelsets:
+            raise ScenarioError(
+                f"wheelsets_per_bogie has {sum(counts)} wheelsets, {counts}; the vehicle has {formation.wheelsets}"
+            )
+        return counts
+    frames = sum(name.startswith("m_frame[") for name in data)
+    return [2] * frames if 2 * frames == formation.wheelsets else []
+
+
+def _number(name: str) -> int:
+    return int(name.partition("[")[2][:-1])
+
+
+def _part(members: _Members, formation: Formation, data: Mapping[str, float]) -> Part:
+    if members.bogie is None:
+        model = _model("GroupPrediction")
+    else:
+        model = _model("BogiePrediction" if len(members.groups) == 2 else "CoupledBogiePrediction")
+
+    def place(name: str) -> tuple[str, int]:
+        base, bracket, _ = name.partition("[")
+        local = _number(name) - 1 if bracket else 0
+        if base in _OF_BOGIES:
+            return base, members.bogie or 0
+        of = members.wheelsets if base in (*_OF_WHEELSETS, "dz", "ddz", "deflection") else members.groups
+        return base, of[local]
+
+    def parameter(variable: Variable) -> float:
+        if variable.name == "m_group":
+            return sum(data[f"m_wheelset[{i + 1}]"] for i in members.wheelsets)
+        return _value(data, *place(variable.name), variable.start)
+
+    def whole(variable: Variable) -> str:
+        base, index = place(variable.name)
+        return f"{base}[{index + 1}]"
+
+    states = tuple(whole(variable) for variable in model.states)
+    shown = {"w": "wheelset_speed", "dz": "deflection"}
+    pairs = ((state.partition("["), state) for state in states)
+    return Part(
+        model=model,
+        parameters=np.array([parameter(variable) for variable in model.parameters]),
+        states=states,
+        inputs=tuple(whole(variable) for variable in model.inputs[:-1]),
+        readings=tuple((f"{shown[name]}[{index}", state) for (name, _, index), state in pairs if name in shown),
+    )

@@ -1,0 +1,30 @@
+within RailBraking.Vehicles;
+block BodyPrediction "All masses of a train along the track, as an estimator believes them to be"
+  parameter Types.Mass m(min=1e-3) = 84000 "Mass of the whole train, without rotating masses";
+  parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
+  parameter Types.Area A_drag = 10 "Frontal area";
+  parameter Types.Density rho_air = 1.2 "Density of the air";
+  Interfaces.RealInput force(final unit="N", start=0) "Braking force of the track on all wheelsets"
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
+  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
+    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
+  Interfaces.RealOutput acceleration(final unit="m/s2") = der(v) "Acceleration of the train"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+  Types.Velocity v(start=22, fixed=true, stateSelect=StateSelect.always) "Speed of the train";
+equation
+  m*der(v) = track_force - force - rho_air/2*c_drag*A_drag*v^2;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<p>What the parts of a train share in an estimator: its speed and its acceleration.</p>
+<h4>Limitations</h4>
+<p>One mass: couplers do not give.</p>
+</html>"));
+end BodyPrediction;

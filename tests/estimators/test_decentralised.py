@@ -1,0 +1,259 @@
+"""The filter with a part for each bogie against the central one: what it believes, and whether it knows how well.
+
+Truth is the stochastic model that both assume, as in test_train_consistency.py: equations of the prediction and a draw
+of its noises, on trains with and without suspension, pressures held or one group released for a while.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from railgrip.errors import EstimatorError, FilterDiverged
+from railgrip.estimators.belief import Estimate
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.consist import Consist, Part, part_equations
+from railgrip.estimators.consistency import chi_square_bounds, nees
+from railgrip.estimators.decentralised import DecentralisedFilter
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import NOISE_SETS
+from railgrip.fmus.native import lower
+from railgrip.formation import Formation
+from railgrip.prediction import consist_of, start_of
+
+PERIOD, RUNS, STEPS = 1e-3, 40, 400
+INSTANTS = (20, 100, 250, 400)
+RELEASED = slice(100, 250)
+
+TWO_PART = Formation((2, 1, 1, 2))
+TWO_PART_DATA = {
+    **{f"m_wheelset[{i + 1}]": m for i, m in enumerate((13400, 14100, 14500, 14500, 14100, 13400))},
+    **{f"m_unsprung[{i + 1}]": m for i, m in enumerate((1500, 1500, 1300, 1300, 1500, 1500))},
+    **{f"J[{g + 1}]": inertia for g, inertia in enumerate((222, 209, 209, 222))},
+    **{f"n_units[{g + 1}]": units for g, units in enumerate((3, 2, 2, 3))},
+    **{f"r_friction[{g + 1}]": radius for g, radius in enumerate((0.235, 0.22, 0.22, 0.235))},
+    **{f"m_frame[{b + 1}]": m for b, m in enumerate((3500, 2800, 3500))},
+    **{f"I_frame[{b + 1}]": inertia for b, inertia in enumerate((2200, 2300, 2200))},
+    **{f"wheelbase[{b + 1}]": length for b, length in enumerate((1.9, 2.65, 1.9))},
+    "r_wheel": 0.38,
+}
+
+
+def rigid(groups: int) -> tuple[Formation, dict[str, float]]:
+    """A train of equal wheelsets without suspension."""
+    masses = {f"m_wheelset[{i + 1}]": 15e3 for i in range(groups)}
+    return Formation((1,) * groups), masses | {"J": 120.0, "r_wheel": 0.46, "n_units": 2.0, "r_friction": 0.24}
+
+
+TRAINS = {"two-part": (TWO_PART, TWO_PART_DATA), "eight wheelsets": rigid(8)}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A train, its noises and RUNS draws of what it does: `held` (k, nu), `state` (k, RUNS, n), `seen` (k, RUNS, m)."""
+
+    consist: Consist
+    noises: tuple[np.ndarray, np.ndarray]
+    gate: Gate
+    mean: np.ndarray
+    variances: np.ndarray
+    held: np.ndarray
+    state: np.ndarray
+    seen: np.ndarray
+
+    def decentralised(self) -> DecentralisedFilter:
+        filter_ = DecentralisedFilter(self.consist, *self.noises, PERIOD, self.gate)
+        filter_.start(self.mean, self.variances)
+        return filter_
+
+    def central(self) -> CompiledFilter:
+        filter_ = CompiledFilter(self.consist.prediction, *self.noises, PERIOD, self.gate)
+        filter_.start(self.mean, self.variances)
+        return filter_
+
+
+@cache
+def case(train: str, sensors: str, released: bool = False) -> Case:
+    formation, data = TRAINS[train]
+    consist = consist_of(formation, data)
+    tuning = NOISE_SETS[f"train_{sensors}"]
+    states, outputs = consist.states, consist.outputs
+    process, reading = tuning.process_noise(states), tuning.reading_noise(outputs)
+    variances = tuning.start_covariance(states)
+    mean = start_of(consist, formation, data, speed=22.0)
+    pads = [states.index(f"mu_b[{g + 1}]") for g in range(formation.groups)]
+    mean[[states.index(f"alpha[{g + 1}]") for g in range(formation.groups)]] = 0.1
+
+    prediction, of = consist.prediction, consist.prediction.equations
+    slope, output = (
+        ca.Function("f", [of.x, of.u], [ca.substitute(expression, of.p, ca.DM(prediction.parameters))])
+        for expression in (of.derivative, of.output)
+    )
+    # Pressures at which the wheels neither gain nor lose on the train, with static loads.
+    wheels = [states.index(f"w[{g + 1}]") for g in range(formation.groups)]
+    still = ca.vertcat(*(slope(mean, of.u)[w] for w in wheels))
+    gain = ca.Function("gain", [of.u], [ca.jacobian(still, of.u), still])
+    inputs = np.append(np.full(formation.groups, 1e5), 0.0)
+    by_pressure, rest = (np.asarray(value) for value in gain(inputs))
+    inputs[:-1] -= rest[:, 0] / np.diag(by_pressure[:, :-1])
+    ahead = of.x
+    for _ in range(2):
+        half = 0.5 * PERIOD
+        k1 = slope(ahead, of.u)
+        k2 = slope(ahead + 0.5 * half * k1, of.u)
+        k3 = slope(ahead + 0.5 * half * k2, of.u)
+        k4 = slope(ahead + half * k3, of.u)
+        ahead = ahead + half / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    moved, shown = ca.Function("ahead", [of.x, of.u], [ahead]).map(RUNS), output.map(RUNS)
+
+    # Each group's pressure goes its own way: alike, they would be one direction of what the acceleration tells.
+    groups, time = np.arange(formation.groups), PERIOD * np.arange(STEPS)[:, np.newaxis]
+    held = np.tile(inputs, (STEPS, 1))
+    held[:, :-1] *= 1.0 + 0.3 * np.sin(2.0 * np.pi * (2.0 + 0.7 * groups) * time + groups)
+    if released:
+        held[RELEASED, 1] = 0.0
+    random = np.random.default_rng([list(TRAINS).index(train), sensors == "ideal", released])
+    now = mean[:, np.newaxis] + np.sqrt(variances)[:, np.newaxis] * random.standard_normal((len(states), RUNS))
+    state, seen = np.empty((STEPS, RUNS, len(states))), np.empty((STEPS, RUNS, len(outputs)))
+    for k in range(STEPS):
+        noise = np.sqrt(PERIOD * process)[:, np.newaxis] * random.standard_normal(now.shape)
+        if held[k, 1] == 0.0:
+            noise[pads[1]] = 0.0
+        each = np.tile(held[k][:, np.newaxis], (1, RUNS))
+        now = np.asarray(moved(now, each)) + noise
+        state[k] = now.T
+        error = np.sqrt(reading)[:, np.newaxis] * random.standard_normal((len(outputs), RUNS))
+        seen[k] = (np.asarray(shown(now, each)) + error).T
+    gate = Gate(
+        states=tuple(states[pad] for pad in pads),
+        inputs=tuple(f"cylinder_pressure[{g + 1}]" for g in range(formation.groups)),
+        threshold=5e4,
+    )
+    return Case(consist, (process, reading), gate, mean, variances, held, state, seen)
+
+
+def test_the_parts_of_the_two_part_train_make_the_prediction_written_as_one():
+    """The same derivative and readings as RailBraking.FMUs.TrainPrediction, to rounding, at states drawn at random."""
+    model = lower("RailBraking.FMUs.TrainPrediction")
+    whole = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
+    parts = consist_of(TWO_PART, TWO_PART_DATA).prediction
+    states, outputs = (
+        [of.index(name) for name in names]
+        for of, names in ((parts.states, whole.states), (parts.outputs, whole.outputs))
+    )
+    typical = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 1e-3, "ddz": 1e-2}
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        x = np.array([typical[name.partition("[")[0]] for name in parts.states]) * random.uniform(0.5, 1.5, 25)
+        u = np.append(random.uniform(0.5e5, 3e5, 4), 1e3)
+        assert parts.inputs == whole.inputs
+        np.testing.assert_allclose(parts.derivative(x, u)[states], whole.derivative(x[states], u), rtol=1e-12)
+        np.testing.assert_allclose(parts.output(x, u)[outputs], whole.output(x[states], u), rtol=1e-12)
+
+
+@pytest.mark.parametrize("released", [False, True], ids=["held", "one group released"])
+@pytest.mark.parametrize("sensors", ["ideal", "service"])
+@pytest.mark.parametrize("train", TRAINS)
+def test_mean_nees_and_nis_lie_in_their_chi_square_bounds(train, sensors, released):
+    """Of all states together. 95 % for all checks together by Bonferroni's inequality: 8 cases of 5 checks."""
+    true = case(train, sensors, released)
+    filter_ = true.decentralised()
+    n, m = filter_.mean.size, filter_.seen.size
+    errors, squares = np.empty((len(INSTANTS), RUNS)), np.empty((STEPS, RUNS))
+    for run in range(RUNS):
+        filter_.start(true.mean, true.variances)
+        for k in range(STEPS):
+            filter_.held[:], filter_.seen[:] = true.held[k], true.seen[k, run]
+            filter_.advance()
+            squares[k, run] = filter_.squared_innovation
+            if k + 1 in INSTANTS:
+                belief = Estimate(mean=filter_.mean.copy(), covariance=filter_.joint())
+                errors[INSTANTS.index(k + 1), run] = nees(belief, true.state[k, run])
+    confidence = 1.0 - 0.05 / 40
+    low, high = chi_square_bounds(n, RUNS, confidence)
+    assert np.all((errors.mean(axis=1) > low) & (errors.mean(axis=1) < high)), (errors.mean(axis=1) / n, low, high)
+    assert 0.5 < errors.mean() / n < 2.0
+    low, high = chi_square_bounds(m, RUNS * STEPS, confidence)
+    assert low < squares.mean() < high
+
+
+@pytest.mark.parametrize("sensors", ["ideal", "service"])
+@pytest.mark.parametrize("train", TRAINS)
+def test_it_errs_like_the_central_filter_and_never_claims_to_know_more(train, sensors):
+    """Root mean square errors of adhesion, pad friction and wheel speed within 2 %, deviations never below 0.1 %.
+
+    Above they are by 1 % with service sensors. Perfect ones tell more directions of eight groups that all go their own
+    way than are kept: some deviations are larger by 19 % for a while, none in the median.
+    """
+    true = case(train, sensors)
+    ours, theirs = true.decentralised(), true.central()
+    errors, shares = {ours: [], theirs: []}, []
+    for run in range(5):
+        for filter_ in (ours, theirs):
+            filter_.start(true.mean, true.variances)
+        for k in range(STEPS):
+            for filter_ in (ours, theirs):
+                filter_.held[:], filter_.seen[:] = true.held[k], true.seen[k, run]
+                filter_.advance()
+                errors[filter_].append(filter_.mean - true.state[k, run])
+            shares.append(np.sqrt(ours.covariance.diagonal() / theirs.covariance.diagonal()))
+    for name in ("alpha", "mu_b", "w"):
+        places = [i for i, state in enumerate(true.consist.states) if state.partition("[")[0] == name]
+        rms = {filter_: np.sqrt(np.mean(np.array(each)[:, places] ** 2)) for filter_, each in errors.items()}
+        assert rms[ours] == pytest.approx(rms[theirs], rel=0.02), name
+    assert np.min(shares) > 0.999
+    assert np.median(shares) < 1.001
+    assert np.max(shares) < (1.01 if sensors == "service" else 1.25)
+
+
+def test_readings_that_are_missing_bring_nothing():
+    true = case("two-part", "service")
+    filter_ = true.decentralised()
+    before = filter_.covariance.diagonal().copy()
+    filter_.held[:], filter_.seen[:] = true.held[0], np.nan
+    filter_.advance()
+    assert filter_.used.sum() == 0
+    assert filter_.squared_innovation == 0.0
+    # All but the deflections' rates, which dampers take out, spread.
+    known = np.array([not name.startswith("ddz") for name in true.consist.states])
+    assert np.all(filter_.covariance.diagonal()[known] > before[known])
+
+
+def test_a_reading_that_is_no_number_it_can_use_leaves_the_belief_as_it_was():
+    true = case("two-part", "service")
+    filter_ = true.decentralised()
+    filter_.held[:], filter_.seen[:] = true.held[0], true.seen[0, 0]
+    filter_.advance()
+    mean, joint = filter_.mean.copy(), filter_.joint()
+    filter_.seen[0] = np.inf
+    with pytest.raises(FilterDiverged, match="readings threw the mean"):
+        filter_.advance()
+    assert np.array_equal(filter_.mean, mean)
+    assert np.array_equal(filter_.joint(), joint)
+
+
+def test_parts_that_meet_in_more_than_the_acceleration_are_refused():
+    model = lower("RailBraking.FMUs.TrainPredictionReduced")
+    with pytest.raises(EstimatorError, match="linear in its acceleration"):
+        part_equations(model, 0)
+
+
+def test_noises_of_different_states_are_independent():
+    true = case("two-part", "service")
+    process = np.diag(true.noises[0])
+    process[1, 2] = process[2, 1] = 1e-12
+    with pytest.raises(EstimatorError, match="independent"):
+        DecentralisedFilter(true.consist, process, true.noises[1], PERIOD)
+
+
+def test_bogies_of_two_wheelsets_with_known_frames_have_suspension_and_others_do_not():
+    three = {f"wheelsets_per_bogie[{b + 1}]": float(count) for b, count in enumerate((3, 2))}
+    frames = {"m_frame": 3500.0, "I_frame": 2200.0, "wheelbase": 2.0}
+    formation, data = rigid(5)
+    parts = consist_of(formation, data | three | frames).parts
+    assert [len(part.states) for part in parts] == [3, 3, 3, 10]
+    assert [len(part.states) for part in consist_of(formation, data).parts] == [3] * 5
+    assert isinstance(parts[0], Part)
