@@ -18,7 +18,8 @@ class Observation(NamedTuple):
         time: Since braking began [s].
         speed: Of the train [m/s]; estimated where an estimator provides it, else read.
         acceleration: Of the train, read, negative in braking [m/s²].
-        wheelset_speed: Rotational speed of the wheelsets, as `speed` estimated or read [rad/s].
+        wheelset_speed: Rotational speed of the wheelsets, as `speed` estimated or read [rad/s]; NaN where an estimate
+            is lost, its deviation more than 1 m/s at the rim.
         slip: 1 − rω/v, 0 rolling, 1 locked [1].
         slip_is_estimated: Whether the slip comes from an estimator; else it follows from the speeds read and the
             nominal radii.

@@ -37,6 +37,7 @@ class SlopeTuning(Tuning):
     log_slip_noise: float
     elasticity_spread: float
     elasticity_bias: float
+    pull: float
     climb_rate: float
     rise_rate: float
     fall_rate: float
@@ -68,12 +69,13 @@ class SlopeTuning(Tuning):
                 "standard deviation of elasticities that are met: what an estimate is weighed by",
             ),
             "elasticity_bias": ("1", "added to the elasticity: more slip costs less than less slip"),
+            "pull": ("1", "elasticity expected where nothing is known, a unit of ln(slip) below the usual slip"),
             "climb_rate": ("1/s", "rate of ln(slip) for each unit of elasticity"),
-            "rise_rate": ("1/s", "highest rate of ln(slip) upwards, and of the return to the usual slip"),
+            "rise_rate": ("1/s", "highest rate of ln(slip) upwards"),
             "fall_rate": ("1/s", "highest rate of ln(slip) downwards"),
             "slip_usual": ("1", "slip that is sought where nothing is known, at high speed"),
             "creep_usual": ("m/s", "creep speed that adds to it: peaks move to larger slip as a train slows"),
-            "slip_most": ("1", "largest slip that is sought"),
+            "slip_most": ("1", "largest slip that is sought, dither included"),
             "dither": ("1", "amplitude of the excitation of ln(slip)"),
             "dither_time": ("s", "its period"),
             "gain": ("1/s", "rate at which slip is led to its set point"),
@@ -106,15 +108,20 @@ class SlopeTuning(Tuning):
 class SlopeSeeking(Law):
     """Slip control with a set point on the slope of adhesion over slip.
 
-    Per group, with s the slip less that of a rolling wheel and a = α̂:
+    Per group, with s the slip less that of a rolling wheel and a = α̂; ⟨·⟩ is a mean over the sliding groups, weighted
+    by what each holds, and E one over `window`:
 
-        x, y = ln s, ln a, filtered, less what is slower than `washout_time`
-        e = ⟨xy⟩/(⟨x²⟩ + log_slip_noise²), its variance from the residual of the regression, ⟨ ⟩ over `window`
+        x, y = ⟨ln s⟩, ln⟨a⟩, filtered, less what is slower than `washout_time`
+        e = E(xy)/(E(x²) + log_slip_noise²), its variance from the residual of the regression
         w = spread²/(spread² + var e)                          how far e is believed: 1 known, 0 unknown
-        d(ln s_set)/dt = w·climb_rate·(e + bias) + (1 − w)·(return to slip_usual + creep_usual/v), within its rates
-        s* = s_set·exp(dither·sin φ)                           φ a quarter turn apart from group to group
+        d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·ln(s_usual/s_set))
+        s_usual = slip_usual + creep_usual/v
+        s* = s_set·exp(dither·sin φ)
         T = a F_z r − J (1−s) v̇/r + (J v/r)(ṡ* + gain (s* − s))  leads s to s* at `gain`
         p = p(T), with the estimated pad friction
+
+    All groups share one set point and one dither: the sum of their adhesions is what the train's retardation tells, far
+    better known than the adhesion of one, and it is the noise of y that decides how soon a slope is significant.
 
     A wheel that is not braked yet rolls, and the slip it shows then is an error of radius or speed: it is averaged and
     taken from all that follows. Wheels worn by 3 % and a radar off by 1 % would else look like slides.
@@ -122,6 +129,10 @@ class SlopeSeeking(Law):
     Start: a wheel with slip below slip_small + creep_small/v rolls, and is braked as far as `adhesion_max` allows. A
     low adhesion alone is no sign of rolling: on oil a sliding wheel has next to none. Standstill: below `speed_min` the
     slip is no longer known, and the brake is applied as at the start.
+
+    A wheel speed that cannot be true is believed no more: one that is not known (NaN), a slip of less than −5 %, or a
+    slide on which the rail does nothing although the brake is off. Such a group gets the torque for nine tenths of the
+    adhesion that the others use, until its wheel speed makes sense again.
     """
 
     needs = ("adhesion", "pad_friction")
@@ -135,10 +146,43 @@ _UNBRAKED = 0.9
 """Share of the spring's force that the piston may have while the pads are surely off."""
 
 _AVERAGED = 1.0  # s, over which the slip of a rolling wheel is averaged, where it rolls for so long
-_TURN = 0.25  # of the dither's period, between two groups: what they excite does not add up to a jerk of the train
-_LEAST_ADHESION = 1e-3  # an estimate near or below zero has no logarithm
 _LEASH = 0.5
 """How far ln(s_set) may be from ln(s): a set point that the brake cannot reach must not run away."""
+
+_RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
+_ANY_SPEED = 1e6  # rad/s
+_BACKWARDS = -0.05  # slip of a braked wheel that no wheel has
+_DRAWN = 0.25
+"""Share of the others' adhesion that a sliding wheel draws at least: creep curves fall to 0.4 of their peak."""
+
+_DOUBTED = 0.5  # s, after which a wheel whose speed cannot be true is believed no more
+_FOLLOWED = 0.9
+"""Share of the others' adhesion that is asked of a wheel whose speed is not known."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Wheels:
+    """What the law makes of one group.
+
+    Attributes:
+        seen: As the law is shown it.
+        slip: Less that of a rolling wheel.
+        filtered: The same, filtered.
+        slip_change: Of ln(filtered slip) since the last sample.
+        adhesion_change: Of the filtered adhesion since then.
+        adhesion: Filtered, zero at least.
+        known: Whether its speed can be true.
+        sliding: Whether it is known, and slips by more than a rolling wheel.
+    """
+
+    seen: GroupObservation
+    slip: Expression
+    filtered: Expression
+    slip_change: Expression
+    adhesion_change: Expression
+    adhesion: Expression
+    known: Expression
+    sliding: Expression
 
 
 @cache
@@ -147,99 +191,156 @@ def slope_seeking(groups: int) -> Formula:
 
     def demand_with(draft: Draft) -> Demand:
         t = parameters(draft, SlopeTuning.MEANINGS)
-        period = t["period"]
         started = draft.state("started", "1", "1 once there is a sample before this one")
-        phase = draft.state("phase", "1", "periods of the dither since the start")
         draft.keep(started, 1.0)
-        draft.keep(phase, phase + period / t["dither_time"])
+        train: list[_Wheels] = []
+        target: list[Expression] = []  # and its rate
 
         def demand(draft: Draft, seen: GroupObservation) -> Expression:
-            brake, radius, inertia, speed = seen.brake, seen.brake["wheel_radius"], seen.brake["inertia"], seen.speed
-            slip = _corrected(draft, seen, period)
-            small = t["slip_small"] + t["creep_small"] / speed
+            if not train:
+                train.extend(_wheels(draft, each, t, started) for each in seen.train)
+                target.extend(_target(draft, train, t))
+            own, brake, radius, speed = train[seen.index - 1], seen.brake, seen.brake["wheel_radius"], seen.speed
+            inertia = brake["inertia"]
+            rolling = either(ca.logic_not(own.sliding), speed < t["speed_min"])
 
-            def logarithm(name: str, sample: Expression, least: Expression) -> tuple[Expression, Expression]:
-                """Return the filtered value, and the change of its logarithm since the last sample."""
-                before = draft.state(seen.named(name), "1", "filtered value")
-                value = choose(started, before + period / (t["filter_time"] + period) * (sample - before), sample)
-                draft.keep(before, value)
-                return value, choose(started, ca.log(ca.fmax(value, least) / ca.fmax(before, least)), 0.0)
-
-            filtered, slip_change = logarithm("filtered_slip", slip, small)
-            _, adhesion_change = logarithm("filtered_adhesion", seen.adhesion, _LEAST_ADHESION)
-            rolling = either(filtered < small, speed < t["speed_min"])
-            elasticity, weight = _regression(draft, seen, t, (slip_change, adhesion_change), rolling)
-
-            # The set point, as a logarithm.
-            usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
-            kept = draft.state(seen.named("set_point"), "1", "logarithm of the slip that is sought; 0 before the first")
-            last = choose(kept < 0.0, kept, usual)
-            back = within(usual - last, -t["rise_rate"] * period, t["rise_rate"] * period)
-            climb = within(t["climb_rate"] * (elasticity + t["elasticity_bias"]), -t["fall_rate"], t["rise_rate"])
-            moved = last + weight * climb * period + (1.0 - weight) * back
-            present = ca.log(ca.fmax(filtered, small))
-            near = within(moved, present - _LEASH, present + _LEASH)
-            set_point = choose(rolling, last, within(near, ca.log(small), ca.log(t["slip_most"])))
-            draft.keep(kept, set_point)
-            angle = 2.0 * pi * (phase + _TURN * seen.index)
-            target = ca.exp(set_point + t["dither"] * ca.sin(angle))
-            target_rate = target * t["dither"] * 2.0 * pi / t["dither_time"] * ca.cos(angle)
-
-            # The torque that leads there.
+            # The torque that leads to the set point.
             held = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - slip) * seen.acceleration / radius
+            inertial = -inertia * (1.0 - own.slip) * seen.acceleration / radius
             balance = seen.adhesion * held + inertial
             limit = (t["adhesion_max"] - t["adhesion_guard"]) * held + inertial
-            extra = inertia * speed / radius * (target_rate + t["gain"] * (target - slip))
+            extra = inertia * speed / radius * (target[1] + t["gain"] * (target[0] - own.slip))
             # Up in small shares, down as far as it takes: a deep slide draws little, and a share of little ends none.
             sought = balance + ca.fmin(extra, t["share_added"] * balance)
             torque = choose(rolling, limit, ca.fmin(sought, limit))
-            venting = every(slip > t["slip_vent"], speed >= t["speed_min"])
-            return choose(venting, 0.0, pressure_for(torque, seen.pad_friction, brake))
+            venting = every(own.slip > t["slip_vent"], speed >= t["speed_min"])
+            controlled = choose(venting, 0.0, pressure_for(torque, seen.pad_friction, brake))
+            # A wheel whose speed is not known is given the adhesion of the others.
+            others = [each for each in train if each is not own]
+            if not others:
+                return controlled
+            loads = [each.seen.brake["load"] for each in others]
+            share = _mean([(each.known, each.adhesion) for each in others], loads)
+            rubbing = _mean([(each.known, each.seen.pad_friction) for each in others], loads)
+            followed = pressure_for(_FOLLOWED * share * held, rubbing, brake)
+            alone = every(*(ca.logic_not(each.known) for each in others))
+            return choose(either(own.known, alone, speed < t["speed_min"]), controlled, followed)
 
         return demand
 
     return law("SlopeSeeking", "Slip control on the slope of adhesion over slip", groups, demand_with)
 
 
-def _corrected(draft: Draft, seen: GroupObservation, period: Expression) -> Expression:
+def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Expression]) -> Expression:
+    """Return the weighted mean of the values whose condition holds; 0 where none does."""
+    counted = [choose(condition, weight, 0.0) for (condition, _), weight in zip(values, weights, strict=True)]
+    total = sum(weight * value for weight, (_, value) in zip(counted, values, strict=True))
+    return total / ca.fmax(sum(counted), 1e-9)
+
+
+def _wheels(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
+    """Return what the law makes of one group."""
+    period, small = t["period"], t["slip_small"] + t["creep_small"] / seen.speed
+    pads_off = seen.pressure * seen.brake["piston_area"] < _UNBRAKED * seen.brake["spring_force"]
+    slip = _corrected(draft, seen, pads_off, period)
+
+    def filtered(name: str, sample: Expression) -> tuple[Expression, Expression]:
+        """Return the filtered value before and now."""
+        before = draft.state(seen.named(name), "1", "filtered value")
+        now = choose(started, before + period / (t["filter_time"] + period) * (sample - before), sample)
+        draft.keep(before, now)
+        return choose(started, before, now), now
+
+    slip_before, slip_now = filtered("filtered_slip", slip)
+    adhesion_before, adhesion_now = filtered("filtered_adhesion", seen.adhesion)
+
+    # A wheel that slides is turned by the rail, however little, once its brake is off.
+    loads = sum(each.brake["load"] for each in seen.train)
+    drawn = sum(each.adhesion * each.brake["load"] for each in seen.train) / loads
+    turned = seen.adhesion > _DRAWN * drawn
+    doubted = draft.state(seen.named("doubted"), "s", "for how long the wheel speed has been one that cannot be")
+    impossible = either(
+        ca.logic_not(seen.wheelset_speed > -_ANY_SPEED),  # nobody knows it
+        slip < _BACKWARDS,
+        every(slip > t["slip_vent"], either(doubted >= _DOUBTED, every(pads_off, ca.logic_not(turned)))),
+    )
+    doubt = choose(every(impossible, seen.speed >= t["speed_min"]), doubted + period, 0.0)
+    draft.keep(doubted, doubt)
+    known = doubt < _DOUBTED
+    return _Wheels(
+        seen=seen,
+        slip=slip,
+        filtered=slip_now,
+        slip_change=ca.log(ca.fmax(slip_now, small) / ca.fmax(slip_before, small)),
+        adhesion_change=adhesion_now - adhesion_before,
+        adhesion=ca.fmax(adhesion_now, 0.0),
+        known=known,
+        sliding=every(known, slip_now >= small),
+    )
+
+
+def _target(draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]) -> tuple[Expression, Expression]:
+    """Return the slip that is sought, dither included, and its rate."""
+    period, speed = t["period"], train[0].seen.speed
+    loads = [each.seen.brake["load"] for each in train]
+    # Weighted by what each holds: the sum is what the train's retardation tells, and far better known than its parts.
+    forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
+    slip_change = _mean([(each.sliding, each.slip_change) for each in train], forces)
+    adhesion = _mean([(each.sliding, each.adhesion) for each in train], loads)
+    adhesion_change = _mean([(each.sliding, each.adhesion_change) for each in train], loads)
+    rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
+    elasticity, weight = _regression(draft, t, (slip_change, adhesion_change / ca.fmax(adhesion, 1e-3)), rolling)
+
+    usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
+    kept = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
+    last = choose(kept < 0.0, kept, usual)
+    expected = weight * (elasticity + t["elasticity_bias"]) + (1.0 - weight) * t["pull"] * (usual - last)
+    moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
+    least = t["slip_small"] + t["creep_small"] / speed
+    present = _mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
+    near = within(moved, present - _LEASH, present + _LEASH)
+    set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
+    draft.keep(kept, set_point)
+    phase = draft.state("phase", "1", "periods of the dither since the start")
+    draft.keep(phase, phase + period / t["dither_time"])
+    angle = 2.0 * pi * phase
+    target = ca.exp(set_point + t["dither"] * ca.sin(angle))
+    return target, target * t["dither"] * 2.0 * pi / t["dither_time"] * ca.cos(angle)
+
+
+def _corrected(draft: Draft, seen: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
     """Return the slip less what the wheel showed while it had not been braked yet."""
     offset = draft.state(seen.named("offset"), "1", "slip that the wheel shows when it rolls")
     count = draft.state(seen.named("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
-    pads_off = seen.pressure * seen.brake["piston_area"] < _UNBRAKED * seen.brake["spring_force"]
-    rolls = every(count >= 0.0, pads_off)
+    believable = every(seen.slip > -_RADIUS_ERROR, seen.slip < _RADIUS_ERROR)
+    rolls = every(count >= 0.0, pads_off, believable)
     share = ca.fmax(1.0 / (1.0 + count), period / _AVERAGED)
     mean = choose(rolls, offset + share * (seen.slip - offset), offset)
     draft.keep(offset, mean)
-    draft.keep(count, choose(rolls, count + 1.0, -1.0))
+    draft.keep(count, choose(rolls, count + 1.0, choose(pads_off, count, -1.0)))
     return 1.0 - (1.0 - seen.slip) / (1.0 - mean)
 
 
 def _regression(
-    draft: Draft,
-    seen: GroupObservation,
-    t: Mapping[str, Expression],
-    changes: tuple[Expression, Expression],
-    rolling: Expression,
+    draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
 ) -> tuple[Expression, Expression]:
     """Return the elasticity d(ln α)/d(ln s), and from 0 to 1 how far it is to be believed.
 
     Args:
         draft: Keeps the moments.
-        seen: Of which group.
         t: The parameters.
         changes: Of ln s and ln α since the last sample.
         rolling: No slip, nothing to learn; what is known is forgotten.
     """
     forgets, fades = t["period"] / t["window"], 1.0 - t["period"] / t["washout_time"]
     names = ("log_slip", "log_adhesion")
-    kept = [draft.state(seen.named(name), "1", f"{name}, less what is slow") for name in names]
+    kept = [draft.state(name, "1", f"{name}, less what is slow") for name in names]
     x, y = (fades * (last + change) for last, change in zip(kept, changes, strict=True))
     for state, value in zip(kept, (x, y), strict=True):
         draft.keep(state, choose(rolling, fades * state, value))
     moments: list[Expression] = []
     for name, product in (("slip_slip", x * x), ("slip_adhesion", x * y), ("adhesion_adhesion", y * y)):
-        state = draft.state(seen.named(name), "1", f"mean of {name.replace('_', ' times ')}, logarithms")
+        state = draft.state(name, "1", f"mean of {name.replace('_', ' times ')}, logarithms")
         moments.append((1.0 - forgets) * state + forgets * product)
         draft.keep(state, choose(rolling, (1.0 - forgets) * state, moments[-1]))
     xx, xy, yy = moments

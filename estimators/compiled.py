@@ -78,7 +78,7 @@ class CompiledFilter:
         reading_noise: ArrayLike,
         period: float,
         gate: Gate | None = None,
-        outlier_limit: float | None = None,
+        outlier_limit: ArrayLike | None = None,
         order: Order = ORDER,
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""

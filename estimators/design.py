@@ -30,7 +30,7 @@ class Design:
         gate_threshold: Frozen below this value, in the unit of the gating inputs.
         order: Of the discretisation.
         outlier_limit: A reading further than this many standard deviations from what was expected is left
-            out; infinity if every reading counts.
+            out, shape (m,); infinity where every reading counts.
     """
 
     states: tuple[str, ...]
@@ -42,7 +42,7 @@ class Design:
     gated_states: tuple[int, ...]
     gating_inputs: tuple[int, ...]
     gate_threshold: float
-    outlier_limit: float
+    outlier_limit: Vector
     order: Order
 
     @classmethod
@@ -53,7 +53,7 @@ class Design:
         reading_noise: ArrayLike,
         period: float,
         gate: Gate | None,
-        outlier_limit: float | None,
+        outlier_limit: ArrayLike | None,
         order: Order,
     ) -> Self:
         """Check the parts of a filter against each other.
@@ -65,8 +65,8 @@ class Design:
             reading_noise: Covariance of the readings: shape (m,) of variances, or (m, m). Positive definite.
             period: Seconds, positive.
             gate: What to freeze and when, or None.
-            outlier_limit: Standard deviations beyond which a reading is left out, or None to use every
-                reading.
+            outlier_limit: Standard deviations beyond which a reading is left out, one for all or shape (m,), or None
+                to use every reading.
             order: 1 for forward Euler, 4 for RK4.
 
         Raises:
@@ -82,7 +82,12 @@ class Design:
             raise EstimatorError(f"Filter: period is a positive number of seconds, got {period}.")
         if order not in get_args(Order):
             raise EstimatorError(f"Filter: order of the discretisation is 1 (forward Euler) or 4 (RK4), got {order}.")
-        if outlier_limit is not None and not outlier_limit > 0.0:
+        limits = np.full(len(outputs), math.inf)
+        try:
+            limits[:] = math.inf if outlier_limit is None else outlier_limit
+        except ValueError as error:
+            raise EstimatorError(f"Filter: outlier_limit wants shape ({len(outputs)},), {error}.") from error
+        if not np.all(limits > 0.0):
             raise EstimatorError(
                 "Filter: outlier_limit is a positive number of standard deviations, "
                 f"got {outlier_limit}; None uses every reading."
@@ -98,7 +103,7 @@ class Design:
             gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
             gating_inputs=() if gate is None else tuple(index("Gate", "input", n, inputs) for n in gate.inputs),
             gate_threshold=-math.inf if gate is None else gate.threshold,
-            outlier_limit=math.inf if outlier_limit is None else outlier_limit,
+            outlier_limit=limits,
             order=order,
         )
 

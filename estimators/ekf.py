@@ -68,7 +68,7 @@ class ExtendedKalmanFilter:
         reading_noise: ArrayLike,
         period: float,
         gate: Gate | None = None,
-        outlier_limit: float | None = None,
+        outlier_limit: ArrayLike | None = None,
         order: Order = ORDER,
     ) -> None:
         """Check the parts against each other."""

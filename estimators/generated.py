@@ -57,7 +57,7 @@ def _code(of: Equations, gated_states: tuple[int, ...], gating_inputs: tuple[int
         ("READING_NOISE", m * m),
         ("PERIOD", 1),
         ("THRESHOLD", 1),
-        ("LIMIT_SQUARED", 1),
+        ("LIMIT_SQUARED", m),
         ("SQUARED", 1),
         ("USED", m),
         ("EXPECTED", m),

@@ -210,7 +210,27 @@ REDUCED_SERVICE = NoiseSet(
 )
 """For `TrainPredictionReduced` (13 states)."""
 
+DISTURBED_SERVICE = NoiseSet(
+    name="train on an unknown track, service sensors",
+    process=(
+        *TRAIN_SERVICE.process,
+        Entry("d", 0.02, "m/s2/√s", "10 ‰ more of gradient in half a minute"),
+        Entry("bias", 0.001, "m/s2/√s", "as good as constant; a floor"),
+    ),
+    readings=(
+        Entry("acceleration", 0.05, "m/s2", "0.03 of noise; the bias is a state"),
+        *(entry for entry in TRAIN_SERVICE.readings if entry.name != "acceleration"),
+    ),
+    start=(
+        *TRAIN_SERVICE.start,
+        Entry("d", 0.15, "m/s2", "15 ‰ of gradient"),
+        Entry("bias", 0.05, "m/s2", "of an instrument of this class"),
+    ),
+)
+"""For `TrainPredictionDisturbed` (27 states); what is said of `TRAIN_SERVICE` holds."""
+
 NOISE_SETS = {
+    "disturbed_service": DISTURBED_SERVICE,
     "train_ideal": TRAIN_IDEAL,
     "train_service": TRAIN_SERVICE,
     "reduced_ideal": REDUCED_IDEAL,

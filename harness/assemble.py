@@ -990,7 +990,11 @@ RELEASED_PADS = 1500.0
 """Normal force of both pads of a unit [N] below which nothing is learned of their friction; see `pad_gate`."""
 
 _PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
-_NOISE_PREFIX = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"}
+_NOISE_PREFIX = {
+    "TrainPrediction": "train",
+    "TrainPredictionDisturbed": "disturbed",
+    "TrainPredictionReduced": "reduced",
+}
 
 
 @contextmanager
@@ -1075,6 +1079,10 @@ def _own_estimator(scenario: Scenario, table: KalmanFilter, noise: NoiseSet, lay
     noises = noise.process_noise(consist.states), noise.reading_noise(consist.outputs)
     first = start_of(consist, formation, data, scenario.start.speed), noise.start_covariance(consist.states)
     if table.kind == "decentralised":
+        if table.outlier_limit:
+            raise ScenarioError(
+                "[estimator] outlier_limit is for kind compiled, python or fmu; decentralised uses every reading"
+            )
         filter_ = DecentralisedFilter(consist, *noises, scenario.periods.estimator, gate)
         filter_.start(*first)
     else:
@@ -1105,12 +1113,26 @@ def _central(
     first: tuple[Vector, Vector],
 ) -> Filter:
     """Return a filter of all states together that holds its first belief."""
+    limits = _outlier_limits(table, prediction.outputs)
     if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
-        compiled = CompiledFilter(prediction, process, reading, period, gate)
+        compiled = CompiledFilter(prediction, process, reading, period, gate, limits)
         compiled.start(*first)
         return compiled
-    plain = ExtendedKalmanFilter(prediction, process, reading, period, gate)
+    plain = ExtendedKalmanFilter(prediction, process, reading, period, gate, limits)
     return Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(prediction.outputs))
+
+
+def _outlier_limits(table: KalmanFilter, outputs: Sequence[str]) -> list[float]:
+    """Return from how many standard deviations on each reading of a filter is left out.
+
+    Raises:
+        ScenarioError: The filter has no such reading.
+    """
+    read = [name.partition("[")[0] for name in outputs]
+    if other := sorted(table.outlier_limit.keys() - read):
+        known = ", ".join(dict.fromkeys(read))
+        raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {known}")
+    return [table.outlier_limit.get(name, inf) for name in read]
 
 
 def _element(name: str) -> int:

@@ -192,7 +192,7 @@ static int condition(double *block, const double *free, const double *mean, cons
         combine(PH[r], zero, count, H + first, H_COLUMN + first, P);
         residual[r] = seen[i] - expectation[i];
         const double variance = dot(count, H + first, H_COLUMN + first, PH[r]) + noise[i * M + i];
-        if (residual[r] * residual[r] > block[LIMIT_SQUARED] * variance)
+        if (residual[r] * residual[r] > block[LIMIT_SQUARED + i] * variance)
             continue;
         block[USED + i] = 1.0;
         all[r] = r;

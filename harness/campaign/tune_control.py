@@ -59,6 +59,20 @@ RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
             "integral_time": (0.1, 2.0),
         }
     },
+    "slope_seeking": {
+        ("pneumatic", "estimated"): {
+            "window": (0.2, 0.6),
+            "washout_time": (0.2, 1.0),
+            "elasticity_spread": (0.05, 0.5),
+            "elasticity_bias": (0.01, 0.2),
+            "pull": (0.03, 0.5),
+            "climb_rate": (2.0, 3.0),
+            "slip_usual": (0.05, 0.15),
+            "creep_usual": (0.1, 2.0),
+            "dither": (0.1, 0.4),
+            "creep_small": (0.03, 0.2),
+        }
+    },
     "adhesion_based": {
         ("ideal", "estimated"): {
             "filter_time": (3e-3, 50e-3),

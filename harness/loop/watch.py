@@ -22,6 +22,9 @@ Indices = NDArray[np.intp]
 _SMALL_SPEED = 0.05
 """Speed [m/s] below which slip is not formed: over the last millimetres it is a ratio of two noises."""
 
+_UNKNOWN_SPEED = 1.0
+"""Deviation of a wheel speed at the rim [m/s] above which its estimate is no knowledge: the sensor is silent."""
+
 NEGATIVE = "The estimator diverged: a variance is negative or not a number."
 
 
@@ -158,6 +161,7 @@ class Beliefs:
         self._variances = its.covariance.diagonal()  # a view: the filter writes its belief where it stood
         self._believed = its.mean.take(self._states)
         self._spread = self._variances.take(self._uncertain)
+        self._wheels, self._unknown = state_estimator.wheelset_speed, (_UNKNOWN_SPEED / self._radius) ** 2
         self._innovation = (0.0, 0.0)
         self._mean_columns, self._spread_columns = recorder.block(signals.BELIEVED), recorder.block(signals.SPREAD)
         self._innovation_columns = recorder.block(signals.INNOVATION)
@@ -217,6 +221,7 @@ class Beliefs:
         slip, acceleration = _slips(speed, wheels, self._radius), float(latest[self._acceleration])
         pressure = latest[self._pressure]
         demand = self.driver_demand
+        wheels = np.where(self._variances.take(self._wheels) > self._unknown, np.nan, wheels)
         return Observation(time, speed, acceleration, wheels, slip, True, adhesion, pad_friction, pressure, demand)
 
 

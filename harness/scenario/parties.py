@@ -46,6 +46,11 @@ class KalmanFilter(Table):
     )
     noise: str = Field(description="name of the noise set; with a library its full name, such as train_ideal")
     parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
+    outlier_limit: dict[str, Annotated[float, Field(gt=0.0, allow_inf_nan=False)]] = Field(
+        default={},
+        exclude_if=lambda limits: not limits,
+        description="from how many standard deviations of what was expected on a reading is left out, by its name",
+    )
 
     _flat = field_validator("parameters", mode="before")(scalars)
 

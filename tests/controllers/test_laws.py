@@ -168,6 +168,27 @@ def test_a_worn_wheel_is_no_slide(error):
     assert blind < used - 0.1
 
 
+@pytest.mark.parametrize("lie", ["zero", "lost", "backwards"])
+def test_a_wheel_whose_speed_cannot_be_true_follows_the_others(lie):
+    """A sensor that shows a locked wheel where nothing brakes, or that is silent, must not keep the brake off."""
+    law = SlopeSeeking([GROUP, GROUP], replace(SLOPE, period=1e-2))
+    slip, adhesion = {"zero": (1.0, 0.0), "lost": (0.2, 0.05), "backwards": (-0.2, 0.05)}[lie]
+    demands = []
+    for k in range(200):
+        braked = 2e5 if k else 0.0  # what shows before the brake is on is taken for an error of the radius
+        now = shown(
+            k * 1e-2, SPEED, 0.0, (slip if k else 0.0, 0.05), (adhesion, 0.06), (0.35, 0.35), (1e5 * (k == 1), braked)
+        )
+        if lie == "lost":
+            now = now._replace(wheelset_speed=np.array([np.nan, now.wheelset_speed[1]]))
+        demands.append(law.decide(now)[0])
+    followed = (0.9 * 0.06 * GROUP.load * 0.38 / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
+    assert demands[-1] == pytest.approx(followed, rel=0.01)
+    assert demands[10] != pytest.approx(followed, rel=0.1)  # not before it is sure
+    again = shown(2.0, SPEED, 0.0, (0.1, 0.05), (0.05, 0.06), (0.35, 0.35), (1e5, 2e5))
+    assert law.decide(again)[0] != pytest.approx(followed, rel=0.1)
+
+
 def test_next_to_no_adhesion_is_not_rolling():
     """On oil a wheel that slides at 40 % draws 0.008; full brake would lock it."""
     law = climber()
@@ -184,11 +205,11 @@ def test_where_the_slope_is_unknown_the_usual_slip_is_sought():
     names = [quantity.name for quantity in law.formula.states]
     usual = SLOPE.slip_usual + SLOPE.creep_usual / SPEED
     for k in range(4000):
-        slip = 0.1 * np.exp(0.05 * random.standard_normal())
+        slip = usual * np.exp(0.05 * random.standard_normal())
         adhesion = 0.06 * np.exp(0.2 * random.standard_normal())
         law.decide(shown(k * 1e-3, SPEED, 0, (slip,), (adhesion,), (0.35,), (1e5,)))
     # It may climb as far as a bias of 0.08 takes it against the pull of home.
-    assert 0.7 * usual < np.exp(law.state[names.index("set_point[1]")]) < 1.5 * usual
+    assert 0.7 * usual < np.exp(law.state[names.index("set_point")]) < 1.5 * usual
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def assert_same(one, other, tolerance):
 
 def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling):
     """The two filters are compared all along; neither sees the other's belief."""
-    parts = (rolling, DENSITY, READING, PERIOD, GATE, 5.0)
+    parts = (rolling, DENSITY, READING, PERIOD, GATE, [5.0, np.inf, 8.0])
     plain, fast = ExtendedKalmanFilter(*parts), CompiledFilter(*parts)
     one = two = plain.start(FIRST_MEAN, FIRST_VARIANCE)
     random = np.random.default_rng(7)

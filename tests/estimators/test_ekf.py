@@ -177,6 +177,9 @@ def test_an_outlier_is_left_out_and_only_it(rolling):
     expected = plain.step(first, held, np.where([False, True, False], np.nan, seen))
     assert np.array_equal(thrown.mean, expected.mean)
     assert np.array_equal(thrown.covariance, expected.covariance)
+    other = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD, outlier_limit=[6.0, np.inf, 6.0])
+    believing = other.step(first, held, seen + np.array([0.0, 300.0, 0.0]))
+    assert np.array_equal(believing.mean, plain.step(first, held, seen + np.array([0.0, 300.0, 0.0])).mean)
 
 
 def gated(prediction):
@@ -277,6 +280,7 @@ def test_a_mean_that_is_not_finite_is_a_diverged_filter(rolling):
         ({"reading_noise": np.full(3, np.nan)}, "not a finite number"),
         ({"period": 0.0}, "period is a positive number of seconds, got 0.0"),
         ({"outlier_limit": -1.0}, "outlier_limit"),
+        ({"outlier_limit": [5.0, 5.0]}, r"outlier_limit wants shape \(3,\)"),
         (
             {"gate": Gate(states=("mu",), inputs=("pad_force",), threshold=1.0)},
             "no state 'mu'; there are v, w",

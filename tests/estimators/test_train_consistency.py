@@ -57,8 +57,11 @@ RELEASED = slice(100, 250)
 LAGS = 10
 """Of the whiteness test [steps]: the ideal tuning follows adhesion within 5 of them."""
 
-MODELS = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced"}
-TUNINGS = tuple(product(MODELS, ("ideal", "service")))
+MODELS = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced", "TrainPredictionDisturbed": "disturbed"}
+TUNINGS = (
+    *product(("TrainPrediction", "TrainPredictionReduced"), ("ideal", "service")),
+    ("TrainPredictionDisturbed", "service"),
+)
 BRAKING = ("held", "one group released")
 CONFIDENCE = 1.0 - 0.05 / (len(TUNINGS) * len(BRAKING) * (len(INSTANTS) + 2))
 """Of each two-sided check, for 95 % of all of them together."""
@@ -108,7 +111,7 @@ def places(prediction: CasadiPrediction, name: str) -> list[int]:
 def settled(prediction: CasadiPrediction) -> tuple[Vector, Vector]:
     """State and inputs in which wheelsets roll with the train and the suspension rests."""
     sizes = {"v": SPEED, "w": SPEED / RADIUS, "mu_b": 0.36, "alpha": ADHESION, "dz": 0.0, "ddz": 0.0}
-    state = np.array([sizes[name.partition("[")[0]] for name in prediction.states])
+    state = np.array([sizes.get(name.partition("[")[0], 0.0) for name in prediction.states])
     w, dz, ddz = (places(prediction, name) for name in ("w", "dz", "ddz"))
 
     def parts(unknown):

@@ -19,7 +19,7 @@ from railgrip.fmus.native.system import explicit
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
 
-@pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
+@pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced", "TrainPredictionDisturbed"])
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Description]:
     name = f"RailBraking.FMUs.{request.param}"
     file = tmp_path_factory.mktemp("prediction") / f"{request.param}.fmu"
@@ -51,7 +51,7 @@ def points(start: np.ndarray, states: tuple[str, ...]) -> Iterator[tuple[np.ndar
             if name == "v":
                 x[i] = speed
             elif name.startswith("w["):
-                x[i] *= speed / start[0] * rng.uniform(0.8, 1.0)
+                x[i] *= speed / start[states.index("v")] * rng.uniform(0.8, 1.0)
             elif name.startswith(("dz", "ddz")):
                 x[i] = rng.normal(scale=2e-3)
             else:

@@ -26,7 +26,10 @@ def test_the_built_in_compiler_finds_the_answer(name: str) -> None:
 
 
 def test_an_emergency_brake_reaches_the_last_of_ten_coaches() -> None:
-    """271 m of pipe to the middle of the last one at 250 to 300 m/s; UIC 540 gives each distributor 3 to 5 s from there on, in position P."""
+    """271 m of pipe to the middle of the last one at 250 to 300 m/s.
+
+    UIC 540 gives each distributor 3 to 5 s from there on, in position P.
+    """
     pressures = [f"distributor[{k}].pressure" for k in range(1, 12)]
     trace = simulated("Examples.BrakePipeOfTenCoaches", *pressures)
     since = trace["time"] - 1.0

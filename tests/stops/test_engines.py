@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from railgrip.assemble import run_stop
@@ -9,6 +10,8 @@ from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
+from railgrip.scenario.merge import merged
+from railgrip.scenario.schema import Scenario
 from railgrip.trace.outcome import Outcome
 
 LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
@@ -66,6 +69,30 @@ def test_baselines_with_valves_and_service_sensors(controller):
         if stop.name == "random-service-adhesion_based"
     )
     assert_same(*(run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)))
+
+
+def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
+    """The law must know of it in both: it follows the other wheelsets then."""
+    (question,) = (
+        stop.scenario
+        for stop in load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
+        if stop.name == "random-service-slope_seeking"
+    )
+    changes = {
+        "estimator": {"model": "TrainPredictionDisturbed", "outlier_limit": {"speed": 4.0}},
+        "faults": [
+            {"part": "speed_sensor", "kind": "dead", "group": 1, "begin": "1 s"},
+            {"part": "radar", "kind": "stuck", "begin": "4 s"},
+        ],
+        "limits": {"horizon": "7 s"},
+    }
+    question = Scenario.model_validate(merged(question.resolved(), changes))
+    one, other = (run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    assert_same(one, other)
+    # What the radar shows from 4 s on is believed until it cannot be.
+    speed = one.trace["speed"].values
+    assert np.nanmax(one.trace["reading_speed"].values - speed) > 1.0
+    assert np.abs(one.trace["estimate_speed"].values - speed).max() < 0.5
 
 
 def test_a_whole_stop_ends_in_the_same_sample():

@@ -136,6 +136,16 @@ static long long believe(Cycle *c)
     return 0;
 }
 
+/* Whether the filter has lost a wheelset: its deviation at the rim is more than UNKNOWN_SPEED. */
+static int unknown(const Cycle *c, int g)
+{
+    static const double UNKNOWN_SPEED = 1.0;
+    const double most = UNKNOWN_SPEED / c->radius[g];
+    const long long state = c->believed_of[1 + g];
+
+    return c->covariance[state * c->row + state] > most * most;
+}
+
 /* What the law sees is in the order of controllers/law.py; below SMALL_SPEED slip would be a ratio of two noises. */
 static int decide(Cycle *c)
 {
@@ -150,7 +160,7 @@ static int decide(Cycle *c)
         given[2 + g] = speed < SMALL_SPEED ? 0.0 : 1.0 - c->radius[g] * wheel[g] / speed;
         given[2 + GROUPS + g] = c->advance ? c->believed[1 + GROUPS + g] : UNKNOWN;
         given[2 + 2 * GROUPS + g] = c->advance ? c->believed[1 + 2 * GROUPS + g] : UNKNOWN;
-        given[2 + 3 * GROUPS + g] = wheel[g];
+        given[2 + 3 * GROUPS + g] = c->advance && unknown(c, g) ? UNKNOWN : wheel[g];
         given[2 + 4 * GROUPS + g] = c->driver ? c->driver->pressure[g] : c->full[g];
         given[2 + 5 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
     }

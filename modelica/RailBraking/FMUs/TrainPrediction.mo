@@ -38,7 +38,7 @@ equation
   der(dz) = ddz;
   for i in 1:3 loop
     tipping[i] = Components.frameTorque(
-      F_bogie[i], torque_bogie[i], acceleration,
+      F_bogie[i], torque_bogie[i], der(v),
       m_unsprung[2*i - 1] + m_unsprung[2*i], m_frame[i], h_frame, h_rod, r_wheel);
     der(ddz[2*i - 1]) = Components.deflectionAcceleration(
       tipping[i], spring[2*i - 1], spring[2*i], m_frame[i], I_frame[i], wheelbase[i]/2);

@@ -37,6 +37,7 @@ protected
   final parameter Types.Ratio f_resistance =
     Components.bearingFriction(mu_bearing, r_bearing, r_wheel) + e_rolling/r_wheel
     "Bearing and rolling resistance at the rim over load";
+  Types.Acceleration disturbance = 0 "What moves the train and is in no equation of these";
   Types.Force load[4] "Load of each group on the rail";
   Types.Force F[4] "Braking force of the track on each group";
   Types.Torque torque[4] "Brake torque on each group";
@@ -47,7 +48,7 @@ equation
       *Pneumatics.padForce(cylinder_pressure[i], A_piston, i_rigging, eta_rigging, F_spring);
     J[i]*der(w[i]) = r_wheel*(F[i] - f_resistance*load[i]) - torque[i];
   end for;
-  sum(m_wheelset)*der(v) = track_force - sum(F) - rho_air/2*c_drag*A_drag*v^2;
+  sum(m_wheelset)*(der(v) - disturbance) = track_force - sum(F) - rho_air/2*c_drag*A_drag*v^2;
   der(mu_b) = zeros(4);
   der(alpha) = zeros(4);
   annotation (
