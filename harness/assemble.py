@@ -55,7 +55,7 @@ from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Actuation, Controller, Filter, Plant
-from railgrip.loop.rail import Field, SandedRail, TabulatedRail
+from railgrip.loop.rail import Field, SandedRail, Sander, TabulatedRail
 from railgrip.loop.watch import StateEstimator
 from railgrip.prediction import consist_of, data_of, radius_of, release_pressure, start_of, units_of_predictions
 from railgrip.rolling_stock.files import load_train
@@ -347,20 +347,33 @@ def _rail(scenario: Scenario, plant_file: Description, layout: Layout) -> Tabula
         position_of(scenario, formation)
         field = Field(formation, adhesion.recovery, adhesion.polach.model_copy(update=laid), reach_of(scenario))
     sand = None
-    sanders = scenario.sanders
-    if adhesion.sand is not None and not sanders and scenario.vehicle.train is not None:
-        sanders = load_train(scenario.vehicle.train.path).sanders
-    if sanders:
-        assert adhesion.sand is not None  # or the scenario has been refused
+    if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)
-        for number, sander in enumerate(sanders, start=1):
-            if sander.wheelset > formation.wheelsets:
-                raise ScenarioError(
-                    f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
-                    f"{formation.wheelsets}"
-                )
-        sand = SandedRail(formation, adhesion.sand, sanders, reach_of(scenario))
+        sand = SandedRail(formation, sanders, reach_of(scenario), **dict(adhesion.sand))
     return TabulatedRail(layout, profile_of(scenario, formation), force_on(scenario, plant_file), field, sand)
+
+
+def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
+    """Return the sanders of a scenario, or those of its train."""
+    sanders = scenario.sanders
+    if not sanders and scenario.vehicle.train is not None:
+        sanders = load_train(scenario.vehicle.train.path).sanders
+    for number, sander in enumerate(sanders, start=1):
+        if sander.wheelset > formation.wheelsets:
+            raise ScenarioError(
+                f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
+                f"{formation.wheelsets}"
+            )
+    return [
+        Sander(
+            rate=sander.rate,
+            density=inf if sander.density is None else sander.density,
+            begin=sander.begin + sander.delay,
+            end=inf if sander.end is None else sander.end + sander.delay,
+            wheelset=sander.wheelset - 1,
+        )
+        for sander in sanders
+    ]
 
 
 def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) -> Driver:

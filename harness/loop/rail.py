@@ -1,7 +1,6 @@
 """What the track does to the train, and what slip does to the track."""
 
 import ctypes
-import math
 from collections.abc import Sequence
 from functools import cache
 from typing import Any, Protocol
@@ -83,59 +82,6 @@ class Clean(Falling, Protocol):
         ...
 
 
-class Sanded(Protocol):
-    """What sand makes of the rail, as `railgrip.scenario.sanders.Sand`."""
-
-    @property
-    def mu0(self) -> float:
-        """Friction with plenty of it, at no slip speed."""
-        ...
-
-    @property
-    def density(self) -> float:
-        """Sand on a rail that closes 63 % of the gap to `mu0` [kg/m]."""
-        ...
-
-    @property
-    def left(self) -> float:
-        """Share of it that a wheelset leaves."""
-        ...
-
-
-class Sander(Protocol):
-    """Who lays sand on both rails in front of a wheelset, as `railgrip.scenario.sanders.Sander`."""
-
-    @property
-    def wheelset(self) -> int:
-        """From 1 on."""
-        ...
-
-    @property
-    def rate(self) -> float:
-        """At most, on one rail [kg/s]."""
-        ...
-
-    @property
-    def density(self) -> float | None:
-        """That is kept on a rail while the rate allows [kg/m]; None for a fixed rate."""
-        ...
-
-    @property
-    def begin(self) -> float:
-        """When it is switched on [s]."""
-        ...
-
-    @property
-    def end(self) -> float | None:
-        """When it is switched off [s]."""
-        ...
-
-    @property
-    def delay(self) -> float:
-        """From either until the rail shows it [s]."""
-        ...
-
-
 _CELL = 0.1  # m; beside patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
 
 
@@ -174,7 +120,13 @@ def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Struct
     return Rail, Recovery, Sand
 
 
-class _Sander(ctypes.Structure):
+class Sander(ctypes.Structure):
+    """Who lays sand on both rails in front of a wheelset, as in rail.h.
+
+    Fields: rate, on one rail at most [kg/s]; density that is kept while it allows [kg/m], infinite for a fixed rate;
+    begin and end of what comes to the rail [s]; wheelset, from 0 on.
+    """
+
     _fields_ = (
         *((name, ctypes.c_double) for name in ("rate", "density", "begin", "end")),
         ("wheelset", ctypes.c_longlong),
@@ -243,30 +195,25 @@ class SandedRail:
     speed stay those of the rail as it lies, and sand leaves the nozzle at the rate of the present speed.
     """
 
-    def __init__(self, formation: Formation, sand: Sanded, sanders: Sequence[Sander], reach: float) -> None:
+    def __init__(
+        self, formation: Formation, sanders: Sequence[Sander], reach: float, *, mu0: float, density: float, left: float
+    ) -> None:
         """Lay a rail without sand.
 
         Args:
             formation: Whose wheelsets run on it; it says where they are.
-            sand: What it makes of friction.
             sanders: Who lays it.
             reach: How far the train may get [m].
+            mu0: Friction with plenty of sand, at no slip speed.
+            density: Sand on a rail that closes 63 % of the gap to `mu0` [kg/m].
+            left: Share of it that a wheelset leaves.
         """
         position, self.origin, self.lying = _cells(formation, reach)
-        each = (_Sander * len(sanders))(
-            *(
-                _Sander(
-                    rate=sander.rate, density=math.inf if sander.density is None else sander.density,
-                    begin=sander.begin + sander.delay, wheelset=sander.wheelset - 1,
-                    end=math.inf if sander.end is None else sander.end + sander.delay,
-                )
-                for sander in sanders
-            )
-        )  # fmt: skip
+        each = (Sander * len(sanders))(*sanders)
         self._keep = position, each
         self.struct: Any = _structs(formation.wheelsets)[2](
             lying=self.lying.ctypes.data, position=position.ctypes.data, sanders=ctypes.addressof(each),
-            origin=self.origin, length=_CELL, mu0=sand.mu0, density=sand.density, left=sand.left,
+            origin=self.origin, length=_CELL, mu0=mu0, density=density, left=left,
             count=len(sanders), cells=self.lying.size,
         )  # fmt: skip
 

@@ -25,7 +25,7 @@ SOURCES = LOOP | {"set_step_get.c": set_step_get.KERNEL.read_text(), "layout.h":
         ("rail.c", "Rail", rail._structs(LAYOUT.formation.wheelsets)[0]),
         ("rail.c", "Recovery", rail._structs(LAYOUT.formation.wheelsets)[1]),
         ("rail.c", "Sand", rail._structs(LAYOUT.formation.wheelsets)[2]),
-        ("rail.c", "Sander", rail._Sander),
+        ("rail.c", "Sander", rail.Sander),
         ("faults.c", "Fault", faults._Fault),
         ("faults.c", "Faults", faults._Faults),
         ("cycle.c", "Formula", compiled_cycle._Formula),
