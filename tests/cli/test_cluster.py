@@ -2,9 +2,15 @@
 
 import os
 import signal
+import sys
 import time
+from pathlib import Path
 
 import pytest
+
+# Where `make install` has it: beside the environment, not in it.
+sys.path.append(str(Path(sys.prefix) / "cluster"))
+
 from distributed import LocalCluster
 from synthetic_runner import run_stop
 
