@@ -26,6 +26,7 @@ $(READY): pyproject.toml
 $(DEV): $(READY)
 	$(RUN) -m pip install --quiet --no-compile --upgrade "pip>=25.1"
 	$(RUN) -m pip install --quiet --no-compile --group dev
+	$(RUN) -m pip install --quiet --no-compile --target $(VENV)/cluster --upgrade --group cluster
 	@touch $@
 
 install: $(DEV)  ## make .venv with everything declared in pyproject.toml

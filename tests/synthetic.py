@@ -75,9 +75,9 @@ def uniform_stop(speed=20.0, deceleration=1.0, period=0.01, estimates=True, end_
             "estimate_readings": 17.0,
         }
     signals |= changes
-    kept = (*PLANT, *SENT, *READINGS, *(ESTIMATES if estimates else ()))
+    table = (*PLANT, *SENT, *READINGS, *(ESTIMATES if estimates else ()))
     blocks = {}
-    for signal in kept:
+    for signal in table:
         values = np.asarray(signals.get(signal.name, 0.0), dtype=float)
         if values.ndim == 1 and values.shape == time.shape:
             values = values[:, None]

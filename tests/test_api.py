@@ -68,8 +68,8 @@ def test_the_page_runs_as_printed_on_shorter_stops(monkeypatch):
 def test_importing_loads_nothing_heavy():
     """Less than 0.1 s; what takes time is what is loaded."""
     code = "import sys, railgrip; print({'numpy', 'casadi', 'xarray', 'pydantic'} & sys.modules.keys())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "set()"
 
 
 def test_every_name_of_the_door_is_there():
@@ -104,29 +104,29 @@ def test_a_law_of_ours_as_an_object_stops_as_it_does_by_its_name(scenario):
 def test_own_parties_are_named_in_the_result(scenario, tmp_path):
     stop = rg.run(scenario, controller=BangBang(0.12), estimator=Drag, sensors=Gps)
     stop.write(tmp_path)
-    kept = json.loads((tmp_path / "stop.json").read_text())
-    assert kept["classes"]["controller"]["class"] == f"{__name__}:BangBang"
-    assert kept["classes"]["controller"]["parameters"] == {"level": 0.12}
-    assert len(kept["classes"]["sensors"]["source_sha256"]) == 64
-    assert kept["scenario"]["controller"]["kind"] == f"{__name__}:BangBang"
+    content = json.loads((tmp_path / "stop.json").read_text())
+    assert content["classes"]["controller"]["class"] == f"{__name__}:BangBang"
+    assert content["classes"]["controller"]["parameters"] == {"level": 0.12}
+    assert len(content["classes"]["sensors"]["source_sha256"]) == 64
+    assert content["scenario"]["controller"]["kind"] == f"{__name__}:BangBang"
 
 
 def test_what_an_estimator_lacks_is_absent(scenario):
-    shown = []
+    datasets = []
 
     class Spy(BangBang):
         def decide(self, observation):
-            shown.append(observation)
+            datasets.append(observation)
             return super().decide(observation)
 
     stop = rg.run(scenario, controller=Spy, estimator=Drag)
     assert {name for name in stop.trace if str(name).startswith("estimate_")} == {"estimate_adhesion"}
     assert stop.metrics.adhesion_rmse is not None
     assert stop.metrics.adhesion_nees is stop.metrics.nis_ratio is None
-    assert shown[-1].pad_friction is None
-    assert not shown[-1].slip_is_estimated
-    assert shown[-1].adhesion == pytest.approx(np.full(4, -shown[-1].acceleration / 9.81))
-    assert shown[-1].wheelset_speed.shape == (4,)
+    assert datasets[-1].pad_friction is None
+    assert not datasets[-1].slip_is_estimated
+    assert datasets[-1].adhesion == pytest.approx(np.full(4, -datasets[-1].acceleration / 9.81))
+    assert datasets[-1].wheelset_speed.shape == (4,)
 
 
 def test_a_law_is_refused_that_needs_what_nobody_estimates(scenario):
@@ -280,12 +280,12 @@ def test_a_scenario_may_name_a_class(scenario, tmp_path):
         "    def start(self, formation): self.demand = self.share * formation.pressure_max\n"
         "    def decide(self, observation): return self.demand\n"
     )
-    named = scenario.changed({"controller.kind": "my_laws:Soft", "controller.parameters.share": 0.5})
-    stop = rg.run(named, import_from=[tmp_path])
+    scenario_by_name = scenario.changed({"controller.kind": "my_laws:Soft", "controller.parameters.share": 0.5})
+    stop = rg.run(scenario_by_name, import_from=[tmp_path])
     assert stop.classes["controller"]["parameters"] == {"share": 0.5}
     assert stop.trace["demand"].values[-1].tolist() == [1.7e5, 1e5, 1e5, 1.7e5]  # half of 3.4 and 2 bar
     with pytest.raises(ScenarioError, match="has no class Hard"):
-        rg.run(named.changed({"controller.kind": "my_laws:Hard"}), import_from=[tmp_path])
+        rg.run(scenario_by_name.changed({"controller.kind": "my_laws:Hard"}), import_from=[tmp_path])
     with pytest.raises(ScenarioError, match=r"Soft cannot be made with parameters \{\}: TypeError"):
         rg.run(scenario.changed({"controller.kind": "my_laws:Soft"}), import_from=[tmp_path])
 
@@ -294,14 +294,14 @@ def test_a_folder_one_stands_in_runs_no_code_by_itself(tmp_path):
     (tmp_path / "trap.py").write_text("open('sprung', 'w')\nclass Law:\n    pass\n")
     set_ = ["--set", "controller.kind=trap:Law", "--set", "limits.horizon=0.1 s"]
     command = [sys.executable, "-m", "railgrip", "run", "trapezoid", *set_]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "the module trap cannot be imported" in done.stderr
-    assert "--import-from DIR" in done.stderr
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "the module trap cannot be imported" in result.stderr
+    assert "--import-from DIR" in result.stderr
     assert not (tmp_path / "sprung").exists()
-    done = subprocess.run([*command, "--import-from", "."], cwd=tmp_path, capture_output=True, text=True, check=False)
+    result = subprocess.run([*command, "--import-from", "."], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (tmp_path / "sprung").exists()
-    assert "Law: has no method start and decide" in done.stderr
+    assert "Law: has no method start and decide" in result.stderr
 
 
 def test_an_estimate_of_a_recording():
@@ -336,9 +336,9 @@ def test_a_plant_in_python_brakes_as_its_one_equation_says(scenario, tmp_path):
     assert np.isnan(stop.trace["adhesion"].values).all()
     assert stop.trace["slip"].values == pytest.approx(0.0, abs=1e-12)
     stop.write(tmp_path)
-    kept = json.loads((tmp_path / "stop.json").read_text())
-    assert kept["classes"]["plant"]["class"] == kept["scenario"]["vehicle"]["plant"] == f"{__name__}:Rolling"
-    assert "TwoPartTrain.fmu" not in kept["fmus"]
+    content = json.loads((tmp_path / "stop.json").read_text())
+    assert content["classes"]["plant"]["class"] == content["scenario"]["vehicle"]["plant"] == f"{__name__}:Rolling"
+    assert "TwoPartTrain.fmu" not in content["fmus"]
 
 
 def test_a_plant_may_be_named_and_have_a_formation_of_its_own(scenario, tmp_path):

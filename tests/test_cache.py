@@ -19,10 +19,10 @@ posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes are thos
 
 def test_what_is_kept_is_found_as_it_was(own_cache):
     assert cache.find("libraries", "key", "a.so") is None
-    kept = cache.keep("libraries", "key", "a.so", b"content")
-    assert kept.is_relative_to(own_cache)
-    assert cache.find("libraries", "key", "a.so") == kept
-    assert kept.read_bytes() == b"content"
+    path = cache.keep("libraries", "key", "a.so", b"content")
+    assert path.is_relative_to(own_cache)
+    assert cache.find("libraries", "key", "a.so") == path
+    assert path.read_bytes() == b"content"
     assert cache.find("libraries", "key", "b.so") is None
     assert cache.find("libraries", "other", "a.so") is None
 
@@ -45,8 +45,8 @@ def test_a_file_that_others_can_write_is_not_loaded(own_cache, mode):
 @posix
 @pytest.mark.parametrize("depth", range(4))
 def test_a_folder_that_others_can_write_ends_in_a_sentence(own_cache, depth):
-    kept = cache.keep("libraries", "key", "a.so", b"content")
-    kept.parents[depth].chmod(0o777)
+    path = cache.keep("libraries", "key", "a.so", b"content")
+    path.parents[depth].chmod(0o777)
     for use in (cache.find, lambda *where: cache.keep(*where, b"content")):
         with pytest.raises(InputError, match="others can write in it; remove it, or name another"):
             use("libraries", "key", "a.so")
@@ -63,10 +63,10 @@ def test_a_file_of_another_user_is_not_loaded(own_cache):
 
 
 def test_a_link_is_not_followed(own_cache, tmp_path):
-    kept = cache.keep("libraries", "key", "a.so", b"content")
+    path = cache.keep("libraries", "key", "a.so", b"content")
     elsewhere = tmp_path / "elsewhere"
-    kept.rename(elsewhere)
-    kept.symlink_to(elsewhere)
+    path.rename(elsewhere)
+    path.symlink_to(elsewhere)
     assert cache.find("libraries", "key", "a.so") is None
 
 
@@ -85,21 +85,21 @@ def test_a_cache_that_cannot_be_made_ends_in_a_sentence(tmp_path, monkeypatch):
 
 def test_many_may_keep_the_same_at_once(own_cache):
     with ThreadPoolExecutor(8) as pool:
-        kept = set(pool.map(lambda _: cache.keep("libraries", "key", "a.so", b"content" * 10000), range(64)))
-    assert kept == {cache.find("libraries", "key", "a.so")}
-    assert [file.name for file in kept.pop().parent.iterdir()] == ["a.so"]
+        paths = set(pool.map(lambda _: cache.keep("libraries", "key", "a.so", b"content" * 10000), range(64)))
+    assert paths == {cache.find("libraries", "key", "a.so")}
+    assert [file.name for file in paths.pop().parent.iterdir()] == ["a.so"]
 
 
 def test_what_was_not_used_for_longest_is_removed_beyond_the_limit(own_cache, monkeypatch):
     monkeypatch.setattr(cache, "LARGEST", 25_000)
-    kept = [cache.keep("lives", f"{number}", "a.json", b"%d" % number * 10_000) for number in range(4)]
-    for number, file in enumerate(kept):
+    paths = [cache.keep("lives", f"{number}", "a.json", b"%d" % number * 10_000) for number in range(4)]
+    for number, file in enumerate(paths):
         os.utime(file, (1e9 + number, 1e9 + number))
-    assert cache.find("lives", "0", "a.json") == kept[0]  # used just now
+    assert cache.find("lives", "0", "a.json") == paths[0]  # used just now
     young = cache.keep("lives", "young", "a.json", b"y" * 30_000)
     cache.prune(own_cache)
-    assert [file.exists() for file in (*kept, young)] == [True, False, False, False, True]
-    assert not kept[1].parents[1].exists()
+    assert [file.exists() for file in (*paths, young)] == [True, False, False, False, True]
+    assert not paths[1].parents[1].exists()
 
 
 def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
@@ -120,9 +120,9 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
         "kernel(layout_of(Formation((1,)))); _library()"
     )
     root = str(Path(cache.__file__).parents[1])
-    done = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"PYTHONPATH": root}, capture_output=True,
         text=True, check=False,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert result.returncode == 0, result.stderr
     assert not mark.exists()

@@ -45,10 +45,10 @@ from railgrip.units import Unit, conversion, to_si, unit
     ],
 )
 def test_a_unit_string_means_what_it_says(text: str, dimension: str, factor: float):
-    found = unit(text)
-    assert sorted(found.dimension.split(".")) == sorted(dimension.split("."))
+    value = unit(text)
+    assert sorted(value.dimension.split(".")) == sorted(dimension.split("."))
     # A handful of multiplications: a few units in the last place.
-    assert found.factor == pytest.approx(factor, rel=1e-15)
+    assert value.factor == pytest.approx(factor, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -110,6 +110,6 @@ def test_there_and_back_is_the_same_value(value: float, pair: tuple[str, str]):
     source, target = map(unit, pair)
     there = conversion(source, target)
     back = conversion(target, source)
-    converted = there[0] * value + there[1]
+    magnitude = there[0] * value + there[1]
     # At most six roundings of 1.1e-16, of the largest number involved; for temperatures that is the offset.
-    assert back[0] * converted + back[1] == pytest.approx(value, rel=1e-15, abs=4e-13)
+    assert back[0] * magnitude + back[1] == pytest.approx(value, rel=1e-15, abs=4e-13)

@@ -19,8 +19,8 @@ DATA = {".typed", ".toml", ".json", ".mo", ".order", ".c", ".h", ".jinja"}
 def wheel(tmp_path_factory):
     """Built from a copy, so that no folder of an earlier build takes part."""
     source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
-    for name in filter(None, listed.decode().split("\0")):
+    listing = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
+    for name in filter(None, listing.decode().split("\0")):
         if not name.startswith("tests/") and (ROOT / name).is_file():
             (source / name).parent.mkdir(parents=True, exist_ok=True)
             (source / name).write_bytes((ROOT / name).read_bytes())
@@ -120,7 +120,7 @@ def alone(installed, here, *arguments):
     """Run Python in a folder with nothing but what is installed, and without a network."""
     site, cache = installed
     nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
-    done = subprocess.run(
+    result = subprocess.run(
         [sys.executable, *arguments],
         cwd=here,
         env=os.environ | nowhere | {"PYTHONPATH": str(site), "RAILGRIP_CACHE": str(cache)},
@@ -128,8 +128,8 @@ def alone(installed, here, *arguments):
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    assert result.returncode == 0, result.stderr
+    return result.stdout
 
 
 def test_it_runs_from_an_empty_folder_without_a_network(installed, tmp_path):
@@ -148,12 +148,12 @@ def test_parties_of_an_installed_package_go_by_their_names(installed, tmp_path):
     kinds = {"controller": "half", "estimator": "drag", "sensors": "exact"}
     tables = [text for role, kind in kinds.items() for text in ("--set", f"{role}={{kind='{kind}'}}")]
     alone(installed, tmp_path, "-m", "railgrip", "run", "trapezoid", *tables, "--set", "start.speed=5 km/h")
-    (kept,) = tmp_path.rglob("stop.json")
-    classes = json.loads(kept.read_text())["classes"]
+    (record,) = tmp_path.rglob("stop.json")
+    classes = json.loads(record.read_text())["classes"]
     assert {role: party["class"] for role, party in classes.items()} == {
         "controller": "tiny_laws:Share", "estimator": "tiny_laws:Drag", "sensors": "tiny_laws:Exact",
     }  # fmt: skip
-    with xarray.open_dataset(kept.with_name("trace.nc")) as trace:
+    with xarray.open_dataset(record.with_name("trace.nc")) as trace:
         assert trace["demand"].values[-1].tolist() == [1.7e5, 1e5, 1e5, 1.7e5]
         assert "estimate_pad_friction" not in trace
 

@@ -57,9 +57,9 @@ def observability(
     ranks = [
         {
             "at": f"{point.time:.2f} s, {point.what}",
-            "rank": f"{point.found.rank} of {len(point.found.states)}",
-            "derivatives": point.found.order,
-            "not determined": ", ".join(point.found.undetermined) or "–",
+            "rank": f"{point.information.rank} of {len(point.information.states)}",
+            "derivatives": point.information.order,
+            "not determined": ", ".join(point.information.undetermined) or "–",
         }
         for point in observed.points
     ]

@@ -251,7 +251,7 @@ def k_factors(
     show_table(table(study))
     for sentence in sentences(study):
         say(sentence)
-    say(f"{study.found.seconds:.1f} s")
+    say(f"{study.quasi_static.seconds:.1f} s")
     say(str(page))
 
 

@@ -25,13 +25,13 @@ class Point:
         what: Why it was chosen.
         time: [s].
         inputs: Held there, by name.
-        found: Rank, order and what is hidden.
+        information: Rank, order and what is hidden.
     """
 
     what: str
     time: float
     inputs: Mapping[str, float]
-    found: Observability
+    information: Observability
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,7 +130,7 @@ def _points(
             what=what,
             time=float(time[k]),
             inputs=dict(zip(prediction.inputs, inputs_at.tolist(), strict=True)),
-            found=observability(prediction, states[k], inputs_at, scale),
+            information=observability(prediction, states[k], inputs_at, scale),
         )
         for what, k, inputs_at in instants
     )

@@ -183,7 +183,7 @@ class Finding:
 class Findings:
     """The numbers of a result, and the names of those that it should have and has not."""
 
-    found: tuple[Finding, ...]
+    values: tuple[Finding, ...]
     missing: tuple[str, ...] = ()
 
 
@@ -199,18 +199,18 @@ class Comparison:
         state: `kept` inside the tolerance; `moved` outside; `new` without baseline; `gone` without result;
             `no standstill` of a stop that ended otherwise, `no value` of a figure that there is none of.
         accepted: The baseline, None for a new one.
-        found: The number, None when gone.
+        current: The number, None when gone.
     """
 
     name: str
     state: State
     accepted: Accepted | AcceptedFigure | None
-    found: Finding | None
+    current: Finding | None
 
     @property
     def value(self) -> float | None:
         """Found, if there is such a number."""
-        return None if self.found is None else self.found.value
+        return None if self.current is None else self.current.value
 
     @property
     def change(self) -> float | None:
@@ -229,7 +229,7 @@ def load_baseline(path: Path) -> Baseline:
 
 def findings_of(results: Results) -> Findings:
     """Return the distances of a campaign; none of a stop that did not end in a standstill."""
-    return Findings(found=tuple(map(_finding, results.stops, rows_of(results))), missing=results.missing)
+    return Findings(values=tuple(map(_finding, results.stops, rows_of(results))), missing=results.missing)
 
 
 def _finding(result: Result, row: Row) -> Finding:
@@ -246,7 +246,7 @@ def _finding(result: Result, row: Row) -> Finding:
 
 def write_findings(findings: Findings, directory: Path) -> None:
     """Keep the figures of a study where `read_findings` finds them."""
-    write_text(directory / FINDINGS_FILE, json.dumps([asdict(finding) for finding in findings.found], indent=1) + "\n")
+    write_text(directory / FINDINGS_FILE, json.dumps([asdict(finding) for finding in findings.values], indent=1) + "\n")
 
 
 def read_findings(directory: Path) -> Findings:
@@ -257,7 +257,7 @@ def read_findings(directory: Path) -> Findings:
     """
     path = directory / FINDINGS_FILE
     try:
-        return Findings(found=tuple(Finding(**finding) for finding in json.loads(path.read_text(encoding="utf-8"))))
+        return Findings(values=tuple(Finding(**finding) for finding in json.loads(path.read_text(encoding="utf-8"))))
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such file; `railgrip regress` makes one") from problem
     except (OSError, ValueError, TypeError) as problem:
@@ -266,13 +266,13 @@ def read_findings(directory: Path) -> Findings:
 
 def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
     """Return every number of baseline and findings, those that need attention first."""
-    current = {finding.name: finding for finding in findings.found}
+    current = {finding.name: finding for finding in findings.values}
     comparisons = [
         Comparison(
             name=name,
             state=_state(baseline.accepted.get(name), current.get(name), of_stops=baseline.campaign is not None),
             accepted=baseline.accepted.get(name),
-            found=current.get(name),
+            current=current.get(name),
         )
         for name in dict.fromkeys([*current, *baseline.accepted])
     ]
@@ -293,7 +293,7 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     stops: dict[str, Accepted] = {}
     figures: dict[str, AcceptedFigure] = {}
     for comparison in compare(baseline, findings):
-        name, before, finding = comparison.name, comparison.accepted, comparison.found
+        name, before, finding = comparison.name, comparison.accepted, comparison.current
         if finding is None:
             if name in findings.missing:
                 raise ScenarioError(f"accept: {name} has no result; run the campaign first")
@@ -387,7 +387,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
 
 def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> table.Table:
     """Return the comparison; in metres where all are distances, else with a column of units."""
-    units = [(c.accepted or c.found).unit for c in comparisons if c.accepted or c.found]  # pyright: ignore[reportOptionalMemberAccess]
+    units = [(c.accepted or c.current).unit for c in comparisons if c.accepted or c.current]  # pyright: ignore[reportOptionalMemberAccess]
     metres = set(units) <= {"m"}
     form, behind = ("{:.2f}", " [m]") if metres else ("{:.4g}", "")
     rows = [

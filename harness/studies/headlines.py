@@ -29,7 +29,7 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
     """
     if study not in STUDIES:
         raise EstimationError(f"there is no study '{study}'; there is {', '.join(STUDIES)}.")
-    return Findings(found=tuple(finding for part in STUDIES[study] for finding in part(tell)))
+    return Findings(values=tuple(finding for part in STUDIES[study] for finding in part(tell)))
 
 
 def rig(tell: Tell) -> list[Finding]:

@@ -38,15 +38,10 @@ class Errors:
 
 def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
     """Return the errors of the estimated adhesion, or None of a stop without estimates or above 10 km/h."""
-    if "estimate_adhesion" not in trace:
+    truth, estimate = _moving(trace, "group_adhesion"), _moving(trace, "estimate_adhesion")
+    if truth is None or estimate is None or len(truth) < 2:
         return None
-    moving = trace["speed"].values > SLOWEST
-    truth = trace["group_adhesion"].values[moving]
-    estimate = trace["estimate_adhesion"].values[moving]
-    spread = _deviation(trace, "estimate_adhesion", moving)
-    if len(truth) < 2:
-        return None
-    error = estimate - truth
+    error, spread = estimate - truth, _moving(trace, "estimate_adhesion_sd")
     period = float(trace["time"].values[1] - trace["time"].values[0])
     return Errors(
         rmse=_row(np.sqrt(np.mean(error**2, axis=0))),
@@ -58,10 +53,9 @@ def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
     )
 
 
-def _deviation(trace: xarray.Dataset, estimated: str, moving: NDArray[np.bool_]) -> Array | None:
-    """Return the standard deviation that an estimate claims, or None of one that claims none."""
-    name = f"{estimated}_sd"
-    return trace[name].values[moving] if name in trace else None
+def _moving(trace: xarray.Dataset, name: str) -> Array | None:
+    """Return a signal above 10 km/h, or None where there is none: some estimators claim no deviation."""
+    return trace[name].values[trace["speed"].values > SLOWEST] if name in trace else None
 
 
 def _delay(truth: Array, estimate: Array, period: float) -> Array:
@@ -80,25 +74,20 @@ def _delay(truth: Array, estimate: Array, period: float) -> Array:
 
 def rmse(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] | None:
     """Return the root mean square error of another estimate above 10 km/h, or None without it."""
-    if estimated not in trace:
-        return None
-    moving = trace["speed"].values > SLOWEST
-    if not moving.any():
-        return None
-    error = trace[estimated].values[moving] - trace[true].values[moving]
-    return _row(np.atleast_1d(np.sqrt(np.mean(error**2, axis=0))))
+    error = _error(trace, estimated, true)
+    return None if error is None else _row(np.atleast_1d(np.sqrt(np.mean(error**2, axis=0))))
 
 
 def outside(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] | None:
     """Return the share of time above 10 km/h with the truth outside ±2σ of an estimate, or None without it."""
-    if estimated not in trace:
-        return None
-    moving = trace["speed"].values > SLOWEST
-    if not moving.any():
-        return None
-    error = trace[estimated].values[moving] - trace[true].values[moving]
-    spread = _deviation(trace, estimated, moving)
-    return None if spread is None else _row(_outside(error, spread))
+    error, spread = _error(trace, estimated, true), _moving(trace, f"{estimated}_sd")
+    return None if error is None or spread is None else _row(_outside(error, spread))
+
+
+def _error(trace: xarray.Dataset, estimated: str, true: str) -> Array | None:
+    estimate = _moving(trace, estimated)
+    truth = _moving(trace, true)
+    return None if estimate is None or truth is None or not len(estimate) else estimate - truth
 
 
 def _outside(error: Array, spread: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Latitude, longitude and height on WGS84, geocentric coordinates (ECEF), and a local north-east-down frame (NED).
+"""Latitude, longitude and height on WGS84, and a local north-east-down frame (NED).
 
 Heights are above the ellipsoid, as GNSS gives them, not above the sea. The formulas are pymap3d's.
 """
@@ -25,11 +25,6 @@ class Place:
     latitude: float
     longitude: float
     height: float
-
-
-def geocentric(latitude: ArrayLike, longitude: ArrayLike, height: ArrayLike) -> Array:
-    """Return ECEF coordinates [m], shape (…, 3), of positions in degrees and metres above the ellipsoid."""
-    return np.stack([np.asarray(c, dtype=np.float64) for c in pymap3d.geodetic2ecef(latitude, longitude, height)], -1)
 
 
 def local(latitude: ArrayLike, longitude: ArrayLike, height: ArrayLike, origin: Place) -> Array:

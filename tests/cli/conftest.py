@@ -77,7 +77,7 @@ class Done:
 @pytest.fixture
 def program(project):
     """Start the command line in the project as a process group of its own, as a shell does."""
-    started = []
+    processes = []
 
     def start(*arguments):
         process = subprocess.Popen(
@@ -89,11 +89,11 @@ def program(project):
             text=True,
             start_new_session=True,  # so that a Ctrl-C of the test reaches the workers, too, as a terminal's would
         )
-        started.append(process)
+        processes.append(process)
         return process
 
     yield start
-    for process in started:
+    for process in processes:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()

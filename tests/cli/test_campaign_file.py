@@ -13,48 +13,48 @@ def campaign(project, text):
 
 
 def test_stops_are_the_product_of_axes_and_sweeps(project):
-    found = campaign(
+    plan = campaign(
         project,
         '[axes.edge.a]\nseed = 1\n[axes.edge.b]\nseed = 2\n[sweep]\n"start.speed" = ["80 km/h", "100 km/h", 30]\n',
     )
-    assert [stop.name for stop in found.stops][:2] == ["wet-a-80_km_h", "wet-a-100_km_h"]
-    assert len(found.stops) == 6
-    assert found.stops[-1].variants == {"scenario": "wet", "edge": "b", "start.speed": "30"}
-    assert found.stops[-1].scenario.start.speed == 30.0
-    assert found.stops[-1].scenario.seed == 2
+    assert [stop.name for stop in plan.stops][:2] == ["wet-a-80_km_h", "wet-a-100_km_h"]
+    assert len(plan.stops) == 6
+    assert plan.stops[-1].variants == {"scenario": "wet", "edge": "b", "start.speed": "30"}
+    assert plan.stops[-1].scenario.start.speed == 30.0
+    assert plan.stops[-1].scenario.seed == 2
 
 
 def test_a_variant_may_be_a_file_beside_the_campaign(project):
     (project / "slow.toml").write_text('[start]\nspeed = "18 km/h"\n', encoding="utf-8")
-    found = campaign(project, '[axes.pace]\nslow = "slow.toml"\nquick = { start.speed = 20 }\n')
-    assert {stop.name: stop.scenario.start.speed for stop in found.stops} == {"wet-slow": 5.0, "wet-quick": 20.0}
+    plan = campaign(project, '[axes.pace]\nslow = "slow.toml"\nquick = { start.speed = 20 }\n')
+    assert {stop.name: stop.scenario.start.speed for stop in plan.stops} == {"wet-slow": 5.0, "wet-quick": 20.0}
 
 
 def test_exclusions_and_references_match_by_axis(project):
-    found = campaign(
+    plan = campaign(
         project,
         "[axes.edge.a]\n[axes.edge.b]\n[axes.x.p]\n[axes.x.q]\n"
         '[[exclude]]\nedge = "b"\nx = ["p"]\n'
         '[[reference]]\nmatch = { scenario = "wet", edge = "a" }\ndistance = "100 m"\nsource = "a book"\n',
     )
-    assert [stop.name for stop in found.stops] == ["wet-a-p", "wet-a-q", "wet-b-q"]
-    assert [bool(found.reference_for(stop)) for stop in found.stops] == [True, True, False]
+    assert [stop.name for stop in plan.stops] == ["wet-a-p", "wet-a-q", "wet-b-q"]
+    assert [bool(plan.reference_for(stop)) for stop in plan.stops] == [True, True, False]
 
 
 def test_draws_are_one_stop_a_seed_of_what_they_match_and_keep_figures_only(project):
-    found = campaign(
+    plan = campaign(
         project,
         '[draws]\nfirst = 3\nlast = 5\nmatch = { rail = "drawn" }\n'
         "[axes.rail.drawn]\n[axes.rail.slow]\nseed = 7\n[axes.pace]\nslow.start.speed = 10\nquick = {}\n",
     )
-    drawn = [stop for stop in found.stops if "draw" in stop.variants]
-    assert [stop.name for stop in found.stops][:4] == [f"wet-drawn-slow-{n}" for n in (3, 4, 5)] + ["wet-drawn-quick-3"]
+    drawn = [stop for stop in plan.stops if "draw" in stop.variants]
+    assert [stop.name for stop in plan.stops][:4] == [f"wet-drawn-slow-{n}" for n in (3, 4, 5)] + ["wet-drawn-quick-3"]
     assert [stop.scenario.seed for stop in drawn] == [3, 4, 5, 3, 4, 5]
     assert [stop.variants["draw"] for stop in drawn] == ["3", "4", "5", "3", "4", "5"]
     assert [stop.scenario.start.speed for stop in drawn][:3] == [10, 10, 10]
     assert not any(stop.keep_trace for stop in drawn)
     # What is not drawn is one stop with its own seed, and keeps its samples.
-    assert [(stop.scenario.seed, stop.keep_trace) for stop in found.stops if stop not in drawn] == [(7, True)] * 2
+    assert [(stop.scenario.seed, stop.keep_trace) for stop in plan.stops if stop not in drawn] == [(7, True)] * 2
 
 
 def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):

@@ -2,9 +2,15 @@
 
 import os
 import signal
+import sys
 import time
+from pathlib import Path
 
 import pytest
+
+# Where `make install` has it: beside the environment, not in it.
+sys.path.append(str(Path(sys.prefix) / "cluster"))
+
 from distributed import LocalCluster
 from synthetic_runner import run_stop
 
@@ -30,38 +36,38 @@ def slowly(scenario, progress=None, tell=lambda sentence: None):
 
 @pytest.fixture
 def two_workers():
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as found:
-        yield found
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster_here:
+        yield cluster_here
 
 
 def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
     (project / "few.toml").write_text(LINES, encoding="utf-8")
     campaign = load_campaign(project / "few.toml")
-    killed = []
+    victims = []
 
     def kill(report):
-        if not killed:
-            killed.append(next(iter(two_workers.workers.values())).pid)
-            os.kill(killed[0], signal.SIGKILL)
+        if not victims:
+            victims.append(next(iter(two_workers.workers.values())).pid)
+            os.kill(victims[0], signal.SIGKILL)
 
     (reports,) = run_campaigns(
         [CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=two_workers.scheduler_address, tell=kill
     )
-    assert killed
+    assert victims
     assert [report.state for report in reports] == ["done"] * 6
     for stop in campaign.stops:
         assert read_stop(tmp_path / "out" / stop.name).digest == stop.scenario.digest()
-    told = []
-    run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=told.append)
-    assert {report.state for report in told} == {"found"}  # so nobody was asked
+    repeats = []
+    run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=repeats.append)
+    assert {report.state for report in repeats} == {"found"}  # so nobody was asked
 
 
 def test_who_does_not_answer_and_workers_with_threads_are_refused():
     with pytest.raises(InputError, match="no Dask scheduler answers there"), cluster("tcp://127.0.0.1:1"):
         pass
     with (
-        LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=None) as found,
+        LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=None) as cluster_here,
         pytest.raises(InputError, match="a worker has 2 threads"),
-        cluster(found.scheduler_address),
+        cluster(cluster_here.scheduler_address),
     ):
         pass

@@ -29,19 +29,19 @@ def test_the_console_script_is_this_command_line():
 
 
 def test_a_run_prints_its_distance_and_keeps_its_result(railgrip, project):
-    done = railgrip("run", "wet.toml", "--set", "start.speed=36 km/h", "--out", "here")
-    assert done.code == 0, done.err
+    result = railgrip("run", "wet.toml", "--set", "start.speed=36 km/h", "--out", "here")
+    assert result.code == 0, result.err
     # 10 m/s at 0.95 m/s²
-    assert "wet: standstill, 52.63 m in 10.53 s" in done.out
+    assert "wet: standstill, 52.63 m in 10.53 s" in result.out
     content = json.loads((project / "here" / "stop.json").read_text(encoding="utf-8"))
     assert content["distance_m"] == pytest.approx(52.63, abs=0.01)
     assert (project / "here" / "trace.nc").exists()
 
 
 def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
-    done = railgrip("run", "wet.toml", "--set", "description=slide", "--out", "here")
-    assert done.code == 3
-    assert "no braking distance, the stop ended with horizon: Still moving at 3 m/s." in done.err
+    result = railgrip("run", "wet.toml", "--set", "description=slide", "--out", "here")
+    assert result.code == 3
+    assert "no braking distance, the stop ended with horizon: Still moving at 3 m/s." in result.err
     assert json.loads((project / "here" / "stop.json").read_text(encoding="utf-8"))["outcome"] == "horizon"
 
 
@@ -69,19 +69,19 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_a_wrong_question_exits_2_with_a_sentence(railgrip, arguments, sentence):
-    done = railgrip(*arguments)
-    assert done.code == 2
-    assert sentence in done.err
-    assert "Traceback" not in done.err
-    assert done.out == ""
+    result = railgrip(*arguments)
+    assert result.code == 2
+    assert sentence in result.err
+    assert "Traceback" not in result.err
+    assert result.out == ""
 
 
 @pytest.mark.parametrize("command", [("run", "wet.toml"), ("campaign", "pair.toml")], ids=" ".join)
 def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, project, command):
     (project / "taken").write_text("a file", encoding="utf-8")
-    done = railgrip(*command, "--set", "description=break", "--out", "taken/out")
-    assert done.code == 2
-    assert "taken/out: results cannot be written there: Not a directory; name another folder by --out" in done.err
+    result = railgrip(*command, "--set", "description=break", "--out", "taken/out")
+    assert result.code == 2
+    assert "taken/out: results cannot be written there: Not a directory; name another folder by --out" in result.err
 
 
 @pytest.mark.parametrize(
@@ -97,9 +97,9 @@ def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, 
 )
 def test_a_folder_where_a_file_goes_is_found_before_anything_runs(railgrip, project, command, place):
     (project / "out" / place).mkdir(parents=True)
-    done = railgrip(*command, "--set", "description=break", "--out", "out")
-    assert done.code == 2
-    assert f"{Path('out') / place}: a file is to be written there, and it is a folder" in done.err
+    result = railgrip(*command, "--set", "description=break", "--out", "out")
+    assert result.code == 2
+    assert f"{Path('out') / place}: a file is to be written there, and it is a folder" in result.err
 
 
 def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
@@ -108,22 +108,22 @@ def test_a_mistake_of_the_program_is_not_dressed_up(railgrip):
 
 
 def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_left(railgrip, project):
-    done = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
-    assert done.code == 0, done.err
+    result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
+    assert result.code == 0, result.err
     assert stops_in(project / "out") == ["wet-abc", "wet-sbc"]
     # 0.8 against 0.95 m/s²
-    assert "−15.8 %" in done.out
+    assert "−15.8 %" in result.out
     assert (project / "out" / "pair.md").exists()
     assert (project / "out" / "index.html").exists()
 
-    kept, lost = (project / "out" / name / "stop.json" for name in ("wet-sbc", "wet-abc"))
-    before, content = kept.stat().st_mtime_ns, lost.read_bytes()
+    first_file, other_file = (project / "out" / name / "stop.json" for name in ("wet-sbc", "wet-abc"))
+    before, content = first_file.stat().st_mtime_ns, other_file.read_bytes()
     traces = (project / "out" / "wet-abc" / "trace.nc").read_bytes()
-    lost.unlink()
+    other_file.unlink()
     assert railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc").code == 0
-    assert kept.stat().st_mtime_ns == before
+    assert first_file.stat().st_mtime_ns == before
     # run again in another process: the same bytes
-    assert lost.read_bytes() == content
+    assert other_file.read_bytes() == content
     assert (project / "out" / "wet-abc" / "trace.nc").read_bytes() == traces
 
 
@@ -131,18 +131,18 @@ def test_two_campaigns_share_the_workers_and_have_a_report_each(railgrip, projec
     """The second says itself that it wants no panels: its page lacks those of its two stops."""
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "other.toml").write_text('panels = "none"\n' + text.replace('"pair"', '"other"'), encoding="utf-8")
-    done = railgrip("campaign", "pair.toml", "other.toml", "--out", "both")
-    assert done.code == 0, done.err
+    result = railgrip("campaign", "pair.toml", "other.toml", "--out", "both")
+    assert result.code == 0, result.err
     assert stops_in(project / "both" / "pair") == stops_in(project / "both" / "other") == ["wet-abc", "wet-sbc"]
     pages = [(project / "both" / name / "index.html").read_text(encoding="utf-8") for name in ("pair", "other")]
     assert [page.count("data:image/png") for page in pages] == [4, 2]
-    assert done.out.count("−15.8 %") == 2
+    assert result.out.count("−15.8 %") == 2
 
 
 def test_two_campaigns_of_one_name_are_refused(railgrip, project):
-    done = railgrip("campaign", "pair.toml", "pair.toml")
-    assert done.code == 2
-    assert "two campaigns are named 'pair'" in done.err
+    result = railgrip("campaign", "pair.toml", "pair.toml")
+    assert result.code == 2
+    assert "two campaigns are named 'pair'" in result.err
 
 
 def test_what_another_scenario_or_another_program_left_is_run_again(project):
@@ -165,9 +165,9 @@ def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
         ),
         encoding="utf-8",
     )
-    done = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
-    assert done.code == 2
-    assert "wet-sbc: wet: the plant has no brakes" in done.err
+    result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
+    assert result.code == 2
+    assert "wet-sbc: wet: the plant has no brakes" in result.err
     assert stops_in(project / "out") == ["wet-abc"]
     assert "Not run: wet-sbc" in (project / "out" / "pair.md").read_text(encoding="utf-8")
 
@@ -228,6 +228,6 @@ def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project,
     text = baselines.read_text(encoding="utf-8")
     assert text.count('reason = "First figures."') == 2
     baselines.write_text(text.replace("distance = 2", "distance = 3"), encoding="utf-8")
-    moved = railgrip("regress", *where)
-    assert moved.code == 3
-    assert "moved" in moved.out
+    result = railgrip("regress", *where)
+    assert result.code == 3
+    assert "moved" in result.out

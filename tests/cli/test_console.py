@@ -20,17 +20,17 @@ HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xa
 def test_help_loads_nothing_that_a_stop_needs():
     """These take seconds, and nobody who asks for help waits for a plant."""
     ask = "import sys; from railgrip.__main__ import main\ntry: main(['--help'])\nfinally: print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
-    assert "campaign" in done.stdout
-    assert done.returncode == 0, done.stderr
-    assert HEAVY.isdisjoint(done.stdout.splitlines()[-1].split())
+    result = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
+    assert "campaign" in result.stdout
+    assert result.returncode == 0, result.stderr
+    assert HEAVY.isdisjoint(result.stdout.splitlines()[-1].split())
 
 
 @pytest.mark.parametrize("text", ["gone:x:.toml", "[red]gone[/red].toml", "gone[/].toml"])
 def test_what_users_wrote_is_shown_as_it_is(railgrip, text):
-    done = railgrip("run", text)
-    assert done.code == 2
-    assert f"{text}: there is no such file" in done.err
+    result = railgrip("run", text)
+    assert result.code == 2
+    assert f"{text}: there is no such file" in result.err
 
 
 def test_cells_of_a_table_are_shown_as_they_are(capfd):
@@ -66,9 +66,9 @@ def imports_of(path: Path) -> set[str]:
 def test_where_nobody_watches_a_line_comes_now_and_then(monkeypatch, capfd, settings, line):
     monkeypatch.setattr(console, "REMINDER", 0.02)
     before = threading.active_count()
-    with console.progress("table1 :x:", **settings) as shown:
-        shown.advance()
-        shown.advance("drawing [a]")
+    with console.progress("table1 :x:", **settings) as bar:
+        bar.advance()
+        bar.advance("drawing [a]")
         err = ""
         while line not in err:  # else the test hangs, which is a failure, too
             err += capfd.readouterr().err
@@ -77,8 +77,8 @@ def test_where_nobody_watches_a_line_comes_now_and_then(monkeypatch, capfd, sett
 
 
 def test_what_is_done_before_the_first_line_leaves_none(capfd):
-    with console.progress("quick", 1) as shown:
-        shown.advance()
+    with console.progress("quick", 1) as bar:
+        bar.advance()
     assert capfd.readouterr().err == ""
 
 
@@ -99,15 +99,15 @@ def test_on_a_terminal_a_bar_is_shown():
         [sys.executable, "-c", WATCHED], stdout=theirs, stderr=theirs, env=os.environ | {"TERM": "xterm"}
     ) as process:
         os.close(theirs)
-        shown = b""
+        screen = b""
         try:
             while piece := os.read(ours, 4096):
-                shown += piece
+                screen += piece
         except OSError:  # the end of a terminal on Linux
             pass
         os.close(ours)
-    assert process.returncode == 0, shown
-    text = shown.decode()
+    assert process.returncode == 0, screen
+    text = screen.decode()
     assert "stop :x:: [red]drawing" in text
     assert "1/4" in text
     assert "endless: work" in text

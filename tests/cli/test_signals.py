@@ -19,15 +19,15 @@ pytestmark = pytest.mark.skipif(not Path("/proc").exists(), reason="looks proces
 
 def members(group: int) -> list[int]:
     """Return the processes of a session that still run; one that has ended stays until somebody asks how."""
-    found: list[int] = []
+    processes: list[int] = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:
             state, _, _, session, *_ = status.read_text().rpartition(")")[2].split()
         except OSError:  # it ended meanwhile
             continue
         if int(session) == group and state != "Z":
-            found.append(int(status.parent.name))
-    return found
+            processes.append(int(status.parent.name))
+    return processes
 
 
 def until(state, patience=300.0):
@@ -69,10 +69,10 @@ def ended(place, arguments, moment, number, *, to_all):
         assert process.poll() is None, process.communicate()
         # A terminal sends Ctrl-C to all, `kill` and a service manager SIGTERM to one.
         (os.killpg if to_all else os.kill)(process.pid, number)
-        sent = time.monotonic()
+        signalled_at = time.monotonic()
         out, err = process.communicate(timeout=300)
         until(lambda: not members(process.pid))
-        return out, err, process.returncode, time.monotonic() - sent
+        return out, err, process.returncode, time.monotonic() - signalled_at
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
@@ -104,8 +104,8 @@ RUN, CAMPAIGN = ("run", "foreign.toml", "--out", "out"), ("campaign", "pair.toml
 def test_a_signal_ends_the_program_with_a_sentence_and_leaves_nothing(place, arguments, moment, number, to_all):
     out, err, code, _ = ended(place, arguments, moment, number, to_all=to_all)
     word = "Interrupted" if number == signal.SIGINT else "Terminated"
-    told = [line for line in err.splitlines() if "a process of its own" not in line and not line.endswith(" s")]
-    assert told == [f"{word}; what had finished is kept."], err
+    messages = [line for line in err.splitlines() if "a process of its own" not in line and not line.endswith(" s")]
+    assert messages == [f"{word}; what had finished is kept."], err
     assert code == 128 + number
     assert out == ""
     assert list((place / "temporary").iterdir()) == []

@@ -29,9 +29,9 @@ def rails_of(campaign: str):
 @pytest.mark.parametrize("judged", ["table1", "shapes", "unseen", "adverse"])
 def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
     """Neither the friction nor the draw of chance."""
-    trained, shown = rails_of("training"), rails_of(judged)
-    assert not {s.adhesion.model_dump_json() for s in trained} & {s.adhesion.model_dump_json() for s in shown}
-    assert not {s.seed for s in trained} & {s.seed for s in shown}
+    trained, other_rails = rails_of("training"), rails_of(judged)
+    assert not {s.adhesion.model_dump_json() for s in trained} & {s.adhesion.model_dump_json() for s in other_rails}
+    assert not {s.seed for s in trained} & {s.seed for s in other_rails}
 
 
 def committed(law: str):
@@ -58,8 +58,8 @@ def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_sl
         table = merged(table, {"estimator": {"kind": "none"}})
 
     def levels(tuning: str):
-        changed = merged(table, {"controller": {"tuning": tuning}})
-        scenario = scenario_of(changed, directory=CAMPAIGNS, origin="plain.toml")
+        variant = merged(table, {"controller": {"tuning": tuning}})
+        scenario = scenario_of(variant, directory=CAMPAIGNS, origin="plain.toml")
         controller = controller_of(scenario, controlled_formation(scenario).brakes)
         assert isinstance(controller, SlipBased)
         names = [quantity.name for quantity in controller.formula.parameters]
@@ -98,8 +98,8 @@ def test_every_pair_of_levels_that_is_searched_can_switch():
 
 def test_the_file_says_what_was_found_and_on_what():
     values = {"low": 0.01, "high": 0.02}
-    found = Found(values=values, sets=16, rails=("even", "rough"), distances=(80.0, 90.0), reference=(100.0, 100.0))
-    text = text_of("slip_two_state", {("ideal", "read"): found})
+    optimum = Found(values=values, sets=16, rails=("even", "rough"), distances=(80.0, 90.0), reference=(100.0, 100.0))
+    text = text_of("slip_two_state", {("ideal", "read"): optimum})
     assert tomllib.loads(text)["ideal"]["read"] == values
     # The geometric mean of 0.8 and 0.9 is 0.8485.
     assert "The best of 16 sets: -15.1 % against slip-based control" in text
@@ -134,10 +134,10 @@ def one_rail(tmp_path_factory):
 def test_a_search_ends_no_worse_than_it_began(law, actuation, slip, one_rail):
     best: list[float] = []
     with workers(2) as pool:
-        found = search(law, actuation, slip, lambda _, value: best.append(value), pool, rails=one_rail, sets=12)
+        optimum = search(law, actuation, slip, lambda _, value: best.append(value), pool, rails=one_rail, sets=12)
     assert len(best) >= 2
     assert best == sorted(best, reverse=True)
-    assert found.rails == ("even",)
-    assert found.reduction == pytest.approx(best[-1], abs=1e-9)
-    assert found.reduction < 0.0  # against levels of 10 and 15 %, beyond the peak of this rail
-    assert found.sets >= 12 * len(RANGES[law][actuation, slip])
+    assert optimum.rails == ("even",)
+    assert optimum.reduction == pytest.approx(best[-1], abs=1e-9)
+    assert optimum.reduction < 0.0  # against levels of 10 and 15 %, beyond the peak of this rail
+    assert optimum.sets >= 12 * len(RANGES[law][actuation, slip])

@@ -44,8 +44,8 @@ def is_running(process: int) -> bool:
 def test_workers_end_with_a_parent_that_was_killed(tmp_path):
     """And take with them what they had unpacked."""
     (tmp_path / "program.py").write_text(PROGRAM, encoding="utf-8")
-    kept = tmp_path / "kept"
-    kept.mkdir()
+    folder = tmp_path / "kept"
+    folder.mkdir()
     here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
     with subprocess.Popen(
         [sys.executable, "program.py"], cwd=tmp_path, env=here, stdout=subprocess.PIPE, text=True
@@ -54,10 +54,10 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path):
         children = [int(process) for process in parent.stdout.readline().split()]
         assert children
         assert all(map(is_running, children))
-        until(lambda: len(list(kept.iterdir())) == 2)
+        until(lambda: len(list(folder.iterdir())) == 2)
         parent.send_signal(signal.SIGKILL)
     until(lambda: not any(map(is_running, children)))
-    assert list(kept.iterdir()) == []
+    assert list(folder.iterdir()) == []
 
 
 def until(state):

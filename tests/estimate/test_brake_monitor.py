@@ -5,11 +5,12 @@ import pytest
 
 from railgrip.studies.pad_monitor import study as monitor_study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
-from railgrip.studies.pad_monitor.folder import stops_in, write_recording
+from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.study import Verdict, judged
 from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
-from railgrip.trace.samples import reading_of, truth_of
+from railgrip.trace.netcdf import FILE_NAME, write_trace
+from railgrip.trace.samples import reading_of, truth_of, with_signals
 
 DESIGN = Design()
 
@@ -38,8 +39,8 @@ def stops():
     """A healthy stop, the same with one group worn by 20 %, and with one that does not release."""
     healthy = Life(stops=60, seed=3)
     worn = Life(stops=60, seed=3, worn=0, worn_group=1)
-    stuck = Life(stops=60, seed=3, stuck=0, stuck_group=3)
-    return [next(live(life, range(7, 8))) for life in (healthy, worn, stuck)]
+    sticking = Life(stops=60, seed=3, stuck=0, stuck_group=3)
+    return [next(live(life, range(7, 8))) for life in (healthy, worn, sticking)]
 
 
 # Of what a loop of its own gave before every stop was a scenario of the one loop, bit by bit. Five digits are what two
@@ -60,9 +61,9 @@ def stops():
 def test_a_life_is_that_of_the_former_loop(life, samples, values):
     stop = next(live(life, range(7, 8)))
     read = reading_of(stop.recording, "wheelset_speed[1]")[400], reading_of(stop.recording, "cylinder_pressure[4]")[250]
-    found = [*read, truth_of(stop.recording, "mu_b[4]")[-1]]
+    samples_read = [*read, truth_of(stop.recording, "mu_b[4]")[-1]]
     assert stop.recording.sizes["time"] == samples
-    assert [*found, stop.temperature[0]] == pytest.approx(values, rel=1e-5)
+    assert [*samples_read, stop.temperature[0]] == pytest.approx(values, rel=1e-5)
 
 
 def test_a_stop_tells_which_group_has_lost_friction(stops):
@@ -74,11 +75,11 @@ def test_a_stop_tells_which_group_has_lost_friction(stops):
 
 
 def test_a_brake_that_does_not_release_shows_as_drag_and_as_lost_friction(stops):
-    healthy, _, stuck = (evidence_of(stop.recording, stop.temperature) for stop in stops)
+    healthy, _, sticking = (evidence_of(stop.recording, stop.temperature) for stop in stops)
     # 0.8 bar leave 7.9 kN on each of three units; friction and load are known to 15 %.
     expected = 5.7 * (0.8e5 * 0.0324 - 1200.0) * 3 * 0.35 * 0.235 / 0.38 / 84e3
-    assert stuck.drag - healthy.drag == pytest.approx(expected, rel=0.25)
-    assert (stuck.health / healthy.health).argmin() == 3
+    assert sticking.drag - healthy.drag == pytest.approx(expected, rel=0.25)
+    assert (sticking.health / healthy.health).argmin() == 3
 
 
 def test_health_follows_the_true_friction_over_the_nominal_law():
@@ -86,9 +87,9 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
     life = Life(stops=60, seed=5)
     ratios = []
     for stop in live(life, range(4)):
-        found = evidence_of(stop.recording, stop.temperature)
+        evidence = evidence_of(stop.recording, stop.temperature)
         true = [truth_of(stop.recording, f"mu_b[{g + 1}]")[-200:].mean() for g in range(4)]
-        ratios.append(found.health / np.array(true))
+        ratios.append(evidence.health / np.array(true))
     spread = np.array(ratios) / np.mean(ratios, axis=1, keepdims=True)
     # Load is taken out by the mean over groups; what is left is the evidence's own deviation, 1.5 to 5 %.
     assert np.abs(spread - spread.mean(axis=0)).max() < 0.12
@@ -96,14 +97,14 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
 
 def test_without_testing_the_groups_cannot_be_told_apart_and_the_evidence_says_so():
     stop = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
-    found = evidence_of(stop.recording, stop.temperature)
-    assert found.deviation.min() > 0.3
+    evidence = evidence_of(stop.recording, stop.temperature)
+    assert evidence.deviation.min() > 0.3
     # One combination is known all the same, a mean over all groups: that of the braking forces, which stop the train.
-    variances, combinations = np.linalg.eigh(found.covariance)
+    variances, combinations = np.linalg.eigh(evidence.covariance)
     weights = combinations[:, 0] / combinations[:, 0].sum()
     assert (weights > 0.05).all()
     assert np.sqrt(variances[0]) * np.linalg.norm(weights) < 0.05
-    history = watch([found] * 50, DESIGN)
+    history = watch([evidence] * 50, DESIGN)
     assert history.charted == 0
     assert not history.alarms
 
@@ -122,9 +123,9 @@ def test_a_loss_of_a_fifth_is_found_within_ten_stops_in_the_right_group():
 def test_after_an_alarm_the_index_stands_where_health_has_gone():
     history = watch(row(80, 5, loss=0.2, begin=50), DESIGN)
     (alarm,) = history.alarms
-    gone = history.index[40, 2] * 0.8
+    level = history.index[40, 2] * 0.8
     # Ten stops of 3 % and of 5 % that the train's load moves: 0.02, taken twice.
-    assert history.index[alarm.stop + 10, 2] == pytest.approx(gone, abs=0.04)
+    assert history.index[alarm.stop + 10, 2] == pytest.approx(level, abs=0.04)
 
 
 def test_drag_makes_it_a_brake_that_does_not_release():
@@ -180,14 +181,14 @@ def test_a_pressure_read_too_high_makes_the_pads_look_as_much_worse_as_the_evide
     for g in range(4):
         name = f"cylinder_pressure[{g + 1}]"
         pressure = reading_of(stop.recording, name)
-        shifted = pressure + PRESSURE_OFFSET * (pressure > 2e4)  # a released cylinder reads zero either way
+        biased = pressure + PRESSURE_OFFSET * (pressure > 2e4)  # a released cylinder reads zero either way
         off = stop.recording.copy(deep=True)
-        off["reading_cylinder_pressure"][:, g] = shifted
-        moved = evidence_of(off, stop.temperature).health - plain.health
+        off["reading_cylinder_pressure"][:, g] = biased
+        change = evidence_of(off, stop.temperature).health - plain.health
         # A disc that seems hotter excuses pads by 5 to 15 % of it; 3 to 5 % are the square of the offset. The others
         # give way to what one group is thought to brake less.
-        assert moved[g] == pytest.approx(-plain.offset[g], rel=0.2)
-        assert np.abs(np.delete(moved, g)).max() < 0.3 * plain.offset[g]
+        assert change[g] == pytest.approx(-plain.offset[g], rel=0.2)
+        assert np.abs(np.delete(change, g)).max() < 0.3 * plain.offset[g]
 
 
 def test_the_index_counts_offsets_that_no_number_of_stops_averages_out():
@@ -197,10 +198,10 @@ def test_the_index_counts_offsets_that_no_number_of_stops_averages_out():
         random = np.random.default_rng(seed)
         true = np.array([1.0, 0.9, 1.1, 1.0]) + offset * random.standard_normal(4)
         health = [true + 0.02 * random.standard_normal(4) for _ in range(60)]
-        for found, claimed in ((squares, offset), (without, 0.0)):
-            history = watch([told(h, deviation=0.02, offset=claimed) for h in health], DESIGN)
+        for actual, predicted in ((squares, offset), (without, 0.0)):
+            history = watch([told(h, deviation=0.02, offset=predicted) for h in health], DESIGN)
             error = history.index[-1] - np.array([1.0, 0.9, 1.1, 1.0])
-            found.append((error**2 / history.index_sd[-1] ** 2).mean())
+            actual.append((error**2 / history.index_sd[-1] ** 2).mean())
     # 160 errors: a mean square of 1 within 3·sqrt(2/160), less because the filter allows for a drift there is not.
     assert 0.6 < np.mean(squares) < 1.0 + 3.0 * np.sqrt(2.0 / 160.0)
     assert np.mean(without) > 2.0
@@ -239,19 +240,21 @@ def test_a_study_counts_delays_from_the_first_broken_stop():
 
 def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
     stop = stops[0]
-    write_recording(stop.recording, stop.temperature, tmp_path)
-    found = stops_in(tmp_path)
-    assert found.names == (stop.recording.attrs["name"],)
-    assert not found.sentences
+    ones = np.ones(stop.recording.sizes["time"])
+    discs = {f"disc_temperature[{g + 1}]": (ones * stop.temperature[g], "K") for g in range(4)}
+    write_trace(with_signals(stop.recording, discs), tmp_path / stop.recording.attrs["name"] / FILE_NAME)
+    result = stops_in(tmp_path)
+    assert result.names == (stop.recording.attrs["name"],)
+    assert not result.sentences
     here = evidence_of(stop.recording, stop.temperature)
-    np.testing.assert_array_equal(found.evidence[0].health, here.health)
+    np.testing.assert_array_equal(result.evidence[0].health, here.health)
 
 
 def test_a_life_is_run_once(monkeypatch):
-    asked = Life(stops=2, seed=99)
-    first = monitor_study.evidence_of_life(asked)
+    life = Life(stops=2, seed=99)
+    first = monitor_study.evidence_of_life(life)
     monkeypatch.setattr(monitor_study, "live", None)
-    for one, again in zip(first, monitor_study.evidence_of_life(asked), strict=True):
+    for one, again in zip(first, monitor_study.evidence_of_life(life), strict=True):
         np.testing.assert_array_equal(one.health, again.health)
         np.testing.assert_array_equal(one.covariance, again.covariance)
     with pytest.raises(TypeError):

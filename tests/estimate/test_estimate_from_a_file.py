@@ -54,9 +54,9 @@ def test_a_file_gives_the_estimates_of_the_run_itself(written):
     toml, file, recording = written
     specification = load_specification(toml)
     prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
-    taken = taken_for(specification, file)
-    assert [flag.kind for flag in taken.flags] == ["gap"]
-    through, direct = (estimate(one, prediction, settings)["mean"] for one in (taken.recording, recording))
+    record = taken_for(specification, file)
+    assert [flag.kind for flag in record.flags] == ["gap"]
+    through, direct = (estimate(one, prediction, settings)["mean"] for one in (record.recording, recording))
     # Units are converted there and back, which leaves rounding; the filter forgets it.
     np.testing.assert_allclose(through.values, direct.values, rtol=1e-6, atol=1e-9)
 

@@ -82,7 +82,7 @@ def test_a_trace_that_went_through_a_csv_file_gives_the_same_estimates(stop, tmp
     names = readings_in(stop.trace)
     columns = {"time": stop.trace["time"].values} | {name: reading_of(stop.trace, name) for name in names}
     pd.DataFrame(columns).to_csv(tmp_path / "stop.csv", index=False, float_format="%.17g")
-    mapped = "".join(
+    text = "".join(
         f'"{name}" = {{ column = "{name}", unit = "{unit_of(stop.trace, name)}", may_rest = true }}\n' for name in names
     )
     table = """
@@ -95,7 +95,7 @@ spike = 1e9
 [data.columns]
 """
     toml = tmp_path / "mine.toml"
-    toml.write_text(SPECIFICATION.read_text(encoding="utf-8") + table + mapped, encoding="utf-8")
+    toml.write_text(SPECIFICATION.read_text(encoding="utf-8") + table + text, encoding="utf-8")
     through, direct = rg.estimate(tmp_path / "stop.csv", toml), rg.estimate(stop.trace, toml)
     np.testing.assert_allclose(through["mean"], direct["mean"], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(through["sd"], direct["sd"], rtol=1e-9)

@@ -42,25 +42,27 @@ track_force = { value = "0 N" }
 def slid(tmp_path_factory):
     """A folder with one short stop on ice of locked wheels, as `run` and `campaign` write it."""
     folder = tmp_path_factory.mktemp("stops")
-    changed = ("controller.kind=full_brake", "estimator.kind=none", "start.speed='60 km/h'")
-    asked = [part for change in changed for part in ("--set", change)]
-    told = CliRunner().invoke(app, ["run", str(LIBRARY / "trapezoid.toml"), *asked, "--out", str(folder / "locked")])
-    assert told.exit_code == 0, told.output
+    overrides = ("controller.kind=full_brake", "estimator.kind=none", "start.speed='60 km/h'")
+    arguments = [part for change in overrides for part in ("--set", change)]
+    result = CliRunner().invoke(
+        app, ["run", str(LIBRARY / "trapezoid.toml"), *arguments, "--out", str(folder / "locked")]
+    )
+    assert result.exit_code == 0, result.output
     return folder
 
 
 def test_locked_wheels_do_not_pass_for_worn_pads(slid):
     """Their pads hold with less than they could; what the stop tells must lie within what it claims."""
-    found = stops_in(slid).evidence[0]
-    assert (np.abs(found.health - 1.0) < 3.0 * found.deviation).all()
+    evidence = stops_in(slid).evidence[0]
+    assert (np.abs(evidence.health - 1.0) < 3.0 * evidence.deviation).all()
     # And that is not much, for one that told all would have to have slid.
-    assert found.deviation.max() > 0.1
+    assert evidence.deviation.max() > 0.1
 
 
 def test_stops_that_do_not_tell_groups_apart_say_so(slid):
-    told = CliRunner().invoke(app, ["monitor", str(slid)])
-    assert told.exit_code == 0, told.output
-    text = " ".join(told.output.split())
+    result = CliRunner().invoke(app, ["monitor", str(slid)])
+    assert result.exit_code == 0, result.output
+    text = " ".join(result.output.split())
     assert "1 stops, 0 of which told the groups apart: their pressures never moved apart enough" in text
     assert "nan" not in text
     assert (slid / "monitor.png").exists()
@@ -81,9 +83,9 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     folder = tmp_path / "files"
     folder.mkdir()
     pd.DataFrame(columns).to_csv(folder / "stop-1.csv", index=False)
-    told = CliRunner().invoke(app, ["monitor", str(folder), "--map", str(tmp_path / "map.toml")])
-    assert told.exit_code == 0, told.output
-    assert "1 stops do not tell the temperature of their discs" in " ".join(told.output.split())
+    result = CliRunner().invoke(app, ["monitor", str(folder), "--map", str(tmp_path / "map.toml")])
+    assert result.exit_code == 0, result.output
+    assert "1 stops do not tell the temperature of their discs" in " ".join(result.output.split())
     read = taken_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
     cold = np.full(4, 313.15)
     through, direct = evidence_of(read, cold), evidence_of(recording, cold)
@@ -92,13 +94,13 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     # The same run as that of a train whose pistons are a quarter smaller: pads that brake as much rub better by a
     # third, and, since 1.2 kN of return spring stay, by a half at 1.5 bar.
     smaller = 0.75 * 0.0324
-    named = text.replace(" }\nnoise", f', parameters = {{ A_piston = "{smaller} m^2" }} }}\nnoise', 1)
-    (tmp_path / "smaller.toml").write_text(named, encoding="utf-8")
+    with_parameter = text.replace(" }\nnoise", f', parameters = {{ A_piston = "{smaller} m^2" }} }}\nnoise', 1)
+    (tmp_path / "smaller.toml").write_text(with_parameter, encoding="utf-8")
     (health,) = (one.health for one in stops_in(folder, load_specification(tmp_path / "smaller.toml")).evidence)
     assert ((health / through.health > 1.32) & (health / through.health < 1.5)).all()
 
 
 def test_a_folder_without_stops_gets_a_sentence(tmp_path):
-    told = CliRunner().invoke(app, ["monitor", str(tmp_path)])
-    assert told.exit_code != 0
-    assert "there are no stops (*/trace.nc) in it" in str(told.exception)
+    result = CliRunner().invoke(app, ["monitor", str(tmp_path)])
+    assert result.exit_code != 0
+    assert "there are no stops (*/trace.nc) in it" in str(result.exception)

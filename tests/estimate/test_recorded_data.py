@@ -188,10 +188,10 @@ def test_spikes_are_left_out_and_pulses_of_valves_are_not(valves, every, noise):
     # Beside a pulse a spike may make a sample of it look like one: nobody could tell.
     course = valves[1][::every]
     resting = np.convolve(np.abs(np.gradient(course)) > 0.0, np.ones(9), mode="same") == 0.0
-    struck = np.flatnonzero(resting[:-1])[5::37]
-    assert struck.size > 10
-    pressure[struck] += seed.choice([-1e5, 1e5], struck.size)
-    np.testing.assert_array_equal(np.flatnonzero(spikes(time, pressure, 8.0)), struck)
+    outliers = np.flatnonzero(resting[:-1])[5::37]
+    assert outliers.size > 10
+    pressure[outliers] += seed.choice([-1e5, 1e5], outliers.size)
+    np.testing.assert_array_equal(np.flatnonzero(spikes(time, pressure, 8.0)), outliers)
 
 
 @pytest.mark.parametrize(("period", "length"), [(1e-3, 3), (5e-3, 3), (10e-3, 1)])
@@ -284,16 +284,16 @@ def test_a_fast_signal_is_averaged_and_a_slow_one_is_not_invented():
     grid = np.arange(100) * 0.01
     fast = np.arange(-5, 1000) * 1e-3
     noise = np.random.default_rng(2).standard_normal(fast.size)
-    averaged, flags = on_grid("x", fast, 3.0 * fast + noise, grid, 0.01)
+    means, flags = on_grid("x", fast, 3.0 * fast + noise, grid, 0.01)
     assert not flags
     # Ten samples to a mean: σ/√10; the estimate of a deviation from 100 means is good to 7 %, taken three times.
-    assert np.std(averaged - 3.0 * grid) == pytest.approx(1.0 / np.sqrt(10.0), rel=0.22)
+    assert np.std(means - 3.0 * grid) == pytest.approx(1.0 / np.sqrt(10.0), rel=0.22)
     slow = np.arange(0.0, 1.0, 0.05) + 0.002
-    placed, flags = on_grid("x", slow, slow, grid, 0.01)
-    assert np.isfinite(placed).sum() == 20
+    samples_on_grid, flags = on_grid("x", slow, slow, grid, 0.01)
+    assert np.isfinite(samples_on_grid).sum() == 20
     assert [flag.kind for flag in flags] == ["timing"]
-    filled, _ = input_on_grid("x", slow, slow, grid[1:90], 0.01, 0.1)
-    np.testing.assert_allclose(filled, grid[1:90], atol=1e-12)
+    bridged_samples, _ = input_on_grid("x", slow, slow, grid[1:90], 0.01, 0.1)
+    np.testing.assert_allclose(bridged_samples, grid[1:90], atol=1e-12)
 
 
 def test_standing_is_counted_in_seconds():

@@ -11,15 +11,15 @@ def recorded(**changes):
 
 
 def test_time_is_counted_from_the_start():
-    shifted = recording_of({"speed": (np.zeros(4), "m/s")}, period=0.1, start=3.0)
-    assert shifted["time"].values.tolist() == [3.0 + k * 0.1 for k in range(4)]
-    assert period_of(shifted) == 0.1
+    late = recording_of({"speed": (np.zeros(4), "m/s")}, period=0.1, start=3.0)
+    assert late["time"].values.tolist() == [3.0 + k * 0.1 for k in range(4)]
+    assert period_of(late) == 0.1
 
 
 def test_columns_come_in_the_order_asked_for():
-    found = samples(recorded(), ["pad_force", "speed"], ["N", "m/s"])
-    assert found.shape == (5, 2)
-    assert found[:, 1].tolist() == np.linspace(20.0, 19.0, 5).tolist()
+    columns = samples(recorded(), ["pad_force", "speed"], ["N", "m/s"])
+    assert columns.shape == (5, 2)
+    assert columns[:, 1].tolist() == np.linspace(20.0, 19.0, 5).tolist()
 
 
 def test_a_missing_signal_is_named_with_those_that_are_there():

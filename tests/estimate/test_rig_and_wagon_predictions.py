@@ -25,14 +25,14 @@ def test_the_function_keeps_the_contract(name, relaxes):
 def test_the_fmu_is_the_function(name, relaxes):
     model, function = model_of(name), prediction_of(name, {"mu_b_relaxes": relaxes})
     x, u = (np.array(values) for values in POINTS[name])
-    opened = FmuPrediction(
+    prediction = FmuPrediction(
         describe(fmu(name)),
         parameters={"mu_b_relaxes": relaxes},
         states=[v.name for v in model.states],
         inputs=[v.name for v in model.inputs],
         outputs=[v.name for v in model.outputs],
     )
-    with opened as unit:
+    with prediction as unit:
         prediction_contract(unit, x, u)
         # The same expressions through another code generator: rounding of terms up to a thousand times the result.
         assert unit.derivative(x, u) == pytest.approx(function.derivative(x, u), rel=1e-12, abs=1e-12)

@@ -27,9 +27,9 @@ def test_the_roller_loses_what_contact_and_drag_take(sand):
     """m dv = -(contact force + drag) dt: the imitated wagon, from outputs of the rig alone."""
     v, time = truth_of(sand, "v"), sand["time"].values
     force = reading_of(sand, "contact_force") + 1.2 / 2 * 0.9 * 5.2 * v**2
-    lost = np.trapezoid(force, time) / 20e3
+    loss = np.trapezoid(force, time) / 20e3
     # Load cells: 100 N of white noise over 2400 samples of 5 ms are 25 N.s, 1e-3 m/s; the rest is the trapezoid rule.
-    assert v[0] - v[-1] == pytest.approx(lost, abs=5e-3)
+    assert v[0] - v[-1] == pytest.approx(loss, abs=5e-3)
 
 
 def test_load_cells_show_the_adhesion_without_bias(sand):
@@ -53,15 +53,15 @@ def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
 
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])
 def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
-    told = estimate_of(load_specification(LIBRARY / f"{name}.toml"), sand)
-    found = excursions(sand, told, settled=0.5)
-    assert found.kept
-    assert told.attrs["ended"] == ""
-    settled = sand["time"].values > 4.0
-    judged = judge(sand, told, "alpha", settled)
-    assert judged.rmse < 0.3 * judged.constant
-    constant = told.copy(deep=True)
-    constant["mean"].loc[{"state": "alpha"}] = truth_of(sand, "alpha")[settled].mean()
+    estimates = estimate_of(load_specification(LIBRARY / f"{name}.toml"), sand)
+    counts = excursions(sand, estimates, settled=0.5)
+    assert counts.kept
+    assert estimates.attrs["ended"] == ""
+    steady = sand["time"].values > 4.0
+    judgement = judge(sand, estimates, "alpha", steady)
+    assert judgement.rmse < 0.3 * judgement.constant
+    constant = estimates.copy(deep=True)
+    constant["mean"].loc[{"state": "alpha"}] = truth_of(sand, "alpha")[steady].mean()
     assert not excursions(sand, constant, settled=0.5).kept
 
 
@@ -87,9 +87,9 @@ def test_pad_friction_holds_still_while_the_pads_are_released():
     coasting = recording_of_rig(shortened("slide", 10.0))
     own, paper = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), coasting) for n in ("rig_own", "rig_paper"))
     assert np.ptp(own["sd"].sel(state="mu_b").values) < 1e-12
-    grown = paper["sd"].sel(state="mu_b").values
+    deviations = paper["sd"].sel(state="mu_b").values
     # Q33 = 1e-3 is added 2000 times; 100 N of load cell noise takes next to nothing of it back.
-    assert grown[-1] == pytest.approx(np.sqrt(0.04**2 + 2000 * 1e-3), rel=0.05)
+    assert deviations[-1] == pytest.approx(np.sqrt(0.04**2 + 2000 * 1e-3), rel=0.05)
 
 
 def test_the_same_seed_gives_the_same_recording_and_another_seed_another_one():
@@ -127,5 +127,5 @@ ONCE = {"slide": (133.50, 0.70), "sand": (97.68, 1.36)}
 def test_a_run_lasts_as_long_as_it_did_in_a_loop_of_its_own(name):
     """Four deviations of one run; another demand, law, surface or mass is off by ten and more."""
     mean, deviation = ONCE[name]
-    lasted = [float(recording_of_rig(shortened(name, 170.0, seed=seed))["time"][-1]) for seed in (1, 2)]
-    assert np.mean(lasted) == pytest.approx(mean, abs=4 * deviation / np.sqrt(2))
+    durations = [float(recording_of_rig(shortened(name, 170.0, seed=seed))["time"][-1]) for seed in (1, 2)]
+    assert np.mean(durations) == pytest.approx(mean, abs=4 * deviation / np.sqrt(2))

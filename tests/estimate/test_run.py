@@ -53,8 +53,8 @@ def undragged():
 
 def test_without_drag_the_filter_is_the_plain_kalman_filter_with_q_and_r_as_printed(undragged):
     """The rig is linear in its states then; Q of equation (20) is added once a step."""
-    seen = braked()
-    told = estimate(seen, undragged, SETTINGS, units=units_of(MODEL), covariance=True)
+    recording = braked()
+    estimates = estimate(recording, undragged, SETTINGS, units=units_of(MODEL), covariance=True)
     force = 2e4
     A = np.zeros((4, 4))
     A[0] = 0.0, 0.0, -2 * 0.25 * force / 130, 0.46 * 98.1e3 / 130
@@ -63,26 +63,26 @@ def test_without_drag_the_filter_is_the_plain_kalman_filter_with_q_and_r_as_prin
     drift = np.array([-0.46 * 98.1e3 / 130 * resistance, 0, 0, 0]) * PERIOD
     phi, H = expm(A * PERIOD), np.eye(2, 4)
     Q, R = np.diag(list(EQUATION_20.values())), np.diag(list(READINGS_20.values()))
-    y = np.stack([seen["reading_wheelset_speed"].values, seen["reading_speed"].values], axis=1)
+    y = np.stack([recording["reading_wheelset_speed"].values, recording["reading_speed"].values], axis=1)
     mean, P = np.array([*y[0], 0.35, 0.0]), np.diag([0.3, 0.1, 0.04, 0.02]) ** 2
     for k in range(1, len(y)):
         mean, P = phi @ mean + drift, phi @ P @ phi.T + Q
         residual = y[k] - H @ mean
         # Innovations are what the filter did not expect, before it learned of them.
-        assert told["innovation"].values[k] == pytest.approx(residual, abs=1e-9)
+        assert estimates["innovation"].values[k] == pytest.approx(residual, abs=1e-9)
         gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
         mean = mean + gain @ residual
-        kept = np.eye(4) - gain @ H
-        P = kept @ P @ kept.T + gain @ R @ gain.T
+        remainder = np.eye(4) - gain @ H
+        P = remainder @ P @ remainder.T + gain @ R @ gain.T
         # R is ten decimals below Q, so the update cancels nine of sixteen digits.
-        assert told["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
-        assert told["covariance"].values[k] == pytest.approx(P, rel=1e-5, abs=1e-12)
+        assert estimates["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
+        assert estimates["covariance"].values[k] == pytest.approx(P, rel=1e-5, abs=1e-12)
 
 
 def test_compiled_and_numpy_filters_agree(undragged):
-    seen = braked()
-    gated = replace(SETTINGS, gate=Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0))
-    both = [estimate(seen, undragged, gated, compiled=compiled) for compiled in (True, False)]
+    recording = braked()
+    with_gate = replace(SETTINGS, gate=Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0))
+    both = [estimate(recording, undragged, with_gate, compiled=compiled) for compiled in (True, False)]
     np.testing.assert_allclose(both[0]["mean"], both[1]["mean"], rtol=1e-7, atol=1e-9)
     np.testing.assert_allclose(both[0]["sd"], both[1]["sd"], rtol=1e-6)
     np.testing.assert_allclose(both[0]["nis"][1:], both[1]["nis"][1:], rtol=1e-5)
@@ -90,18 +90,18 @@ def test_compiled_and_numpy_filters_agree(undragged):
 
 
 def test_normalised_innovations_are_those_of_the_reference(undragged):
-    seen = braked(samples=20)
-    told = estimate(seen, undragged, SETTINGS)
+    recording = braked(samples=20)
+    estimates = estimate(recording, undragged, SETTINGS)
     process = by_name("process", SETTINGS.process, undragged.states)
     reference = ExtendedKalmanFilter(undragged, process, [1e-9, 1e-7], PERIOD)
-    belief = reference.start(told["mean"].values[0], by_name("s", SETTINGS.start_deviation, undragged.states) ** 2)
-    y = np.stack([seen["reading_wheelset_speed"].values, seen["reading_speed"].values], axis=1)
+    belief = reference.start(estimates["mean"].values[0], by_name("s", SETTINGS.start_deviation, undragged.states) ** 2)
+    y = np.stack([recording["reading_wheelset_speed"].values, recording["reading_speed"].values], axis=1)
     for k in range(1, 20):
-        predicted = reference.predict(belief, np.array([2e4]))
-        innovation = reference.innovation(predicted, np.array([2e4]), y[k])
-        assert told["nis"].values[k] == pytest.approx(innovation.squared, rel=1e-6, abs=1e-12)
-        assert told["readings"].values[k] == 2
-        belief = reference.condition(predicted, np.array([2e4]), innovation)
+        prediction = reference.predict(belief, np.array([2e4]))
+        innovation = reference.innovation(prediction, np.array([2e4]), y[k])
+        assert estimates["nis"].values[k] == pytest.approx(innovation.squared, rel=1e-6, abs=1e-12)
+        assert estimates["readings"].values[k] == 2
+        belief = reference.condition(prediction, np.array([2e4]), innovation)
 
 
 def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
@@ -114,57 +114,57 @@ def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
     )
     last = []
     for seed in range(60):
-        seen = braked(seed=seed)
+        recording = braked(seed=seed)
         # A start that is off as the start says: 1 of its standard deviations on average.
         off = np.random.default_rng(1000 + seed).standard_normal(4) * [0.3, 0.1, 0.04, 0.02]
         start = dict(zip(("w", "v", "mu_b", "alpha"), np.array([60.0, 30.0, 0.35, 0.08]) + off, strict=True))
-        told = estimate(seen, undragged, replace(honest, start=start))
-        last.append([judge(seen, told, s, np.arange(60) == 59).nees for s in ("mu_b", "alpha")])
+        estimates = estimate(recording, undragged, replace(honest, start=start))
+        last.append([judge(recording, estimates, s, np.arange(60) == 59).nees for s in ("mu_b", "alpha")])
     # 60 runs of one degree each: the mean has a standard deviation of sqrt(2/60) = 0.18; four of them.
     assert np.mean(last, axis=0) == pytest.approx([1.0, 1.0], abs=4 * 0.18)
 
 
 def test_inputs_may_be_held_or_averaged(undragged):
     """A ramp of the pad force: half a period of delay is what holding costs, and averaging saves."""
-    seen = braked()
-    ramp = seen["reading_pad_force"].values + 1e5 * seen["time"].values
-    rate = np.gradient(seen["reading_wheelset_speed"].values, PERIOD).mean()
-    time = seen["time"].values
+    recording = braked()
+    ramp = recording["reading_pad_force"].values + 1e5 * recording["time"].values
+    rate = np.gradient(recording["reading_wheelset_speed"].values, PERIOD).mean()
+    time = recording["time"].values
     w = 60.0 + rate * time - 2 * 0.35 * 0.25 / 130 * 1e5 * time**2 / 2
-    seen["reading_pad_force"].values[:] = ramp
-    seen["reading_wheelset_speed"].values[:] = w
+    recording["reading_pad_force"].values[:] = ramp
+    recording["reading_wheelset_speed"].values[:] = w
     sharp = replace(SETTINGS, process={"w": 1e-9, "v": 1e-9, "mu_b": 1e-3, "alpha": 1e-6})
     errors = {}
     for between in ("held", "mean"):
-        told = estimate(seen, undragged, replace(sharp, between=between))
-        errors[between] = abs(judge(seen, told, "mu_b", time > 0.3).bias)
+        estimates = estimate(recording, undragged, replace(sharp, between=between))
+        errors[between] = abs(judge(recording, estimates, "mu_b", time > 0.3).bias)
     assert errors["mean"] < 0.2 * errors["held"]
 
 
 def test_a_reading_that_is_missing_is_not_used(undragged):
-    seen = braked()
-    seen["reading_speed"].values[20:30] = np.nan
-    told = estimate(seen, undragged, SETTINGS)
-    assert told["readings"].values[20:30].tolist() == [1.0] * 10
-    assert np.isnan(told["innovation"].values[20:30, 1]).all()
-    assert np.isfinite(told["mean"].values).all()
+    recording = braked()
+    recording["reading_speed"].values[20:30] = np.nan
+    estimates = estimate(recording, undragged, SETTINGS)
+    assert estimates["readings"].values[20:30].tolist() == [1.0] * 10
+    assert np.isnan(estimates["innovation"].values[20:30, 1]).all()
+    assert np.isfinite(estimates["mean"].values).all()
 
 
 def test_an_input_that_is_missing_is_refused(undragged):
-    seen = braked()
-    seen["reading_pad_force"].values[7] = np.nan
+    recording = braked()
+    recording["reading_pad_force"].values[7] = np.nan
     with pytest.raises(EstimationError, match=r"input pad_force is not a number at 0\.070 s"):
-        estimate(seen, undragged, SETTINGS)
+        estimate(recording, undragged, SETTINGS)
 
 
 def test_a_filter_that_diverges_ends_with_a_reason(undragged):
-    seen = braked()
-    seen["reading_wheelset_speed"].values[30] = 1e300
-    seen["reading_wheelset_speed"].values[31] = -1e308
-    seen["reading_wheelset_speed"].values[32] = 1e308
-    told = estimate(seen, undragged, SETTINGS)
-    assert "At 0.3" in told.attrs["ended"]
-    assert np.isnan(told["mean"].values[-1]).all()
+    recording = braked()
+    recording["reading_wheelset_speed"].values[30] = 1e300
+    recording["reading_wheelset_speed"].values[31] = -1e308
+    recording["reading_wheelset_speed"].values[32] = 1e308
+    estimates = estimate(recording, undragged, SETTINGS)
+    assert "At 0.3" in estimates.attrs["ended"]
+    assert np.isnan(estimates["mean"].values[-1]).all()
 
 
 @pytest.mark.parametrize("limit", [None, 5.0])
@@ -179,16 +179,16 @@ def test_a_filter_that_is_lost_says_since_when(undragged, limit):
         readings={"wheelset_speed": 3.2e-5**2, "speed": 3.2e-4**2},
         outlier_limit=limit,
     )
-    seen = braked(samples=300)
-    told = estimate(seen, undragged, honest)
-    assert told.attrs["ended"] == ""
-    assert told.attrs["nis_ratio"] == pytest.approx(1.0, abs=0.25)
+    recording = braked(samples=300)
+    estimates = estimate(recording, undragged, honest)
+    assert estimates.attrs["ended"] == ""
+    assert estimates.attrs["nis_ratio"] == pytest.approx(1.0, abs=0.25)
     for name in ("reading_wheelset_speed", "reading_speed"):
-        seen[name].values[150:] += 0.3 * np.random.default_rng(4).standard_normal(150)
-    told = estimate(seen, undragged, honest)
-    assert told.attrs["ended"].startswith("Filter: lost;")
-    assert "At 2.0" in told.attrs["ended"]
-    assert np.isfinite(told["mean"].values).all()
+        recording[name].values[150:] += 0.3 * np.random.default_rng(4).standard_normal(150)
+    estimates = estimate(recording, undragged, honest)
+    assert estimates.attrs["ended"].startswith("Filter: lost;")
+    assert "At 2.0" in estimates.attrs["ended"]
+    assert np.isfinite(estimates["mean"].values).all()
 
 
 def test_settings_name_what_is_missing_and_what_is_strange(undragged):

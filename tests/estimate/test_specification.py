@@ -92,17 +92,17 @@ def test_noises_may_stand_in_the_file_that_a_search_wrote(tmp_path):
 
 def test_laws_of_the_paper_are_a_parameter_away():
     """The wagon as printed in (5), (4) and (12), and pads that relax as in (9): from one file, by `--set`."""
-    changed = ("model.parameters.adhesion_share=0.5", "model.parameters.mu_b_relaxes=1", "noise.process.v=1e-3")
-    specification = load_specification(LIBRARY / "wagon.toml", changed)
+    overrides = ("model.parameters.adhesion_share=0.5", "model.parameters.mu_b_relaxes=1", "noise.process.v=1e-3")
+    specification = load_specification(LIBRARY / "wagon.toml", overrides)
     assert specification.noise.process["v"] == 1e-3
-    literal, corrected = prediction_for(specification), prediction_for(load_specification(LIBRARY / "wagon.toml"))
+    literal, consistent = prediction_for(specification), prediction_for(load_specification(LIBRARY / "wagon.toml"))
     x, u = np.array([60.0, 60.0, 28.0, 0.30, 0.35, 0.06]), np.array([2e4, 2e4, 0.0, 0.0, 0.0])
     drag = -1.2 / 2 * 0.9 * 10.0 * 28.0**2 / 40e3
-    rates = [prediction.derivative(x, u)[2] - drag for prediction in (literal, corrected)]
+    rates = [prediction.derivative(x, u)[2] - drag for prediction in (literal, consistent)]
     np.testing.assert_allclose(rates, [-0.5 * 0.06 * 9.81, -0.06 * 9.81], rtol=1e-3)  # g to three digits
     # (9): (0.35 − 0.30) over 30 s times 0.30; the other pad is at rest.
     np.testing.assert_allclose(literal.derivative(x, u)[3:5], [0.05 / (30.0 * 0.30), 0.0], rtol=0.011, atol=1e-9)
-    assert not corrected.derivative(x, u)[3:5].any()
+    assert not consistent.derivative(x, u)[3:5].any()
 
 
 def test_track_force_is_made_or_mapped_but_not_both(tmp_path):

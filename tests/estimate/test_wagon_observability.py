@@ -48,8 +48,10 @@ def test_the_closed_form_inverts_readings_and_rates(variant):
 def test_the_printed_factor_is_half_the_force_balance():
     """(1), (2) and (4) of the paper give a force of mu m g; (5) has half of it."""
     u = np.array([0.0, 0.0, 0.0, 0.0, 0.0])
-    slowed = [prediction_of("WagonPrediction", v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)]
-    assert slowed == pytest.approx([-0.07 * G, -0.07 * G / 2], rel=1e-12)
+    decelerations = [
+        prediction_of("WagonPrediction", v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)
+    ]
+    assert decelerations == pytest.approx([-0.07 * G, -0.07 * G / 2], rel=1e-12)
 
 
 @pytest.mark.parametrize("variant", [CORRECTED, PRINTED], ids=["corrected", "printed"])
@@ -64,22 +66,22 @@ def test_the_printed_factor_is_half_the_force_balance():
 )
 def test_a_pad_without_force_is_all_that_is_lost(variant, forces, lost):
     wagon = prediction_of("WagonPrediction", variant)
-    found = observability(wagon, X, np.array([*forces, -800.0, 0.0, 0.0]), SCALE)
-    assert (found.rank, found.undetermined) == (6 - len(lost), lost)
+    information = observability(wagon, X, np.array([*forces, -800.0, 0.0, 0.0]), SCALE)
+    assert (information.rank, information.undetermined) == (6 - len(lost), lost)
 
 
 def test_a_relaxing_pad_is_lost_without_force_too():
     """Equation (9) gives friction a dynamics of its own, which no reading sees."""
     wagon = prediction_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
-    found = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
-    assert found.undetermined == ("mu_b[1]",)
+    information = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
+    assert information.undetermined == ("mu_b[1]",)
 
 
 def test_windows_lose_the_pad_where_it_is_released():
     samples, period = 300, 0.01
     force = np.where(np.arange(samples) < 150, 50.0, 2e4)  # a load cell that shows 50 N of noise and offset
     steady = {"w": (60.0, "rad/s"), "v": (30.0, "m/s"), "mu_b": (0.35, "1"), "alpha": (0.08, "1")}
-    recorded = recording_of(
+    recording = recording_of(
         {
             "pad_force": (force, "N"),
             "wheelset_speed": (np.full(samples, 60.0), "rad/s"),
@@ -88,12 +90,12 @@ def test_windows_lose_the_pad_where_it_is_released():
         period=period,
         truth={state: (np.full(samples, value), unit) for state, (value, unit) in steady.items()},
     )
-    observed = observe(load_specification(LIBRARY / "rig_own.toml"), recorded)
-    windows = observed.windows.set_index(time="time")
-    released = windows.where(windows["time"] < 0.9, drop=True)
-    pressed = windows.where(windows["time"] >= 1.5, drop=True)
-    assert np.all(released["singular"].sel(state="mu_b") == 0.0)
-    assert np.all(np.isinf(released["deviation"].sel(state="mu_b")))
-    assert np.all(pressed["deviation"].sel(state="mu_b") < 0.01)
+    result = observe(load_specification(LIBRARY / "rig_own.toml"), recording)
+    windows = result.windows.set_index(time="time")
+    coasting = windows.where(windows["time"] < 0.9, drop=True)
+    braking = windows.where(windows["time"] >= 1.5, drop=True)
+    assert np.all(coasting["singular"].sel(state="mu_b") == 0.0)
+    assert np.all(np.isinf(coasting["deviation"].sel(state="mu_b")))
+    assert np.all(braking["deviation"].sel(state="mu_b") < 0.01)
     assert np.all(np.isfinite(windows["deviation"].sel(state="alpha")))
-    assert [point.found.rank for point in observed.points] == [4, 3]
+    assert [point.information.rank for point in result.points] == [4, 3]

@@ -36,8 +36,8 @@ def believed(recorded, **parameters):
 
 def test_load_moves_to_the_front_by_inertia():
     """±m|a| h/L, once the suspension has handed it on."""
-    held = {"demand": {"phases": [{"pressure": "1.5 bar"}]}, "start.speed": 20.0, "limits.horizon": "3 s"}
-    trace = rg.run(rg.Scenario.load("wagon_stop", held | {"adhesion.mu0": 0.3})).trace
+    changes = {"demand": {"phases": [{"pressure": "1.5 bar"}]}, "start.speed": 20.0, "limits.horizon": "3 s"}
+    trace = rg.run(rg.Scenario.load("wagon_stop", changes | {"adhesion.mu0": 0.3})).trace
     load, speed = trace["wheelset_load"].values, trace["speed"].values
     acceleration = (speed[-1] - speed[-11]) / 0.1
     assert load.sum(axis=1) == pytest.approx(40e3 * 9.81, rel=1e-12)
@@ -90,27 +90,27 @@ def test_what_the_plant_does_not_show_cannot_be_read():
 
 
 def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_much(stop):
-    pressed = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
-    truth = truth_of(stop, "alpha")[pressed].mean()
-    corrected, printed = (believed(stop, **p)["mean"].sel(state="alpha").values[pressed].mean() for p in ({}, PRINTED))
-    assert corrected == pytest.approx(truth, rel=0.01)
+    braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
+    truth = truth_of(stop, "alpha")[braking].mean()
+    consistent, printed = (believed(stop, **p)["mean"].sel(state="alpha").values[braking].mean() for p in ({}, PRINTED))
+    assert consistent == pytest.approx(truth, rel=0.01)
     assert printed == pytest.approx(2 * truth, rel=0.01)
 
 
 def test_the_printed_factor_puts_the_rest_on_the_pads(stop):
-    pressed = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
+    braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     for pads in ("mu_b[1]", "mu_b[2]"):
         # Better than what it started from; pads that hardly move within the window are no test of more.
-        unmoved = np.sqrt(np.mean((truth_of(stop, pads)[pressed] - 0.35) ** 2))
-        assert judge(stop, believed(stop), pads, pressed).rmse < 0.8 * unmoved
-    assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", pressed).bias > 0.3
+        baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
+        assert judge(stop, believed(stop), pads, braking).rmse < 0.8 * baseline_error
+    assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
 
 
 def test_one_adhesion_for_wheelsets_that_brake_unequally_is_a_bias_of_their_pads():
     """A limit of the six-state model itself: rolling wheelsets use as much adhesion as their brakes ask for."""
     unequal = run("wagon_unequal")
-    pressed = (unequal["time"].values > 6.0) & (unequal["time"].values < 9.5)
+    braking = (unequal["time"].values > 6.0) & (unequal["time"].values < 9.5)
     estimated = believed(unequal)
-    assert abs(judge(unequal, estimated, "alpha", pressed).bias) < 0.002
-    assert judge(unequal, estimated, "mu_b[1]", pressed).bias < -0.03
-    assert judge(unequal, estimated, "mu_b[2]", pressed).bias > 0.03
+    assert abs(judge(unequal, estimated, "alpha", braking).bias) < 0.002
+    assert judge(unequal, estimated, "mu_b[1]", braking).bias < -0.03
+    assert judge(unequal, estimated, "mu_b[2]", braking).bias > 0.03

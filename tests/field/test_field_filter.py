@@ -69,26 +69,26 @@ def test_other_sensors_read_the_same_run_otherwise(run):
 
 
 def test_the_track_is_recovered_well_enough(driven):
-    found = track_score(driven)
-    assert abs(found.distance) < 5e-3
+    scores = track_score(driven)
+    assert abs(scores.distance) < 5e-3
     # Half of a curve of 1000 m and a third of the smallest change of gradient, 3 ‰; measured 1.6e-4 and 0.7 ‰.
-    assert found.curvature < 5e-4
-    assert found.slope < 1.5e-3
+    assert scores.curvature < 5e-4
+    assert scores.slope < 1.5e-3
     # A percent of the 97 kN of a full brake; measured 0.4 kN.
-    assert found.force < 1e3
+    assert scores.force < 1e3
 
 
 def test_the_whole_train_s_friction_is_found_though_its_groups_share_is_not(task, model):
-    found = score(task, follow(task, filter_of(model, task.period), PHYSICAL))
+    scores = score(task, follow(task, filter_of(model, task.period), PHYSICAL))
     # Against the best constants, which are known only afterwards; measured 0.34 and 0.24 of them.
-    assert found.mean_pad_friction < 0.5 * found.mean_pad_friction_constant
-    assert found.adhesion < 0.4 * found.adhesion_constant
+    assert scores.mean_pad_friction < 0.5 * scores.mean_pad_friction_constant
+    assert scores.adhesion < 0.4 * scores.adhesion_constant
     # Five rates cannot tell eight frictions: single groups are known no better than by one constant for all, measured
     # 1.1 of its error, yet better than with noises tuned for consistency, measured 0.6 of theirs.
     tuned = score(task, follow(task, filter_of(model, task.period), load_noise(LIBRARY / "consistent.toml")))
-    assert found.pad_friction > found.pad_friction_constant
-    assert found.pad_friction < 0.85 * tuned.pad_friction
-    assert abs(found.distance) < 5e-3
+    assert scores.pad_friction > scores.pad_friction_constant
+    assert scores.pad_friction < 0.85 * tuned.pad_friction
+    assert abs(scores.distance) < 5e-3
 
 
 def test_a_filter_that_claims_far_too_much_is_told_to_be_lost(task, model):
@@ -112,25 +112,25 @@ def test_following_in_c_is_stepping_in_python(task, model):
     compiled, place = filter_of(model, task.period), task.braking.brake - 50
     gate = settings_for(specification(), task.period).gate
     assert gate is not None
-    assert task.held[place, 0] < gate.threshold < task.held[place + 100, 0]
+    assert task.inputs[place, 0] < gate.threshold < task.inputs[place + 100, 0]
     plain = ExtendedKalmanFilter(model, PHYSICAL.process, PHYSICAL.readings, task.period, gate)
     rows = slice(place, place + 200)
     belief = plain.start(task.start.mean, task.start.covariance)
-    followed = compiled.follow(belief, task.held[rows], task.seen[rows])
-    for k, (held, seen) in enumerate(zip(task.held[rows], task.seen[rows], strict=True)):
-        belief = plain.step(belief, held, seen)
+    estimates = compiled.follow(belief, task.inputs[rows], task.readings[rows])
+    for k, (inputs, readings) in enumerate(zip(task.inputs[rows], task.readings[rows], strict=True)):
+        belief = plain.step(belief, inputs, readings)
         # Equal but for rounding, which two hundred steps carry on.
-        np.testing.assert_allclose(followed.mean[k], belief.mean, rtol=1e-9, atol=1e-12)
-        np.testing.assert_allclose(followed.variance[k], np.diag(belief.covariance), rtol=1e-7)
+        np.testing.assert_allclose(estimates.mean[k], belief.mean, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(estimates.variance[k], np.diag(belief.covariance), rtol=1e-7)
 
 
 def test_the_estimation_file_is_the_filter_of_the_report(run, braking, task, model):
     """`railgrip estimate` with [course], and the report's way over arrays."""
-    told = estimate_of(specification(), with_track_force(run, specification().course))
-    followed = follow(task, filter_of(model, task.period), PHYSICAL)
-    np.testing.assert_array_equal(told["time"].values, braking.recording["time"].values)
+    estimates = estimate_of(specification(), with_track_force(run, specification().course))
+    reference = follow(task, filter_of(model, task.period), PHYSICAL)
+    np.testing.assert_array_equal(estimates["time"].values, braking.recording["time"].values)
     # The same C from the same numbers, sums apart.
-    np.testing.assert_allclose(told["mean"].values[1:], followed.mean, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(estimates["mean"].values[1:], reference.mean, rtol=1e-9, atol=1e-12)
 
 
 def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path: Path):
@@ -141,27 +141,27 @@ def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path:
     train = with_signals(run, {"driving": (driven_of(run), "1"), "braking": (braked(run), "1")})
     for name, column in data.columns.items():
         columns[column.column] = reading_of(train, name) * factors.get(column.unit, 1.0)
-    mapped = {name: column for name, column in data.columns.items() if name != "braking"}
-    spec = specification().model_copy(update={"data": data.model_copy(update={"columns": mapped})})
+    other_columns = {name: column for name, column in data.columns.items() if name != "braking"}
+    spec = specification().model_copy(update={"data": data.model_copy(update={"columns": other_columns})})
     pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
-    taken = taken_for(spec, tmp_path / "run.csv")
-    through = with_track_force(taken.recording, spec.course)
-    told, direct = estimate_of(spec, through), estimate_of(spec, with_track_force(run, spec.course))
+    record = taken_for(spec, tmp_path / "run.csv")
+    through = with_track_force(record.recording, spec.course)
+    estimates, direct = estimate_of(spec, through), estimate_of(spec, with_track_force(run, spec.course))
     # A reading in ten thousand counts as a spike, which a filter with a hundred in memory hardly feels.
-    apart = told["mean"].sel(state="mu_b[1]").values[-500:] - direct["mean"].sel(state="mu_b[1]").values[-500:]
+    apart = estimates["mean"].sel(state="mu_b[1]").values[-500:] - direct["mean"].sel(state="mu_b[1]").values[-500:]
     assert np.abs(apart).max() < 2e-3
-    assert len(taken.flags) < 20
+    assert len(record.flags) < 20
     along = observe(spec, with_estimates_as_truth(spec, through))
     # Eight frictions, five rates: two derivatives tell five more than the five readings.
-    assert along.points[0].found.rank == 10
+    assert along.points[0].information.rank == 10
 
 
 def test_retuned_is_as_made_anew(task, model):
     noise = PHYSICAL.scaled(3.0, 0.2)
-    anew = filter_of(model, task.period, noise).follow(task.start, task.held[:100], task.seen[:100])
-    retuned = filter_of(model, task.period)
-    retuned.retune(noise.process, noise.readings)
-    np.testing.assert_array_equal(retuned.follow(task.start, task.held[:100], task.seen[:100]).mean, anew.mean)
+    anew = filter_of(model, task.period, noise).follow(task.start, task.inputs[:100], task.readings[:100])
+    other = filter_of(model, task.period)
+    other.retune(noise.process, noise.readings)
+    np.testing.assert_array_equal(other.follow(task.start, task.inputs[:100], task.readings[:100]).mean, anew.mean)
 
 
 def test_the_paper_s_objective_does_not_see_a_common_factor(task, model):
@@ -219,6 +219,6 @@ def test_an_output_that_is_not_there_is_refused():
 def test_a_run_without_braking_or_position_is_refused(run):
     with pytest.raises(EstimationError, match="nobody braked"):
         braking_of(run.isel(time=slice(0, 2500)), 84e3)
-    lost = run.assign(reading_height=run["reading_height"] * np.nan).isel(time=slice(0, 100))
+    incomplete = run.assign(reading_height=run["reading_height"] * np.nan).isel(time=slice(0, 100))
     with pytest.raises(EstimationError, match="GNSS gave no position"):
-        braking_of(lost, 84e3)
+        braking_of(incomplete, 84e3)

@@ -59,13 +59,13 @@ def railgrip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Capt
 
 
 def test_a_plant_with_our_names_needs_no_table(railgrip: Railgrip, foundry: Path):
-    done = railgrip(faulty_fmu(foundry))
-    assert done.code == 0, done.err
+    result = railgrip(faulty_fmu(foundry))
+    assert result.code == 0, result.err
     # 3.4, 2, 2 and 3.4 bar on average times its rate are 1.08 m/s2. It moves on with the speed at the beginning of a
     # step: over all steps of 10 ms together half a step at 10 m/s too far.
-    assert "town: standstill" in done.out
+    assert "town: standstill" in result.out
     # It does not show its adhesion, so there is no share of it, and none is printed.
-    assert "nan" not in done.out
+    assert "nan" not in result.out
     content = json.loads(Path("out/stop.json").read_text())
     assert content["distance_m"] == pytest.approx((10**2 - 0.1**2) / 2 / 1.08 + 0.05, abs=2e-3)
 
@@ -82,10 +82,10 @@ def test_a_plant_with_our_names_needs_no_table(railgrip: Railgrip, foundry: Path
 def test_a_plant_that_fails_is_a_result_and_exits_3(
     railgrip: Railgrip, foundry: Path, misbehaviour: str, sentence: str, trust: bool
 ):
-    done = railgrip(faulty_fmu(foundry, misbehaviour), trust=trust)
-    assert done.code == 3
-    assert "town: no braking distance, the stop ended with plant_failed: " in done.err
-    assert sentence in done.err
+    result = railgrip(faulty_fmu(foundry, misbehaviour), trust=trust)
+    assert result.code == 3
+    assert "town: no braking distance, the stop ended with plant_failed: " in result.err
+    assert sentence in result.err
     content = json.loads(Path("out/stop.json").read_text())
     assert content["outcome"] == "plant_failed"
     # What came before is kept.
@@ -95,9 +95,9 @@ def test_a_plant_that_fails_is_a_result_and_exits_3(
 @pytest.mark.parametrize("trust", [True, False])
 def test_a_plant_that_does_not_start_leaves_a_result_without_numbers(railgrip: Railgrip, foundry: Path, trust: bool):
     """Its one row holds no number, rather than what was in the memory."""
-    done = railgrip(faulty_fmu(foundry, "NEVER_STARTS"), trust=trust)
-    assert done.code == 3
-    assert "plant_failed: never_starts.fmu: at 0 s fmi2ExitInitializationMode returned fmi2Error" in done.err
+    result = railgrip(faulty_fmu(foundry, "NEVER_STARTS"), trust=trust)
+    assert result.code == 3
+    assert "plant_failed: never_starts.fmu: at 0 s fmi2ExitInitializationMode returned fmi2Error" in result.err
     content = json.loads(Path("out/stop.json").read_text())
     assert (content["outcome"], content["duration_s"], content["distance_m"]) == ("plant_failed", 0.0, None)
     assert np.isnan(read_stop(Path("out")).trace()["speed"].values).all()
@@ -133,16 +133,16 @@ def test_a_plant_that_hangs_or_crashes_does_not_take_the_program_along(
 ):
     if misbehaviour == "NEVER_RETURNS":
         monkeypatch.setattr(assemble, "open_plant", short_of_patience)
-    done = railgrip(faulty_fmu(foundry, misbehaviour), trust=False)
-    assert done.code == 3
-    assert sentence in done.err
+    result = railgrip(faulty_fmu(foundry, misbehaviour), trust=False)
+    assert result.code == 3
+    assert sentence in result.err
     assert json.loads(Path("out/stop.json").read_text())["outcome"] == "plant_failed"
 
 
 def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundry: Path):
-    done = railgrip(faulty_fmu(foundry, "NEVER_HALTS"))
-    assert done.code == 3
-    assert "the stop ended with horizon: Still moving at 5.00 m/s after 30 s" in done.err
+    result = railgrip(faulty_fmu(foundry, "NEVER_HALTS"))
+    assert result.code == 3
+    assert "the stop ended with horizon: Still moving at 5.00 m/s after 30 s" in result.err
     assert json.loads(Path("out/stop.json").read_text())["outcome"] == "horizon"
 
 
@@ -161,10 +161,10 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
 def test_a_map_that_does_not_fit_is_found_by_a_short_run_before_the_stop(
     railgrip: Railgrip, foundry: Path, more: str, sentence: str, trust: bool
 ):
-    done = railgrip(faulty_fmu(foundry), more=f"[vehicle.map]\n{more}", trust=trust)
-    assert done.code == 2
-    assert "town: [vehicle.map] does not fit well.fmu: in a short run before the stop '" in done.err
-    assert sentence in done.err
+    result = railgrip(faulty_fmu(foundry), more=f"[vehicle.map]\n{more}", trust=trust)
+    assert result.code == 2
+    assert "town: [vehicle.map] does not fit well.fmu: in a short run before the stop '" in result.err
+    assert sentence in result.err
     assert not Path("out/stop.json").exists()
 
 
@@ -172,13 +172,13 @@ def test_wheels_of_another_radius_than_the_harness_believes_are_found_before_the
     railgrip: Railgrip, foundry: Path
 ):
     """Read with 0.38 m, wheels of 0.46 m would slide by 17 % all the time, and slip control would never brake."""
-    done = railgrip(faulty_fmu(foundry, defined=("RADIUS=0.46",)))
-    assert done.code == 2
+    result = railgrip(faulty_fmu(foundry, defined=("RADIUS=0.46",)))
+    assert result.code == 2
     assert (
         "'wheelset_speed[1]' rolls with 0.46 m of radius by speed over wheel speed; the harness believes 0.38 m"
-        in done.err
+        in result.err
     )
-    assert "a constant slip of 17%" in done.err
+    assert "a constant slip of 17%" in result.err
 
 
 def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path, capfd: pytest.CaptureFixture[str]):
@@ -240,8 +240,8 @@ def not_a_zip(foundry: Path) -> Path:
 def test_a_plant_that_does_not_fit_is_a_wrong_question_and_exits_2(
     railgrip: Railgrip, foundry: Path, make: Callable[[Path], Path], more: str, sentence: str
 ):
-    done = railgrip(make(foundry), more=more)
-    assert done.code == 2
-    assert sentence in done.err
-    assert done.out == ""
+    result = railgrip(make(foundry), more=more)
+    assert result.code == 2
+    assert sentence in result.err
+    assert result.out == ""
     assert not Path("out/stop.json").exists()

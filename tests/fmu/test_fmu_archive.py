@@ -41,10 +41,10 @@ def test_each_limit_ends_in_a_sentence_that_names_it(
 ):
     file = with_more(foundry, tmp_path, ("resources/zeros", b"\0" * 20 * MIB))
     describe(file, FmuLimits(ratio=1000))
-    with pytest.raises(FmuError) as caught:
+    with pytest.raises(FmuError) as error:
         describe(file, FmuLimits(**{"ratio": 1000} | limits))
-    assert str(caught.value).startswith(f"{file}: ")
-    assert sentence in str(caught.value)
+    assert str(error.value).startswith(f"{file}: ")
+    assert sentence in str(error.value)
 
 
 def test_a_description_of_two_gibibytes_takes_no_memory(tmp_path: Path):
@@ -63,8 +63,8 @@ def test_a_description_of_two_gibibytes_takes_no_memory(tmp_path: Path):
         "except FmuError as error: print(error)\n"
         "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True, text=True, check=False)
-    sentence, more = done.stdout.splitlines()
+    result = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True, text=True, check=False)
+    sentence, more = result.stdout.splitlines()
     assert "modelDescription.xml has 2048 MiB, allowed are 32; raise description_mib" in sentence
     assert int(more) < 50_000, "KiB"
 
@@ -137,12 +137,12 @@ def test_a_description_nobody_can_follow_is_refused(foundry: Path, change: tuple
 )  # fmt: skip
 def test_a_blemish_that_changes_nothing_is_told_and_run(foundry: Path, change: tuple[str, str]):
     """FMPy refuses these when it validates, and runs them when it does not."""
-    found = describe(tiny(foundry, description=xml(state_unit="km/h").replace(*change)))
-    assert found.blemishes.startswith("modelDescription.xml is not valid FMI 2.0: ")
+    description = describe(tiny(foundry, description=xml(state_unit="km/h").replace(*change)))
+    assert description.blemishes.startswith("modelDescription.xml is not valid FMI 2.0: ")
     plain = describe(tiny(foundry, description=xml(state_unit="km/h")))
     assert plain.blemishes == ""
-    assert [*found.variables] == [*plain.variables]
-    assert found.states == plain.states
+    assert [*description.variables] == [*plain.variables]
+    assert description.states == plain.states
 
 
 def test_empty_folders_are_no_binaries(tmp_path: Path):

@@ -51,12 +51,12 @@ def failing(file: Path, steps: int = 10) -> PlantFailed:
 def test_a_thousand_steps_give_the_closed_form(foundry: Path):
     with opened(tiny(foundry), rate=4.0, gain=1.5, allowed=10**6) as plant:
         np.testing.assert_array_equal(plant.start(np.array([2.0])), [1.0, 4.0])
-        seen = [plant.step(np.array([2.0])) for _ in range(1000)]
+        outputs = [plant.step(np.array([2.0])) for _ in range(1000)]
         assert plant.sample == 1000
         assert plant.time == 1.0
     x = closed_form(1.0, rate=4.0, gain=1.5, u=2.0)
     # A thousand roundings of 1e-16 each.
-    np.testing.assert_allclose(seen[-1], [x, 2 * x + 2.0], rtol=1e-13)
+    np.testing.assert_allclose(outputs[-1], [x, 2 * x + 2.0], rtol=1e-13)
 
 
 def test_inputs_are_held_over_the_step_that_they_are_given_to(foundry: Path):
@@ -94,9 +94,9 @@ def test_a_replay_from_a_snapshot_is_the_same(foundry: Path):
     with opened(tiny(foundry), allowed=10**6) as plant:
         plant.start(np.zeros(1))
         plant.step(np.ones(1))
-        kept = plant.snapshot()
+        state = plant.snapshot()
         ahead = [plant.step(np.ones(1)) for _ in range(5)]
-        back = plant.restore(kept)
+        back = plant.restore(state)
         assert plant.sample == 1
         again = [plant.step(np.ones(1)) for _ in range(5)]
     assert back[0] == pytest.approx(closed_form(PERIOD, 2.0, 3.0, 1.0), rel=1e-15)
@@ -138,10 +138,10 @@ def test_two_plants_do_not_share_anything(foundry: Path):
 
 
 def test_fmi2_error_ends_the_stop_with_the_fmus_own_words(foundry: Path, protests: Path):
-    failed = failing(tiny(foundry, "ERROR_STATUS"))
-    assert failed.failure.reason == "error"
-    assert failed.failure.time == pytest.approx(0.003)
-    assert str(failed) == (
+    failure = failing(tiny(foundry, "ERROR_STATUS"))
+    assert failure.failure.reason == "error"
+    assert failure.failure.time == pytest.approx(0.003)
+    assert str(failure) == (
         "error_status.fmu: at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003."
     )
     # Freed, and not terminated: after fmi2Error only freeing is legal.
@@ -169,8 +169,8 @@ def test_an_asynchronous_fmu_is_not_supported(foundry: Path):
 
 def test_a_number_that_is_no_status_is_an_error(foundry: Path, protests: Path):
     """Not "at most a warning", and nothing but freeing follows."""
-    failed = failing(tiny(foundry, "NO_STATUS"))
-    assert str(failed) == "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."
+    failure = failing(tiny(foundry, "NO_STATUS"))
+    assert str(failure) == "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."
     assert protests.read_text() == "freed\n"
 
 
@@ -182,9 +182,9 @@ def test_a_number_that_is_no_status_ends_a_loop_in_c(foundry: Path):
 
 
 def test_an_output_that_is_no_number_is_named(foundry: Path):
-    failed = failing(tiny(foundry, "NAN_OUTPUT"))
-    assert failed.failure.variable == "y"
-    assert str(failed) == "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."
+    failure = failing(tiny(foundry, "NAN_OUTPUT"))
+    assert failure.failure.variable == "y"
+    assert str(failure) == "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."
 
 
 def test_large_finite_outputs_are_not_mistaken_for_infinite_ones(foundry: Path):
@@ -213,9 +213,9 @@ def test_a_binary_of_another_model_is_refused_by_itself(foundry: Path):
 
 
 def test_a_failed_initialisation_is_told(foundry: Path):
-    failed = failing(tiny(foundry, "BAD_INITIALISATION"))
-    assert failed.failure.call == "fmi2ExitInitializationMode"
-    assert "the rate does not suit it: 2" in str(failed)
+    failure = failing(tiny(foundry, "BAD_INITIALISATION"))
+    assert failure.failure.call == "fmi2ExitInitializationMode"
+    assert "the rate does not suit it: 2" in str(failure)
 
 
 def test_a_spent_plant_repeats_its_failure_instead_of_running(foundry: Path):
@@ -227,18 +227,18 @@ def test_a_spent_plant_repeats_its_failure_instead_of_running(foundry: Path):
 
 
 def test_a_failure_survives_the_way_between_processes(foundry: Path):
-    failed = failing(tiny(foundry, "ERROR_STATUS"))
-    assert pickle.loads(pickle.dumps(failed)).failure == failed.failure
+    failure = failing(tiny(foundry, "ERROR_STATUS"))
+    assert pickle.loads(pickle.dumps(failure)).failure == failure.failure
 
 
 def test_a_library_that_does_not_load_is_told(foundry: Path, tmp_path: Path):
     file = tiny(foundry)
-    broken = tmp_path / "broken.fmu"
-    with zipfile.ZipFile(file) as source, zipfile.ZipFile(broken, "w") as target:
+    path = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(file) as source, zipfile.ZipFile(path, "w") as target:
         for name in source.namelist():
             target.writestr(name, b"no library" if name.startswith("binaries/") else source.read(name))
     with pytest.raises(FmuError, match="its binary does not load on this machine"):
-        opened(broken).__enter__()
+        opened(path).__enter__()
 
 
 def test_a_plant_needs_co_simulation(foundry: Path):

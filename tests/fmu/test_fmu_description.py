@@ -20,22 +20,22 @@ def archive(file: Path, members: dict[str, str]) -> Path:
 
 
 def test_a_description_holds_what_the_xml_says(foundry: Path):
-    found = describe(tiny(foundry, description=xml(state_unit="km/h")))
-    assert found.model == "Tiny"
-    assert found.states == ("x",)
-    assert found.derivatives == ("der(x)",)
-    assert found.named("input") == ("u", "mode")
-    assert found.named("parameter") == ("rate", "gain", "label", "allowed")
-    rate = found.variables["rate"]
+    description = describe(tiny(foundry, description=xml(state_unit="km/h")))
+    assert description.model == "Tiny"
+    assert description.states == ("x",)
+    assert description.derivatives == ("der(x)",)
+    assert description.named("input") == ("u", "mode")
+    assert description.named("parameter") == ("rate", "gain", "label", "allowed")
+    rate = description.variables["rate"]
     assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, "2")
-    unit = found.variables["x"].unit
+    unit = description.variables["x"].unit
     assert unit is not None
     assert unit.factor == pytest.approx(1 / 3.6, rel=1e-15)
     assert unit.dimension == "m.s-1"
-    assert found.co_simulation is not None
-    assert found.co_simulation.can_save_state
-    assert found.model_exchange is not None
-    assert found.model_exchange.directional_derivatives
+    assert description.co_simulation is not None
+    assert description.co_simulation.can_save_state
+    assert description.model_exchange is not None
+    assert description.model_exchange.directional_derivatives
 
 
 @pytest.mark.parametrize(
@@ -43,16 +43,16 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
 )
 def test_a_radian_left_out_of_a_definition_is_read_from_the_name(foundry: Path, name: str, dimension: str):
     """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""
-    defined = f'<UnitDefinitions>\n<Unit name="{name}"><BaseUnit s="-1"/></Unit>'
-    text = xml(state_unit=name).replace("<UnitDefinitions>", defined)
+    definitions = f'<UnitDefinitions>\n<Unit name="{name}"><BaseUnit s="-1"/></Unit>'
+    text = xml(state_unit=name).replace("<UnitDefinitions>", definitions)
     unit = describe(tiny(foundry, description=text)).variables["x"].unit
     assert unit is not None
     assert (unit.dimension, unit.factor) == (dimension, 1.0)
 
 
 def test_a_definition_that_contradicts_its_name_otherwise_stands(foundry: Path):
-    defined = '<UnitDefinitions>\n<Unit name="rad/s"><BaseUnit s="-1" factor="6.283185307179586"/></Unit>'
-    text = xml(state_unit="rad/s").replace("<UnitDefinitions>", defined)
+    definitions = '<UnitDefinitions>\n<Unit name="rad/s"><BaseUnit s="-1" factor="6.283185307179586"/></Unit>'
+    text = xml(state_unit="rad/s").replace("<UnitDefinitions>", definitions)
     unit = describe(tiny(foundry, description=text)).variables["x"].unit
     assert unit is not None
     assert unit.dimension == "s-1"
@@ -69,11 +69,11 @@ def test_a_difference_is_known_as_one(foundry: Path):
 
 
 def test_a_description_is_a_value(foundry: Path):
-    found = describe(tiny(foundry))
+    description = describe(tiny(foundry))
     with pytest.raises(AttributeError):
-        found.model = "other"  # type: ignore[misc]
+        description.model = "other"  # type: ignore[misc]
     with pytest.raises(TypeError):
-        found.variables["x"] = found.variables["y"]  # type: ignore[index]
+        description.variables["x"] = description.variables["y"]  # type: ignore[index]
 
 
 def test_a_missing_file_is_named(tmp_path: Path):

@@ -76,14 +76,14 @@ def test_without_directional_derivatives_it_differentiates_itself(foundry: Path)
 @pytest.mark.parametrize("differentiation", ["directional", "central"])
 def test_states_come_in_the_order_asked_for(foundry: Path, order: str, differentiation: str):
     x, u = POINTS[0]
-    moved = ["abc".index(s) for s in order]
+    order_of = ["abc".index(s) for s in order]
     f_x, h_x = jacobians(x)
     with opened(curved(foundry), order, differentiation=differentiation) as made:
         assert made.states == tuple(order)
-        np.testing.assert_allclose(made.derivative(x[moved], u), derivative(x, u)[moved], rtol=1e-14)
-        np.testing.assert_allclose(made.output(x[moved], u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
-        np.testing.assert_allclose(made.derivative_jacobian(x[moved], u), f_x[np.ix_(moved, moved)], atol=4e-8)
-        np.testing.assert_allclose(made.output_jacobian(x[moved], u), h_x[:, moved], atol=4e-8)
+        np.testing.assert_allclose(made.derivative(x[order_of], u), derivative(x, u)[order_of], rtol=1e-14)
+        np.testing.assert_allclose(made.output(x[order_of], u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+        np.testing.assert_allclose(made.derivative_jacobian(x[order_of], u), f_x[np.ix_(order_of, order_of)], atol=4e-8)
+        np.testing.assert_allclose(made.output_jacobian(x[order_of], u), h_x[:, order_of], atol=4e-8)
 
 
 @pytest.mark.parametrize("directional", [True, False])

@@ -42,19 +42,19 @@ def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -
 def test_the_numbers_are_those_of_the_same_process(foundry: Path):
     description = describe(tiny(foundry))
     inputs = np.random.default_rng(7).normal(size=(20, 1))
-    seen: list[np.ndarray] = []
+    outputs: list[np.ndarray] = []
     for kind in (CoSimulation, IsolatedCoSimulation):
         with kind(description, edge(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
             assert isinstance(plant, Plant)
             rows = [plant.start(inputs[0])]
             rows += [plant.step(u) for u in inputs]
-            kept = plant.snapshot()
+            state = plant.snapshot()
             rows += [plant.step(u) for u in inputs]
-            rows.append(plant.restore(kept))
+            rows.append(plant.restore(state))
             rows += [plant.step(u) for u in inputs]
             assert (plant.sample, plant.time) == (40, 0.04)
-        seen.append(np.array(rows))
-    np.testing.assert_array_equal(seen[0], seen[1])
+        outputs.append(np.array(rows))
+    np.testing.assert_array_equal(outputs[0], outputs[1])
 
 
 @pytest.mark.parametrize(
@@ -79,9 +79,9 @@ def test_whatever_it_does_ends_in_a_sentence(foundry: Path, scratch: Path, misbe
             plant.step(np.zeros(1))
         if misbehaviour == "NEVER_STOPS":
             plant._patience = SOON  # a good step may take longer on a busy machine
-        with pytest.raises(PlantFailed) as caught:
+        with pytest.raises(PlantFailed) as error:
             plant.step(np.zeros(1))
-    assert str(caught.value) == f"{misbehaviour.lower()}.fmu: {sentence}"
+    assert str(error.value) == f"{misbehaviour.lower()}.fmu: {sentence}"
     assert process is not None
     assert process.poll() is not None, "the child has ended"
     assert list(scratch.iterdir()) == [], "its files are gone"
@@ -115,17 +115,17 @@ def test_a_wrong_parameter_is_refused_before_a_process_starts(foundry: Path):
 
 def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
     description = describe(tiny(foundry))
-    told: list[str] = []
-    for trusted, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
+    messages: list[str] = []
+    for trust, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
         plant = open_plant(
             description,
             edge(description),
             period=PERIOD,
             parameters={},
-            trusted=trusted,
-            tell=told.append,
+            trusted=trust,
+            tell=messages.append,
         )
         assert isinstance(plant, kind)
-        assert len(told) == count
-    assert "well.fmu comes from outside" in told[0]
-    assert "set trust = true under [vehicle]" in told[0]
+        assert len(messages) == count
+    assert "well.fmu comes from outside" in messages[0]
+    assert "set trust = true under [vehicle]" in messages[0]

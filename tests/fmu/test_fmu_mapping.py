@@ -17,13 +17,13 @@ def signal(name: str, unit: str = "1", size: int = 0, *, needed: bool = True) ->
 
 
 def tied(description: Description, table: dict[str, object] | None = None, **more: object) -> Binding:
-    given: dict[str, object] = {
+    values: dict[str, object] = {
         "inputs": [signal("command", "Pa")],
         "outputs": [signal("speed", "m/s")],
         "table": {"command": "u", "speed": "x"} | (table or {}),
         "where": WHERE,
     }
-    return bind(description, **(given | more))  # type: ignore[arg-type]
+    return bind(description, **(values | more))  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -68,9 +68,9 @@ def test_truth_values_and_counts_travel_as_numbers(foundry: Path):
     )
     with CoSimulation(description, binding, period=1e-3, parameters={"allowed": 9}) as plant:
         plant.start(np.array([1.0, 2.0]))
-        seen = [plant.step(np.array([1.0, 2.0])) for _ in range(3)][-1]
+        outputs = [plant.step(np.array([1.0, 2.0])) for _ in range(3)][-1]
     x = 1.5 - 0.5 * np.exp(-2 * 3e-3)
-    np.testing.assert_allclose(seen, [3, 2 * x + 1, 1, x], rtol=1e-14)
+    np.testing.assert_allclose(outputs, [3, 2 * x + 1, 1, x], rtol=1e-14)
 
 
 def test_the_layout_says_where_each_signal_is(tmp_path: Path, foundry: Path):
@@ -85,14 +85,14 @@ def test_the_layout_says_where_each_signal_is(tmp_path: Path, foundry: Path):
     assert binding.outputs.elements == ("flag", "wheel[1]", "wheel[2]")
     assert binding.outputs.layout == {"flag": slice(0, 1), "wheel": slice(1, 3)}
     assert binding.inputs.layout == {"mode": slice(0, 1), "command": slice(1, 2)}
-    listed = bind(
+    listing = bind(
         description,
         inputs=[],
         outputs=[signal("wheel", size=2)],
         table={"wheel": ["bogie[2].n", {"variable": "bogie[1].n", "scale": 3}]},
     )
-    assert listed.outputs.channels[0].variables == ("bogie[2].n", "bogie[1].n")
-    np.testing.assert_array_equal(listed.outputs.channels[0].gain, [1, 3])
+    assert listing.outputs.channels[0].variables == ("bogie[2].n", "bogie[1].n")
+    np.testing.assert_array_equal(listing.outputs.channels[0].gain, [1, 3])
 
 
 def test_inputs_that_nothing_drives_are_told(foreign: Description):
@@ -184,10 +184,10 @@ def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
     )
     assert binding.outputs.layout["flag"] == slice(4, 5)
     with CoSimulation(description, binding, period=1e-3, parameters={}) as plant:
-        for seen in (plant.start(np.array([5.0, 6.0, 0.5])), plant.step(np.array([5.0, 6.0, 0.5]))):
-            np.testing.assert_array_equal(np.isnan(seen), [True, False, True, True, False])
+        for outputs in (plant.start(np.array([5.0, 6.0, 0.5])), plant.step(np.array([5.0, 6.0, 0.5]))):
+            np.testing.assert_array_equal(np.isnan(outputs), [True, False, True, True, False])
     x = 0.75 + 0.25 * np.exp(-2e-3)
-    np.testing.assert_allclose(seen[[1, 4]], [2 * x + 0.5, 1.0], rtol=1e-14)
+    np.testing.assert_allclose(outputs[[1, 4]], [2 * x + 0.5, 1.0], rtol=1e-14)
 
 
 def test_a_failure_names_our_signal_when_something_is_absent(foundry: Path):
@@ -268,24 +268,24 @@ def test_a_missing_parameter_of_ours_is_told(foreign: Description):
 
 def test_a_speed_in_turns_that_names_none_is_asked_what_turns(foundry: Path):
     """`1/min` is 2π away from what a unit library reads in it; nobody may guess."""
-    defined = '<UnitDefinitions>\n<Unit name="1/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
-    text = xml(state_unit="1/min").replace("<UnitDefinitions>", defined)
+    definitions = '<UnitDefinitions>\n<Unit name="1/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
+    text = xml(state_unit="1/min").replace("<UnitDefinitions>", definitions)
     description = describe(tiny(foundry, description=text))
     outputs = [signal("wheel", "rad/s")]
     with pytest.raises(
         FmuError, match=r'say in mapping what turns: \{ variable = "x", unit = "rev/min" \}, or rad/min'
     ):
         bind(description, inputs=(), outputs=outputs, table={"wheel": "x"})
-    stated = {"wheel": {"variable": "x", "unit": "rev/min"}}
-    gain = bind(description, inputs=(), outputs=outputs, table=stated).outputs.channels[0].gain
+    table = {"wheel": {"variable": "x", "unit": "rev/min"}}
+    gain = bind(description, inputs=(), outputs=outputs, table=table).outputs.channels[0].gain
     np.testing.assert_allclose(gain, [np.pi / 30], rtol=1e-15)
     with pytest.raises(FmuError, match="already gives '1/min'"):
         bind(description, inputs=(), outputs=outputs, table={"wheel": {"variable": "x", "unit": "rev/s"}})
 
 
 def test_a_name_in_turns_is_believed_where_its_definition_counts_them(foundry: Path):
-    defined = '<UnitDefinitions>\n<Unit name="rev/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
-    text = xml(state_unit="rev/min").replace("<UnitDefinitions>", defined)
+    definitions = '<UnitDefinitions>\n<Unit name="rev/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
+    text = xml(state_unit="rev/min").replace("<UnitDefinitions>", definitions)
     bound = bind(
         describe(tiny(foundry, description=text)), inputs=(), outputs=[signal("wheel", "rad/s")], table={"wheel": "x"}
     )

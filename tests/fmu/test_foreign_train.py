@@ -173,13 +173,13 @@ def test_its_scenario_runs_from_file_to_stop_in_a_process_of_its_own(foreign: De
     path = tmp_path / "foreign_train.toml"
     written = re.sub(r'plant = ".*"', f'plant = "{foreign.file}"', SCENARIO.read_text())
     path.write_text(written)
-    told: list[str] = []
+    messages: list[str] = []
     stops = [
-        run_stop(load(path, [f"vehicle.trust={trust}", "start.speed=20 km/h"]), tell=told.append)
+        run_stop(load(path, [f"vehicle.trust={trust}", "start.speed=20 km/h"]), tell=messages.append)
         for trust in ("false", "true")
     ]
-    assert len(told) == 1
-    assert "ForeignTrain.fmu comes from outside" in told[0]
+    assert len(messages) == 1
+    assert "ForeignTrain.fmu comes from outside" in messages[0]
     alone, here = stops
     assert alone.outcome is Outcome.STANDSTILL
     assert alone.fmus["ForeignTrain.fmu"] == foreign.digest

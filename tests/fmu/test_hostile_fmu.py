@@ -36,10 +36,10 @@ def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
     )
     plant_in_its_own = IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits)
     try:
-        with plant_in_its_own as opened:
-            opened.start(np.zeros(4))
+        with plant_in_its_own as running:
+            running.start(np.zeros(4))
             for _ in range(20):
-                opened.step(np.zeros(4))
+                running.step(np.zeros(4))
     except PlantFailed as failed:
         return str(failed)
     pytest.fail("it did not fail")
@@ -138,8 +138,8 @@ def test_the_fmus_process_imports_nothing_from_the_current_folder(
 
 
 def test_the_keeper_needs_the_standard_library_only():
-    done = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-I", "-S", "-c", f"import runpy; runpy.run_path({str(KEEPER)!r})"],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert result.returncode == 0, result.stderr

@@ -51,8 +51,10 @@ def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
         ],
         table=table,
     )
-    sent, seen = binding.inputs.channels[0], binding.outputs.channels[0]
-    gain = dict(zip((*sent.variables, *seen.variables), (*sent.gain, *seen.gain), strict=True))
+    channel_in, channel_out = binding.inputs.channels[0], binding.outputs.channels[0]
+    gain = dict(
+        zip((*channel_in.variables, *channel_out.variables), (*channel_in.gain, *channel_out.gain), strict=True)
+    )
     assert gain["rail[6].grip"] == pytest.approx(100.0)
     assert gain["cylinder[4].demand"] == gain["axle3.n"] == 1.0
     assert gain["retardation"] == -1.0

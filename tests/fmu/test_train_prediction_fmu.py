@@ -66,22 +66,22 @@ def test_the_fmu_is_the_function_of_its_class(made: tuple[Model, Description]):
     f, h = model.derivative(0, x, u, parameters), model.output(0, x, u, parameters)
     exact = ca.Function("exact", [x, u], [f, h, ca.jacobian(f, x), ca.jacobian(h, x)])
     with opened(made, "directional") as fmu:
-        for at, held in points(fmu.start, fmu.states):
-            wanted = [np.array(w.full()) for w in exact(at, held)]
+        for at, inputs in points(fmu.start, fmu.states):
+            expected = [np.array(w.full()) for w in exact(at, inputs)]
             # The same expressions, in C or in CasADi's virtual machine: rounding, of terms that cancel.
-            size = [np.abs(w).max() for w in wanted]
-            np.testing.assert_allclose(fmu.derivative(at, held), wanted[0].ravel(), atol=1e-12 * size[0])
-            np.testing.assert_allclose(fmu.output(at, held), wanted[1].ravel(), atol=1e-12 * size[1])
-            np.testing.assert_allclose(fmu.derivative_jacobian(at, held), wanted[2], atol=1e-12 * size[2])
-            np.testing.assert_allclose(fmu.output_jacobian(at, held), wanted[3], atol=1e-12 * size[3])
+            size = [np.abs(w).max() for w in expected]
+            np.testing.assert_allclose(fmu.derivative(at, inputs), expected[0].ravel(), atol=1e-12 * size[0])
+            np.testing.assert_allclose(fmu.output(at, inputs), expected[1].ravel(), atol=1e-12 * size[1])
+            np.testing.assert_allclose(fmu.derivative_jacobian(at, inputs), expected[2], atol=1e-12 * size[2])
+            np.testing.assert_allclose(fmu.output_jacobian(at, inputs), expected[3], atol=1e-12 * size[3])
 
 
 def test_directional_derivatives_agree_with_central_differences(made: tuple[Model, Description]):
     with opened(made, "directional") as exact, opened(made, "central") as central:
         for x, u in points(exact.start, exact.states):
-            for wanted, found in (
+            for expected, derivative in (
                 (exact.derivative_jacobian(x, u), central.derivative_jacobian(x, u)),
                 (exact.output_jacobian(x, u), central.output_jacobian(x, u)),
             ):
                 # A central difference keeps two thirds of the digits of the larger entries.
-                np.testing.assert_allclose(found, wanted, rtol=1e-6, atol=1e-8 * np.abs(wanted).max())
+                np.testing.assert_allclose(derivative, expected, rtol=1e-6, atol=1e-8 * np.abs(expected).max())

@@ -78,16 +78,16 @@ def xml(
     ]
     if "CoSimulation" in ways:  # a prediction has no discrete inputs
         rows.append(_row("mode", 10, "input", "discrete", "", 'Integer start="0"'))
-    offered = "\n  ".join(WAYS[w] for w in ways)
+    interfaces = "\n  ".join(WAYS[w] for w in ways)
     if not directional:
-        offered = offered.replace(' providesDirectionalDerivative="true"', "")
-    outputs, initial = ("".join(f'<Unknown index="{i}"/>' for i in known) for known in ((1, 6, 7, 8), (2, 6, 7, 8)))
+        interfaces = interfaces.replace(' providesDirectionalDerivative="true"', "")
+    outputs, initial = ("".join(f'<Unknown index="{i}"/>' for i in indices) for indices in ((1, 6, 7, 8), (2, 6, 7, 8)))
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<fmiModelDescription fmiVersion="{version}" modelName="Tiny" guid="{GUID}"',
             f'    variableNamingConvention="structured" numberOfEventIndicators="{indicators}">',
-            f"  {offered}{UNITS}",
+            f"  {interfaces}{UNITS}",
             '  <LogCategories><Category name="logStatusError"/></LogCategories>',
             "  <ModelVariables>",
             *rows,
@@ -152,7 +152,7 @@ def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forg
     rows += [_row(f"y[{i + 1}]", 8 + i, "output", "continuous", "calculated", "Real") for i in range(2)]
     rows.append(_row("k", 10, "parameter", "fixed", "exact", 'Real start="1"'))
     rows += [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
-    offered = ' providesDirectionalDerivative="true"' if directional else ""
+    attribute = ' providesDirectionalDerivative="true"' if directional else ""
     unknown = {i: f'<Unknown index="{i}"/>' for i in range(14)}
     structure = (
         f"<Outputs>{unknown[9]}{unknown[10]}</Outputs><Derivatives>{unknown[4]}{unknown[5]}{unknown[6]}</Derivatives>"
@@ -161,7 +161,7 @@ def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forg
     text = "\n".join(
         [
             f'<fmiModelDescription fmiVersion="2.0" modelName="Curved" guid="{GUID}" numberOfEventIndicators="0">',
-            f'  <ModelExchange modelIdentifier="curved"{offered}/>',
+            f'  <ModelExchange modelIdentifier="curved"{attribute}/>',
             "  <ModelVariables>",
             *rows,
             "  </ModelVariables>",

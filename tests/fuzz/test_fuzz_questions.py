@@ -235,8 +235,8 @@ def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
 
     def question():
         read = validated(DataTable, table, directory=tmp_path, origin="map.toml")
-        taken = recorded(path, read, UNITS, inputs, ["speed", "wheelset_speed"])
-        assert taken.recording.sizes["time"] >= 2
-        assert np.isfinite(reading_of(taken.recording, "pad_force")).all()
+        record = recorded(path, read, UNITS, inputs, ["speed", "wheelset_speed"])
+        assert record.recording.sizes["time"] >= 2
+        assert np.isfinite(reading_of(record.recording, "pad_force")).all()
 
     answered(question)

@@ -54,10 +54,10 @@ def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, **m
 
 def brute_states(units, isolated, stuck):
     """Every combination of single units and valves: available units of each group → probability."""
-    found = {}
-    for failed in product(*(product((0, 1), repeat=n + 1) for n in units)):
+    states = {}
+    for losses in product(*(product((0, 1), repeat=n + 1) for n in units)):
         p = np.prod([(stuck if f[0] else 1 - stuck) * np.prod([isolated if u else 1 - isolated for u in f[1:]])
-                     for f in failed])  # fmt: skip
-        left = tuple(0 if f[0] else len(f) - 1 - sum(f[1:]) for f in failed)
-        found[left] = found.get(left, 0.0) + p
-    return found
+                     for f in losses])  # fmt: skip
+        left = tuple(0 if f[0] else len(f) - 1 - sum(f[1:]) for f in losses)
+        states[left] = states.get(left, 0.0) + p
+    return states

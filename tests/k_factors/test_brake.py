@@ -61,7 +61,7 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
     monkeypatch.setattr(brake_module, "PARTS", 1)
     specification = specification.model_copy(update={"speed_steps": ()})
     brake = brake_of_scenario(specification, scenario)
-    found = quasi_static(specification, brake)
+    result = quasi_static(specification, brake)
     random, count, chunk = np.random.default_rng(11), 10_000_000, 4_000
     failures = specification.failures
     # Failures of all trains first, for trains of the same units are braked together.
@@ -79,12 +79,12 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
             ratios = brake.ratios(available, standard)[:, 0]
             lowest.append(ratios[ratios < 0.95])
     assert trains.sum() == count
-    ordered = np.sort(np.concatenate(lowest))
+    ratios_in_order = np.sort(np.concatenate(lowest))
     for level, probability in ((3, 1e-3), (4, 1e-4), (5, 1e-5)):
         # The number of draws below a quantile is binomial: order statistics hold it with 99.9 %.
         reach = 3.3 * np.sqrt(count * probability)
-        low, high = ordered[[int(count * probability - reach), int(count * probability + reach)]]
-        one = found.k[0][level]
+        low, high = ratios_in_order[[int(count * probability - reach), int(count * probability + reach)]]
+        one = result.k[0][level]
         assert low <= one.high
         assert one.low <= high
 
@@ -121,10 +121,10 @@ def test_each_deviation_has_its_sense(vt642, seed):
     widths = {"train": 1, "group": len(brake.units), "unit": sum(brake.units)}
     first = 0
     for one in specification.dispersion:
-        moved = standard.copy()
-        moved[first : first + widths[one.per]] += 0.1
+        shifted_draw = standard.copy()
+        shifted_draw[first : first + widths[one.per]] += 0.1
         first += widths[one.per]
-        change = np.diff(brake.ratios(brake.units, np.stack([standard, moved])), axis=0)[0]
+        change = np.diff(brake.ratios(brake.units, np.stack([standard, shifted_draw])), axis=0)[0]
         if one.quantity == "build_up":  # is in the whole stop alone
             assert change[:-1] == pytest.approx(np.zeros(3), abs=1e-15)
             assert change[-1] < 0

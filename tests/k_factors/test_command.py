@@ -21,13 +21,13 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
     for name in ("first", "again"):
         main_ok(["k-factors", "vt642", "--out", str(tmp_path / name), *LITTLE])
     first, again = (files(tmp_path / name) for name in ("first", "again"))
-    told = [json.loads(found.pop("k_factors.json")) for found in (first, again)]
-    assert all(content.pop("seconds")["quasi_static"] > 0 for content in told)
-    assert told[0] == told[1]
+    contents = [json.loads(folder_files.pop("k_factors.json")) for folder_files in (first, again)]
+    assert all(content.pop("seconds")["quasi_static"] > 0 for content in contents)
+    assert contents[0] == contents[1]
     assert first == again
     assert set(first) == {"k_factors.png", "k_factors.md"}
-    assert [one["ebcl"] for one in told[0]["k_dry"]] == 4 * list(range(10))
-    assert all(one["low"] <= one["k"] <= one["high"] for one in told[0]["k_dry"])
+    assert [one["ebcl"] for one in contents[0]["k_dry"]] == 4 * list(range(10))
+    assert all(one["low"] <= one["k"] <= one["high"] for one in contents[0]["k_dry"])
     assert "EBCL" in capsys.readouterr().out
 
 
@@ -38,11 +38,11 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     stop = (LIBRARY / "vt642_dry.toml").read_text(encoding="utf-8")
     (tmp_path / "stop.toml").write_text(stop.replace("120 km/h", "25 km/h"), "utf-8")
     command = ["k-factors", str(study), "--loop", "--out", str(tmp_path / "out"), "--set", "loop.probability=0.1"]
-    found = []
+    contents = []
     for _ in range(2):
         main_ok([*command, "--set", "loop.samples=20", "--set", "loop.runs=2"])
-        found.append(json.loads((tmp_path / "out" / "k_factors.json").read_text(encoding="utf-8")))
-    first, again = found
+        contents.append(json.loads((tmp_path / "out" / "k_factors.json").read_text(encoding="utf-8")))
+    first, again = contents
     assert (first["seconds"].pop("new_stops"), again["seconds"].pop("new_stops")) == (40, 0)
     assert first["loop"] == again["loop"]
     assert first["loop"]["samples"] == 40
@@ -56,13 +56,13 @@ def test_half_a_line_of_a_killed_study_costs_one_stop(tmp_path):
     scenario = load(LIBRARY / "vt642_dry.toml", ["start.speed=15 km/h"])
     other = scenario.model_copy(update={"seed": 2})
     with open_stops(scenario, tmp_path, 1) as stops:
-        known = stops.distances([scenario, other])
-        assert (stops.asked, stops.run) == (2, 2)
+        distances = stops.distances([scenario, other])
+        assert (stops.requests, stops.run) == (2, 2)
     (journal,) = tmp_path.iterdir()
     journal.write_text(journal.read_text(encoding="utf-8")[:-20], encoding="utf-8")
     with open_stops(scenario, tmp_path, 1) as stops:
-        assert stops.distances([scenario, other, scenario]) == [*known, known[0]]
-        assert (stops.asked, stops.run) == (3, 1)
+        assert stops.distances([scenario, other, scenario]) == [*distances, distances[0]]
+        assert (stops.requests, stops.run) == (3, 1)
         assert stops.seconds > 0
 
 

@@ -33,12 +33,12 @@ def test_failure_states_are_those_of_every_combination_of_units_and_valves():
 
 def test_what_is_left_out_of_failure_states_is_said_exactly():
     every, _ = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=0.0)
-    kept, rest = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=1e-12)
-    left_out = sorted(state.probability for state in every if state.available not in {s.available for s in kept})
+    states, rest = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=1e-12)
+    left_out = sorted(state.probability for state in every if state.available not in {s.available for s in states})
     assert 0 < rest <= 1e-12
     assert rest == pytest.approx(sum(left_out), rel=1e-9)
     assert sum(state.probability for state in every) == pytest.approx(1.0, abs=1e-15)
-    assert [state.probability for state in kept] == sorted((state.probability for state in kept), reverse=True)
+    assert [state.probability for state in states] == sorted((state.probability for state in states), reverse=True)
 
 
 def test_a_train_of_many_groups_has_few_states_that_matter():
@@ -49,8 +49,8 @@ def test_a_train_of_many_groups_has_few_states_that_matter():
 
 def test_a_linear_gaussian_brake_with_binomial_failures_has_its_closed_quantiles():
     brake = LinearBrake()
-    found = quasi_static(specification(runs=20, samples=500), brake)
-    for output in found.k:
+    result = quasi_static(specification(runs=20, samples=500), brake)
+    for output in result.k:
         for probability, one in zip(PROBABILITIES, output, strict=True):
             exact = brake.quantile(probability, ISOLATED)
             assert one.value == pytest.approx(exact, abs=2e-3)
@@ -61,14 +61,14 @@ def test_a_linear_gaussian_brake_with_binomial_failures_has_its_closed_quantiles
 def test_intervals_hold_the_truth_as_often_as_they_say():
     brake, seeds, levels = LinearBrake(), 40, (0, 2, 5, 9)
     exact = [brake.quantile(PROBABILITIES[level], ISOLATED) for level in levels]
-    held = np.zeros(len(levels))
+    hits = np.zeros(len(levels))
     for seed in range(seeds):
         k = quasi_static(specification(seed=seed, runs=10, samples=100), brake).k[1]
-        held += [k[level].low <= truth <= k[level].high for level, truth in zip(levels, exact, strict=True)]
+        hits += [k[level].low <= truth <= k[level].high for level, truth in zip(levels, exact, strict=True)]
     # one in ten thousand of right intervals does worse, of each level
-    assert min(held) >= binom.ppf(1e-4, seeds, 0.95)
-    assert max(held) <= seeds
-    assert held.sum() < len(levels) * seeds  # never wrong would be too wide
+    assert min(hits) >= binom.ppf(1e-4, seeds, 0.95)
+    assert max(hits) <= seeds
+    assert hits.sum() < len(levels) * seeds  # never wrong would be too wide
 
 
 @pytest.mark.parametrize("probability", [1e-2, 1e-4, 1e-6])
@@ -77,23 +77,23 @@ def test_subset_simulation_finds_gaussian_quantiles(probability):
     runs = [
         subset_sample(lambda u: u @ direction, 20, probability, 1000, np.random.default_rng(seed)) for seed in range(12)
     ]
-    (found,) = estimates(runs, [probability], confidence=0.999)
-    assert found.low <= norm.ppf(probability) <= found.high
-    assert found.high - found.low < 0.6
+    (result,) = estimates(runs, [probability], confidence=0.999)
+    assert result.low <= norm.ppf(probability) <= result.high
+    assert result.high - result.low < 0.6
 
 
 def test_subset_simulation_costs_what_it_says():
     for probability, samples in ((1.0, 20), (0.1, 50), (1e-2, 57), (3e-4, 100), (1e-6, 209)):
-        asked = 0
+        evaluations = 0
 
         def performance(u):
-            nonlocal asked
-            asked += len(u)
+            nonlocal evaluations
+            evaluations += len(u)
             return u[:, 0]
 
-        found = subset_sample(performance, 3, probability, samples, np.random.default_rng(1))
-        assert asked == subset_cost(probability, samples)
-        assert found.weights.sum() == pytest.approx(1.0)
+        sample = subset_sample(performance, 3, probability, samples, np.random.default_rng(1))
+        assert evaluations == subset_cost(probability, samples)
+        assert sample.weights.sum() == pytest.approx(1.0)
 
 
 def test_weights_average_to_one_and_the_sampled_moments_are_those_of_the_normal_distribution():
@@ -112,8 +112,8 @@ numbers = st.lists(st.floats(-10, 10), min_size=1, max_size=60)
 @settings(max_examples=60, deadline=None)
 @given(values=numbers, probability=st.floats(1e-6, 1.0))
 def test_the_quantile_of_equal_weights_is_that_of_the_empirical_distribution(values, probability):
-    found = Sample(np.array(values), np.full(len(values), 1 / len(values))).quantile(probability)
-    below, upto = np.mean(np.array(values) < found), np.mean(np.array(values) <= found)
+    result = Sample(np.array(values), np.full(len(values), 1 / len(values))).quantile(probability)
+    below, upto = np.mean(np.array(values) < result), np.mean(np.array(values) <= result)
     assert below <= probability + 1e-12
     assert upto >= probability - 1e-12
 
@@ -123,11 +123,11 @@ def test_the_quantile_of_equal_weights_is_that_of_the_empirical_distribution(val
 def test_the_quantile_of_a_mixture_lies_between_those_of_its_parts(first, second, share, probability):
     parts = [Sample(np.array(v), np.full(len(v), 1 / len(v))) for v in (first, second)]
     quantiles = sorted(part.quantile(probability) for part in parts)
-    found = pooled(parts, [share, 1 - share]).quantile(probability)
+    result = pooled(parts, [share, 1 - share]).quantile(probability)
     low, high = (Sample(part.values, part.weights) for part in parts)
-    assert min(low.values[0], high.values[0]) <= found
+    assert min(low.values[0], high.values[0]) <= result
     # rounding of the sums of weights may move it to the next value
-    assert found <= min([v for v in [*first, *second] if v > quantiles[1]], default=quantiles[1])
+    assert result <= min([v for v in [*first, *second] if v > quantiles[1]], default=quantiles[1])
 
 
 def test_k_falls_with_the_confidence_level():

@@ -88,9 +88,9 @@ def jacobian(function, x):
     """∂f/∂x by complex steps: exact to rounding."""
     columns = []
     for i in range(len(x)):
-        moved = x.astype(complex)
-        moved[i] += 1e-30j
-        columns.append(np.imag(function(moved)) / 1e-30)
+        point = x.astype(complex)
+        point[i] += 1e-30j
+        columns.append(np.imag(function(point)) / 1e-30)
     return np.array(columns).T
 
 

@@ -48,13 +48,13 @@ def test_c_and_python_agree_to_the_last_bit(drawn, table):
             assert np.array_equal(outputs, record.outputs[k])
             for i, one in enumerate(others):
                 filter_ = one.filter
-                known = dict(
+                values = dict(
                     zip(("track", "mu0", "A_falling", "B_falling", "motor_torque", *FURTHER), table[k], strict=True)
                 )
                 for j, name in enumerate(filter_.design.inputs):
                     source = one.observer.sources[name]
                     if source.kind == "column":
-                        filter_.held[j] = known[source.name]
+                        filter_.held[j] = values[source.name]
                     else:
                         state = filter_.design.states.index(source.name)
                         filter_.held[j] += PERIOD * filter_.mean[state]
@@ -91,9 +91,9 @@ def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table):
 def test_a_reading_may_feed_a_filter(drawn, table):
     """Fed the yaw rate in place of the speed, as nonsense, the filter holds the reading of the sample before."""
     one = parties()[1]
-    fed = {"speed": one.observer.sources["speed"], "track": Source(kind="reading", name="yaw_rate")}
+    sources = {"speed": one.observer.sources["speed"], "track": Source(kind="reading", name="yaw_rate")}
     first = np.array([0.0, 3e-3])
-    in_c(table[:1], drawn.noise[:1], [Observer(name="fed", filter=one.filter, sources=fed)], ((0, 1),),
+    in_c(table[:1], drawn.noise[:1], [Observer(name="fed", filter=one.filter, sources=sources)], ((0, 1),),
          first_reading=first)  # fmt: skip
     assert one.filter.held[one.filter.design.inputs.index("track")] == 3e-3
 

@@ -28,13 +28,15 @@ def test_the_literal_filter_is_equations_25_to_36():
     for k in range(200):
         track, rate = 2e-3 * np.sin(10 * k * PERIOD), 2e-2 * np.cos(10 * k * PERIOD)
         y, psi = y + PERIOD * x[0], psi + PERIOD * x[1]
-        told = (track, rate, speed, rail)
-        _, ddy = mal.slopes(x, y, psi, *told)
-        seen = np.array([ddy, x[1]]) + rng.standard_normal(2) * np.sqrt(READING_NOISE)
-        given = {"lateral_position": y, "yaw_angle": psi, "track": track, "track_rate": rate, "speed": speed,
+        inputs = (track, rate, speed, rail)
+        _, ddy = mal.slopes(x, y, psi, *inputs)
+        readings = np.array([ddy, x[1]]) + rng.standard_normal(2) * np.sqrt(READING_NOISE)
+        values = {"lateral_position": y, "yaw_angle": psi, "track": track, "track_rate": rate, "speed": speed,
                  "mu0": rail.u0, "A_falling": rail.A, "B_falling": rail.B}  # fmt: skip
-        belief = ours.step(belief, np.array([given[name] for name in names]), seen)
-        x, P = mal.literal_step(x, P, y, psi, seen, PERIOD, np.diag(LITERAL_NOISE["dry"]), np.diag(READING_NOISE), told)
+        belief = ours.step(belief, np.array([values[name] for name in names]), readings)
+        x, P = mal.literal_step(
+            x, P, y, psi, readings, PERIOD, np.diag(LITERAL_NOISE["dry"]), np.diag(READING_NOISE), inputs
+        )
     size = np.array([1e-2, 1e-2, 1e-4, 0.4, 1e3])
     # Rounding of P = (I − KH)P, whose entries span twenty orders of magnitude, grown over 200 steps.
     assert belief.mean / size == pytest.approx(x / size, abs=1e-6)
@@ -46,12 +48,12 @@ def test_euler_is_the_same_in_both_filters_and_is_euler():
     plain = ExtendedKalmanFilter(*arguments, order=1)
     fast = CompiledFilter(*arguments, order=1)
     first, covariance = np.array([1e-3, 0.02, 1e-4, 0.01, -1.2]), np.full(5, 1e-6)
-    held, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
+    inputs, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
     assert prediction("known_track").inputs == ("speed", "track")
-    by_hand = first + PERIOD * prediction("known_track").derivative(first, held)
-    phi = np.eye(5) + PERIOD * prediction("known_track").derivative_jacobian(first, held)
+    by_hand = first + PERIOD * prediction("known_track").derivative(first, inputs)
+    phi = np.eye(5) + PERIOD * prediction("known_track").derivative_jacobian(first, inputs)
     for one in (plain, fast):
-        after = one.step(one.start(first, covariance), held, nothing)
+        after = one.step(one.start(first, covariance), inputs, nothing)
         # Nothing is seen, so the step is the prediction alone: the same sums in another order.
         assert after.mean == pytest.approx(by_hand, rel=1e-13)
         assert after.covariance == pytest.approx(
@@ -66,14 +68,17 @@ def test_an_order_that_does_not_exist_is_refused():
 
 def test_a_filter_told_of_another_process_noise_uses_it():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
-    told, fresh = (CompiledFilter(*arguments) for _ in range(2))
-    told.change_process_noise(np.full(5, 4e-6))
-    held, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
-    grown = [one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), held, nothing).covariance for one in (told, fresh)]
+    retuned_filter, fresh = (CompiledFilter(*arguments) for _ in range(2))
+    retuned_filter.change_process_noise(np.full(5, 4e-6))
+    inputs, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
+    deviations = [
+        one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), inputs, nothing).covariance
+        for one in (retuned_filter, fresh)
+    ]
     # Three more parts of 1e-6·50 µs on a diagonal of 1e-6: differences lose some digits.
-    assert np.diag(grown[0] - grown[1]) == pytest.approx(np.full(5, 3e-6 * PERIOD), rel=1e-6)
+    assert np.diag(deviations[0] - deviations[1]) == pytest.approx(np.full(5, 3e-6 * PERIOD), rel=1e-6)
     with pytest.raises(EstimatorError, match="negative eigenvalue"):
-        told.change_process_noise(np.full(5, -1.0))
+        retuned_filter.change_process_noise(np.full(5, -1.0))
 
 
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
@@ -81,8 +86,8 @@ def test_partial_derivatives_of_the_force_are_those_of_the_force():
     model = lower("RailBraking.FMUs.LateralLiteral")
     literal = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
     x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
-    given = {"speed": 25.0, "mu0": 0.3, "A_falling": 0.4, "B_falling": 2.0, "lateral_position": 2e-3}
-    rates = literal.derivative(x, np.array([given.get(name, 0.0) for name in literal.inputs]))
+    values = {"speed": 25.0, "mu0": 0.3, "A_falling": 0.4, "B_falling": 2.0, "lateral_position": 2e-3}
+    rates = literal.derivative(x, np.array([values.get(name, 0.0) for name in literal.inputs]))
     h = 1e-3
     ahead = mal.force(x[2] * (1 + h), x[3]) - mal.force(x[2] * (1 - h), x[3])
     aside = mal.force(x[2], x[3] * (1 + h)) - mal.force(x[2], x[3] * (1 - h))
@@ -94,11 +99,11 @@ def test_friction_of_the_worst_rail_is_found_without_being_told():
     """From 0.25 to 0.10 within a second, track known; and a filter with a perfect model knows its errors."""
     worst = Trial(name="worst", changes=((0.0, WORST),), duration=1.0)
     trace = simulate(Case(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",))
-    said = beliefs_about(trace, "known_track")
+    beliefs = beliefs_about(trace, "known_track")
     late = trace.time > 0.5
-    assert np.abs(said["friction"].mean - trace.truth["friction"])[late].max() < 0.02
+    assert np.abs(beliefs["friction"].mean - trace.truth["friction"])[late].max() < 0.02
     for quantity in ("creep", "creep_force", "lateral_velocity"):
-        share = np.mean(np.abs(said[quantity].mean - trace.truth[quantity]) < 3 * said[quantity].deviation)
+        share = np.mean(np.abs(beliefs[quantity].mean - trace.truth[quantity]) < 3 * beliefs[quantity].deviation)
         # 99.7 % for a Gaussian; the start from exactly known rest is deterministic and may stand out.
         assert share > 0.97, quantity
 
@@ -107,8 +112,8 @@ def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
     """Its friction moves with the creep only: told of a new condition, it does not take it over."""
     change = Trial(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
     trace = simulate(Case(test=change, speed=25.0, plant="paper", seed=1), ("literal",))
-    said = beliefs_about(trace, "literal")["friction"].mean
-    assert said[-1] > 0.4
+    friction = beliefs_about(trace, "literal")["friction"].mean
+    assert friction[-1] > 0.4
     assert trace.truth["friction"][-1] < 0.11
 
 

@@ -33,10 +33,10 @@ def test_the_fmu_solves_equations_1_to_17(rolling, condition):
         ("yaw_rate", 3),
         ("speed", 4),
     ):
-        found = rows[:, where[name]][:, 0]
+        simulated = rows[:, where[name]][:, 0]
         # Solver tolerance 1e-6 a step of 50 µs, and 1 mm/s taken off the creep speed by the rounded falling friction
         # (4e-4 of the friction), which saturated forces feel in full.
-        assert found == pytest.approx(exact[row], abs=2e-3 * np.max(np.abs(exact[row]))), name
+        assert simulated == pytest.approx(exact[row], abs=2e-3 * np.max(np.abs(exact[row]))), name
 
 
 @pytest.mark.parametrize(
@@ -61,8 +61,8 @@ def test_the_slope_of_the_force_is_that_of_hertz_and_kalker():
     """a = 6.76 mm, b = 4.81 mm by elliptic integrals, c11 = 4.53 from Kalker's table: G a b c11 a creep."""
     values = {"displacement": 1e-9 * 0.5 / 0.15, "speed": 25.0, "mu0": 0.46}
     model = lower("RailBraking.FMUs.LateralContact")
-    given = [values.get(v.name, 0.0) for v in model.inputs]
-    creep, force, _ = np.array(model.output(0, [], given, [p.start for p in model.parameters])).ravel()
+    inputs = [values.get(v.name, 0.0) for v in model.inputs]
+    creep, force, _ = np.array(model.output(0, [], inputs, [p.start for p in model.parameters])).ravel()
     exact = 2.1e11 / (2 * 1.28) * 6.76e-3 * 4.81e-3 * 4.53
     # Greenwood's ellipse is within 0.1 % in area, the parabola through Kalker's table within 0.2 %, three digits given.
     assert force / creep == pytest.approx(exact, rel=0.006)

@@ -61,26 +61,26 @@ def test_a_detector_that_cannot_decide_is_refused(wrong):
 
 def test_the_interval_of_ten_seeds_is_second_to_ninth():
     """Binomial: the median of ten lies between the second and the ninth value with 1 − 22/1024."""
-    found = spread([float(k) for k in range(1, 11)])
-    assert (found.median, found.low, found.high) == (5.5, 2.0, 9.0)
-    assert found.confidence == pytest.approx(1 - 22 / 1024)
+    result = spread([float(k) for k in range(1, 11)])
+    assert (result.median, result.low, result.high) == (5.5, 2.0, 9.0)
+    assert result.confidence == pytest.approx(1 - 22 / 1024)
 
 
 def test_runs_without_a_figure_count_as_infinite():
-    found = spread([1.0, 2.0, None, None, None])
-    assert math.isinf(found.median)
-    assert math.isinf(found.high)
-    assert found.low == 1.0
+    result = spread([1.0, 2.0, None, None, None])
+    assert math.isinf(result.median)
+    assert math.isinf(result.high)
+    assert result.low == 1.0
 
 
 def test_what_has_been_run_is_found_again_and_reported(tmp_path):
     """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
     short = Trial(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
     plan = Plan(tests=(short,), speeds=(25.0,), seeds=1)
-    told: list[bool] = []
-    first = conduct(plan, tmp_path, workers=1, tell=lambda case, found: told.append(found))
-    again = conduct(plan, tmp_path, workers=1, tell=lambda case, found: told.append(found))
-    assert told == [False] * len(PLANTS) + [True] * len(PLANTS)
+    messages: list[bool] = []
+    first = conduct(plan, tmp_path, workers=1, tell=lambda case, cached: messages.append(cached))
+    again = conduct(plan, tmp_path, workers=1, tell=lambda case, cached: messages.append(cached))
+    assert messages == [False] * len(PLANTS) + [True] * len(PLANTS)
     assert [result.measures for result in first] == [result.measures for result in again]
     page = write_report(plan, again, tmp_path)
     text = page.read_text(encoding="utf-8")

@@ -32,8 +32,8 @@ def test_a_realisation_has_the_power_of_its_spectrum():
     # Lines lie half a spacing off the multiples of the period, so the sum repeats with its sign reversed.
     place = np.linspace(0, 1 / band.spacing, 4000, endpoint=False)
     for kind in KINDS:
-        found = np.sqrt(np.mean(track.at(kind, place) ** 2))
-        assert found == pytest.approx(rms("erri-low", kind, band), rel=2e-3)  # interpolation, see `realise`
+        power = np.sqrt(np.mean(track.at(kind, place) ** 2))
+        assert power == pytest.approx(rms("erri-low", kind, band), rel=2e-3)  # interpolation, see `realise`
 
 
 def test_the_spectrum_over_frequency_keeps_the_power_over_wavenumber():
@@ -56,12 +56,12 @@ def test_an_accelerometer_shows_offset_and_nothing_lost():
     time = np.arange(0, 4, 1 / 1280)
     true = np.column_stack([np.sin(2 * np.pi * 3 * time), np.zeros_like(time)])
     quiet = replace(AXLE_BOX, noise=0.0, rolling=0.0, drift=0.0, walk=0.0, gain_error=0.0)
-    seen = measure(true, 1280, 20.0, quiet, np.random.default_rng(1), np.random.default_rng(2))
-    offset = seen[:, 1]
+    readings = measure(true, 1280, 20.0, quiet, np.random.default_rng(1), np.random.default_rng(2))
+    offset = readings[:, 1]
     assert 266 <= offset[0] <= 272
     assert np.ptp(offset) < 1e-9
-    swing = seen[:, 0] - seen[:, 0].mean()
-    fine = np.arange(len(seen)) / RATE
+    swing = readings[:, 0] - readings[:, 0].mean()
+    fine = np.arange(len(readings)) / RATE
     expected = np.sin(2 * np.pi * 3 * fine)
     # Resonance at 640 Hz: 3 Hz is raised by (3/640)² and delayed by 2 ζ f/f0².
     # Compared once the plate has forgotten how it was set in motion, 50 ms are ten time constants.
@@ -72,9 +72,9 @@ def test_a_plate_at_its_resonance_swings_by_its_quality():
     time = np.arange(0, 1, 1 / RATE)
     true = np.sin(2 * np.pi * AXLE_BOX.plate_frequency * time)[:, None]
     quiet = replace(AXLE_BOX, noise=0.0, rolling=0.0, drift=0.0, walk=0.0, gain_error=0.0)
-    seen = measure(true, RATE, 20.0, quiet, np.random.default_rng(1), np.random.default_rng(2))
-    settled = seen[RATE // 2 :, 0]
-    assert np.ptp(settled) / 2 == pytest.approx(
+    readings = measure(true, RATE, 20.0, quiet, np.random.default_rng(1), np.random.default_rng(2))
+    steady = readings[RATE // 2 :, 0]
+    assert np.ptp(steady) / 2 == pytest.approx(
         1 / (2 * AXLE_BOX.plate_damping), rel=0.01
     )  # sampled eight times a period
 

@@ -94,20 +94,20 @@ def watched(estimators):
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
 def test_the_loop_says_sample_by_sample_what_is_said_of_the_record_at_once(kind, estimators, watched):
-    ridden = watched[kind]
-    said = said_of(estimators[kind], ridden, RIDE)
-    assert len(said.sample) >= 30
-    assert np.ptp(said.friction) > 1e-5  # there is something to be equal in, six orders above the tolerance
-    assert difference(ridden, said) < ROUNDING
-    assert np.isnan(ridden.mean[: said.sample[0]]).all()
-    between = ridden.mean[said.sample[0] : said.sample[-1], 0].reshape(len(said.sample) - 1, -1)
+    ride = watched[kind]
+    answer = said_of(estimators[kind], ride, RIDE)
+    assert len(answer.sample) >= 30
+    assert np.ptp(answer.friction) > 1e-5  # there is something to be equal in, six orders above the tolerance
+    assert difference(ride, answer) < ROUNDING
+    assert np.isnan(ride.mean[: answer.sample[0]]).all()
+    between = ride.mean[answer.sample[0] : answer.sample[-1], 0].reshape(len(answer.sample) - 1, -1)
     assert np.array_equal(between, np.repeat(between[:, :1], between.shape[1], axis=1))  # held from one to the next
 
 
 def test_the_interval_of_the_loop_is_that_of_the_record(estimators, watched):
-    said = said_of(estimators["general"], watched["general"], RIDE)
-    half = 1.6449 * np.sqrt(watched["general"].variance[said.sample, 0])
-    longer = np.maximum(said.upper - said.friction, said.friction - said.lower)
+    answer = said_of(estimators["general"], watched["general"], RIDE)
+    half = 1.6449 * np.sqrt(watched["general"].variance[answer.sample, 0])
+    longer = np.maximum(answer.upper - answer.friction, answer.friction - answer.lower)
     assert half == pytest.approx(longer, abs=ROUNDING)
     assert np.isnan(watched["paper"].variance[-1, 0])  # the paper's network gives none
 
@@ -117,21 +117,21 @@ def test_the_exported_fmu_is_the_same_party(kind, estimators, exported, watched)
     """Through railgrip.fmu, 5120 samples a second; same operations in the same order, so nothing but rounding of the C
     compiler's own (fused or reordered operations) may differ."""
     assert validate_fmu(str(exported[kind])) == []
-    ridden = watched[kind]
+    ride = watched[kind]
     with in_fmu(exported[kind], RATE) as estimator:
-        made = list(said_by(estimator, ridden.reading, direction=-1.0))
+        made = list(said_by(estimator, ride.reading, direction=-1.0))
     mean, variance = np.array(made).T
-    np.testing.assert_allclose(mean, ridden.mean[:, 0], rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(variance, ridden.variance[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(mean, ride.mean[:, 0], rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(variance, ride.variance[:, 0], rtol=1e-9)
 
 
 def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(exported):
     for file in exported.values():
         assert describe(file).variables["lateral[4]"].causality == "input"
         with ZipFile(file) as parts:
-            told = parts.read("modelDescription.xml").decode()
-        assert "accelerations of the axle boxes, 5120 a second" in told
-        assert f'stepSize="{1 / 5120!r}"' in told
+            description = parts.read("modelDescription.xml").decode()
+        assert "accelerations of the axle boxes, 5120 a second" in description
+        assert f'stepSize="{1 / 5120!r}"' in description
     with (
         in_fmu(exported["paper"], 3 * RATE // 2) as estimator,
         pytest.raises(Exception, match="whole number of periods"),
@@ -146,10 +146,10 @@ def test_a_sample_that_is_missing_is_held(estimators):
     holes = readings.copy()
     holes[5:, 3] = np.nan
     readings[5:, 3] = readings[4, 3]
-    said = []
-    for given in (readings, holes):
-        said.append(list(said_by(in_casadi(estimators["paper"].online()), given)))
-    assert said[0][-1][0] == said[1][-1][0] > 0
+    answers = []
+    for entry in (readings, holes):
+        answers.append(list(said_by(in_casadi(estimators["paper"].online()), entry)))
+    assert answers[0][-1][0] == answers[1][-1][0] > 0
 
 
 def test_sensors_sample_by_sample_are_those_of_the_records():
@@ -157,8 +157,8 @@ def test_sensors_sample_by_sample_are_those_of_the_records():
     draw = np.random.default_rng(3)
     true = draw.standard_normal((2000, 3))
     whole = measure(true, RATE, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
-    added = disturbance(2000, 3, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
-    one = Sampled(AXLE_BOX, added)
+    noise_of_run = disturbance(2000, 3, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
+    one = Sampled(AXLE_BOX, noise_of_run)
     np.testing.assert_allclose([one.read(k, row) for k, row in enumerate(true)], whole, rtol=0, atol=1e-10)
 
 
@@ -166,11 +166,11 @@ def test_backwards_is_half_a_turn():
     """The same truth in axes that point forwards, seen by a turned car: wheelset 1 is last, left is right."""
     truth = np.concatenate([np.arange(12.0), np.zeros(8), [26.8]])
     ahead, behind = (AxleBoxes(replace(RIDE, backwards=b), 10).read(0, truth) for b in (False, True))
-    gained = ahead - AxleBoxes(replace(RIDE, backwards=False), 10).read(0, 0 * truth)
-    turned = behind - AxleBoxes(RIDE, 10).read(0, 0 * truth)
+    change_ahead = ahead - AxleBoxes(replace(RIDE, backwards=False), 10).read(0, 0 * truth)
+    change_behind = behind - AxleBoxes(RIDE, 10).read(0, 0 * truth)
     # Gains differ by a per cent from sensor to sensor.
-    assert turned[:4] == pytest.approx(-gained[4:8][::-1], rel=0.1, abs=0.2)
-    assert turned[8:12] == pytest.approx(-gained[8:12][::-1], rel=0.1, abs=0.2)
+    assert change_behind[:4] == pytest.approx(-change_ahead[4:8][::-1], rel=0.1, abs=0.2)
+    assert change_behind[8:12] == pytest.approx(-change_ahead[8:12][::-1], rel=0.1, abs=0.2)
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
@@ -187,12 +187,12 @@ def test_what_is_saved_comes_back(kind, estimators, tmp_path):
 def test_a_ride_is_named_by_a_file(estimators, tmp_path):
     """A spec names car and estimator; the loop runs it and says how far it is from the record at once."""
     save(estimators["paper"], tmp_path / "mine.json")
-    asked = read_ride(written(tmp_path, file="mine.json", length=3.0))
-    ridden = ride_beside(asked, tmp_path)
-    assert ridden.apart is not None
-    assert ridden.apart < ROUNDING
-    assert ridden.trace.sizes["time"] == pytest.approx(3.0 / 26.82 * RATE, rel=0.05)  # the held speed is near that
-    assert float(ridden.trace["friction"][-1]) > 0
+    table = read_ride(written(tmp_path, file="mine.json", length=3.0))
+    ride = ride_beside(table, tmp_path)
+    assert ride.apart is not None
+    assert ride.apart < ROUNDING
+    assert ride.trace.sizes["time"] == pytest.approx(3.0 / 26.82 * RATE, rel=0.05)  # the held speed is near that
+    assert float(ride.trace["friction"][-1]) > 0
 
 
 def written(folder, *, kind="learned", file="mine.json", condition="wet", length=30.0):

@@ -39,11 +39,11 @@ def test_the_papers_chain_is_the_same_online(combination, bias):
     blocks = chain.process(motions(raw[:, :4], raw[:, 4:8], raw[:, 8:], combination))
     scale, net = Scale.over(blocks), network(draw, blocks.shape[1], bias=bias)
     offline = net(scale(blocks))
-    said = online.paper(chain, scale, [net], combination).run(raw)
-    np.testing.assert_allclose(said[49::50, 0], offline, rtol=ROUNDING)
-    assert np.all(said[:49, 1] == 0)
-    assert np.all(said[49:, 1] == 1)
-    assert np.all(said[49:99, 0] == said[49, 0])  # held between blocks
+    answer = online.paper(chain, scale, [net], combination).run(raw)
+    np.testing.assert_allclose(answer[49::50, 0], offline, rtol=ROUNDING)
+    assert np.all(answer[:49, 1] == 0)
+    assert np.all(answer[49:, 1] == 1)
+    assert np.all(answer[49:99, 0] == answer[49, 0])  # held between blocks
 
 
 def general_pair(direction, stages):
@@ -56,26 +56,26 @@ def general_pair(direction, stages):
     if direction < 0:
         lateral, yaw = -lateral[:, ::-1], yaw[:, ::-1]
     features = spectral.features(lateral, yaw, np.full(len(slow.kept(raw)), speed))
-    known = features[2 * spectral.settled :]
+    reference = features[2 * spectral.settled :]
     ensemble = Ensemble(
-        centre=known.mean(axis=0), spread=known.std(axis=0) + 1e-3, half_width=1.7,
+        centre=reference.mean(axis=0), spread=reference.std(axis=0) + 1e-3, half_width=1.7,
         second=tuple(network(draw, 1, hidden=3) for _ in range(2 * (stages - 1))),
         networks=tuple(network(draw, features.shape[1]) for _ in range(3)),
     )  # fmt: skip
     entry = np.hstack([raw, np.full((len(raw), 1), speed), np.full((len(raw), 1), direction)])
-    return online.general(slow, spectral, ensemble), ensemble(known), entry, slow, spectral
+    return online.general(slow, spectral, ensemble), ensemble(reference), entry, slow, spectral
 
 
 @pytest.mark.parametrize(("direction", "stages"), [(1.0, 1), (-1.0, 2)])
 def test_the_general_estimator_is_the_same_online(direction, stages):
     built, offline, entry, slow, spectral = general_pair(direction, stages)
-    said = built.run(entry)
+    answer = built.run(entry)
     first = slow.keep * (2 * spectral.settled + 1) - 1
-    np.testing.assert_allclose(said[first :: slow.keep, 0], offline.friction, rtol=ROUNDING)
-    np.testing.assert_allclose(said[first :: slow.keep, 1], offline.lower, rtol=ROUNDING, atol=1e-12)
-    np.testing.assert_allclose(said[first :: slow.keep, 2], offline.upper, rtol=ROUNDING)
-    assert said[first - 1, 3] == 0
-    assert said[first, 3] == 1
+    np.testing.assert_allclose(answer[first :: slow.keep, 0], offline.friction, rtol=ROUNDING)
+    np.testing.assert_allclose(answer[first :: slow.keep, 1], offline.lower, rtol=ROUNDING, atol=1e-12)
+    np.testing.assert_allclose(answer[first :: slow.keep, 2], offline.upper, rtol=ROUNDING)
+    assert answer[first - 1, 3] == 0
+    assert answer[first, 3] == 1
 
 
 def test_a_start_that_is_not_causal_is_refused():

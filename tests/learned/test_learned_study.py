@@ -33,10 +33,10 @@ def study():
     sets = passes(SIZE)
     numbers = iter(range(1000))
     runs = {name: [made_up(run, next(numbers)) for run in part] for name, part in sets.items()}
-    told = []
+    messages = []
     with ThreadPoolExecutor(1) as pool:
-        made = concluded(SIZE, runs, Recipe(starts=2, steps=40), pool, told.append)
-    assert len(told) + sum(map(len, runs.values())) == pieces(SIZE)
+        made = concluded(SIZE, runs, Recipe(starts=2, steps=40), pool, messages.append)
+    assert len(messages) + sum(map(len, runs.values())) == pieces(SIZE)
     return made
 
 
@@ -75,8 +75,8 @@ def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     trained = estimators_of(study)
     assert set(trained) == {"friction", "friction_60mph"}
-    said = trained["friction_60mph"].offline(np.full((500, 12), 268.0), np.full(500, 26.8), backwards=False)
-    assert len(said.friction) == 500 // 50
+    answer = trained["friction_60mph"].offline(np.full((500, 12), 268.0), np.full(500, 26.8), backwards=False)
+    assert len(answer.friction) == 500 // 50
 
 
 def test_a_run_is_simulated_once(monkeypatch):

@@ -19,8 +19,8 @@ def test_the_high_pass_keeps_what_came_first():
     chain = Chain(rate=512, block=8)
     raw = np.full((512 * 20, 1), 270.0)
     raw[0] = 268.5  # vibration at the first sample
-    settled = chain.filtered(raw)[-1, 0]
-    assert settled == pytest.approx(1.5 * np.exp(-20 * 2 * np.pi * 1e-4), rel=1e-3)
+    first = chain.filtered(raw)[-1, 0]
+    assert first == pytest.approx(1.5 * np.exp(-20 * 2 * np.pi * 1e-4), rel=1e-3)
 
 
 def test_the_low_pass_is_half_power_at_1_hz():
@@ -47,9 +47,9 @@ def test_the_eight_combinations_have_the_papers_sizes():
 
 def test_scaling_ends_at_plus_and_minus_one():
     data = np.random.default_rng(0).uniform(3, 9, (50, 4))
-    scaled = Scale.over(data)(data)
-    assert scaled.min(axis=0) == pytest.approx(-np.ones(4))
-    assert scaled.max(axis=0) == pytest.approx(np.ones(4))
+    values = Scale.over(data)(data)
+    assert values.min(axis=0) == pytest.approx(-np.ones(4))
+    assert values.max(axis=0) == pytest.approx(np.ones(4))
 
 
 @pytest.mark.parametrize("bias", ["inside", "outside"])
@@ -75,8 +75,8 @@ def test_training_finds_the_minimum_that_minpack_finds():
         return np.array([[-20 * p[0], 10, 0], [-1, 0, 0], [0, 0, 1.0]])
 
     start = np.array([-1.2, 1.0, 0.0])
-    found = nn.levenberg_marquardt(residuals, jacobian, start, 200)
-    assert found == pytest.approx(least_squares(residuals, start, jac=jacobian, method="lm").x, abs=1e-6)
+    result = nn.levenberg_marquardt(residuals, jacobian, start, 200)
+    assert result == pytest.approx(least_squares(residuals, start, jac=jacobian, method="lm").x, abs=1e-6)
 
 
 def test_a_network_learns_a_smooth_function():
@@ -111,9 +111,9 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
 def test_exchanged_labels_belong_to_other_runs():
     draw = np.random.default_rng(4)
     runs = [run(f"run {k}", mu, np.ones(4), draw) for k, mu in enumerate([0.1, 0.2, 0.3])]
-    given = exchanged(runs)
-    assert sorted(given.values()) == [0.1, 0.2, 0.3]
-    assert all(given[one.name] != one.friction for one in runs)
+    labels = exchanged(runs)
+    assert sorted(labels.values()) == [0.1, 0.2, 0.3]
+    assert all(labels[one.name] != one.friction for one in runs)
 
 
 def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
@@ -129,10 +129,10 @@ def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
     x, y, number = made(60)
     ensemble = fit(x, y, number, generator=draw, members=12)
     x, y, _ = made(60)
-    said = ensemble(x)
-    covered = np.mean((said.lower <= y) & (y <= said.upper))
-    assert 0.78 <= covered <= 1.0
-    assert np.abs(said.friction - y).mean() < 0.6 * np.abs(y - y.mean()).mean()
+    answer = ensemble(x)
+    share = np.mean((answer.lower <= y) & (y <= answer.upper))
+    assert 0.78 <= share <= 1.0
+    assert np.abs(answer.friction - y).mean() < 0.6 * np.abs(y - y.mean()).mean()
 
 
 def test_too_few_networks_for_an_interval_are_refused():
@@ -150,8 +150,8 @@ def test_a_second_stage_turns_slope_into_friction():
     x = np.column_stack([np.log(slope)[number], draw.standard_normal(240)]) + 0.01 * draw.standard_normal((240, 2))
     friction = 0.15 + 0.2 / (1 + np.exp(-20 * (slope - 0.45)))
     ensemble = fit(x, friction[number], number, generator=draw, slope=slope[number], members=8, decay=1e-6)
-    said = ensemble(np.column_stack([np.log([0.2, 0.45, 0.7]), np.zeros(3)]))
-    assert said.friction == pytest.approx([0.151, 0.25, 0.349], abs=0.02)  # a tenth of the range
+    answer = ensemble(np.column_stack([np.log([0.2, 0.45, 0.7]), np.zeros(3)]))
+    assert answer.friction == pytest.approx([0.151, 0.25, 0.349], abs=0.02)  # a tenth of the range
 
 
 def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():
@@ -172,10 +172,10 @@ def test_two_signals_a_quarter_apart_show_it():
     yaw = np.repeat(np.cos(2 * np.pi * 4 * time)[:, None], 4, axis=1)
     lateral = np.repeat(-np.sin(2 * np.pi * 4 * time)[:, None], 4, axis=1)
     spectral = Spectral(rate=128.0)
-    found = dict(zip(spectral.names, spectral.features(lateral, yaw, np.full(time.size, 20.0))[-1], strict=True))
+    features = dict(zip(spectral.names, spectral.features(lateral, yaw, np.full(time.size, 20.0))[-1], strict=True))
     # The bilinear transform moves 4 Hz by a third of a per cent at 128 Hz.
-    assert abs(found["quadrature leading, 4 Hz"]) == pytest.approx(1.0, abs=0.02)
-    assert found["in phase leading, 4 Hz"] == pytest.approx(0.0, abs=0.02)
+    assert abs(features["quadrature leading, 4 Hz"]) == pytest.approx(1.0, abs=0.02)
+    assert features["in phase leading, 4 Hz"] == pytest.approx(0.0, abs=0.02)
 
 
 def test_means_over_metres_follow_the_speed():
@@ -187,8 +187,8 @@ def test_means_over_metres_follow_the_speed():
     yaw = np.repeat((level * carrier)[:, None], 4, axis=1)
     power = spectral.means(yaw, yaw, speed)[:, 3, 0, 0]
     low, high = power[6399], 4 * power[6399]  # 1000 m at level 1 are twenty times the memory
-    travelled = 5.0 * np.arange(1, 6401) / 128
-    expected = high + (low - high) * np.exp(-travelled / 50.0)
+    distance = 5.0 * np.arange(1, 6401) / 128
+    expected = high + (low - high) * np.exp(-distance / 50.0)
     # The band of 8 Hz takes some tenths of a second to follow, in which the car rolls a metre or two of the fifty.
     assert power[6400 + 640 :] == pytest.approx(expected[640:], rel=0.03)
 
@@ -196,9 +196,9 @@ def test_means_over_metres_follow_the_speed():
 @pytest.mark.parametrize("inputs", list(COMBINATIONS))
 def test_a_recipe_sees_the_motions_of_its_combination(inputs):
     one = run("run", 0.2, np.ones(4), np.random.default_rng(0))
-    seen = Recipe(inputs=inputs).blocks(one)
-    wanted = [one.blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[inputs]]
-    assert np.array_equal(seen, np.hstack(wanted))
+    blocks = Recipe(inputs=inputs).blocks(one)
+    expected = [one.blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[inputs]]
+    assert np.array_equal(blocks, np.hstack(expected))
 
 
 def test_decay_is_part_of_what_is_minimised():

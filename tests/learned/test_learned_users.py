@@ -21,12 +21,12 @@ SECONDS = 6.4
 def signals(seed=1, seconds=SECONDS, speed=26.8, rate=RATE):
     draw = np.random.default_rng(seed)
     count = int(seconds * rate)
-    held = {"time": np.arange(count) / rate, "speed": np.full(count, speed)}
-    return held | {name: 268 + draw.standard_normal(count) for name in BOXES}
+    columns = {"time": np.arange(count) / rate, "speed": np.full(count, speed)}
+    return columns | {name: 268 + draw.standard_normal(count) for name in BOXES}
 
 
-def write(file, held):
-    frame = pd.DataFrame(held)
+def write(file, columns):
+    frame = pd.DataFrame(columns)
     if file.suffix == ".parquet":
         frame.to_parquet(file)
     elif file.suffix == ".mat":
@@ -59,12 +59,12 @@ def test_runs_become_a_report_and_estimators(read):
     assert [run.group for run in read.runs] == [60] * 4
     assert [run.friction for run in read.runs] == pytest.approx([0.10, 0.18, 0.26, 0.34])
     assert read.runs[0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
-    told = []
+    messages = []
     recipe = Recipe(inputs="left, right", starts=1, steps=10)
     text, trained = judge_own(
-        read.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=told.append
+        read.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=messages.append
     )
-    assert len(told) == own_pieces(read.runs)
+    assert len(messages) == own_pieces(read.runs)
     assert "a run left out" in text
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text
@@ -76,35 +76,35 @@ def test_runs_become_a_report_and_estimators(read):
 
 def test_direction_turns_the_car_around(folder, read, tmp_path):
     behind = read_folder(folder, write_labels(tmp_path / "b.csv", [("0.parquet", 0.2, -1), ("1.parquet", 0.3, 1)]))
-    ahead, turned = read.runs[0].slow, behind.runs[0].slow
-    np.testing.assert_array_equal(turned[:, :4], -ahead[:, 3::-1])
-    np.testing.assert_array_equal(turned[:, 4:8], ahead[:, 7:3:-1])
+    ahead, reversed_run = read.runs[0].slow, behind.runs[0].slow
+    np.testing.assert_array_equal(reversed_run[:, :4], -ahead[:, 3::-1])
+    np.testing.assert_array_equal(reversed_run[:, 4:8], ahead[:, 7:3:-1])
 
 
 def table(units="m/s**2", names=None, **changes):
     names = names or {name: name for name in UNITS}
     columns = {name: {"column": column, "unit": "m/s" if name == "speed" else units} for name, column in names.items()}
-    given = {
+    values = {
         "time": {"column": "time", "unit": "s"}, "period": PERIOD, "longest_gap": 0.05, "frozen": 0.5, "spike": 20.0,
         "columns": columns,
     }  # fmt: skip
-    return DataTable.model_validate(given | changes)
+    return DataTable.model_validate(values | changes)
 
 
-def one_run(folder, held, chosen=None, suffix=".parquet"):
-    names = [write(folder / f"a{suffix}", held), write(folder / f"b{suffix}", held)]
+def one_run(folder, columns, chosen=None, suffix=".parquet"):
+    names = [write(folder / f"a{suffix}", columns), write(folder / f"b{suffix}", columns)]
     labels = write_labels(folder / "labels.csv", [(names[0], 0.2, 1), (names[1], 0.3, 1)])
     return read_folder(folder, labels, chosen)
 
 
 def test_units_and_names_come_from_the_map(folder, read, tmp_path):
     """The same run in g, under the names of a MATLAB file."""
-    held = signals(0)
-    held |= {name: held[name] / 9.80665 for name in BOXES}
+    columns = signals(0)
+    columns |= {name: columns[name] / 9.80665 for name in BOXES}
     names = {name: name.replace("[", "_").replace("]", "") for name in UNITS}
-    found = one_run(tmp_path, held, table("g_n", names), ".mat").runs[0]
+    run = one_run(tmp_path, columns, table("g_n", names), ".mat").runs[0]
     # The record of direction +1 is run 0; a division and a multiplication round at 270 * 2e-16, the filter adds up.
-    np.testing.assert_allclose(found.slow, read.runs[0].slow, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run.slow, read.runs[0].slow, rtol=0, atol=1e-9)
 
 
 def test_another_rate_is_put_on_the_grid(tmp_path):
@@ -117,32 +117,32 @@ def test_another_rate_is_put_on_the_grid(tmp_path):
     whole = one_run(tmp_path, fine | waves).runs[0].slow
     coarse = {name: values[::2] for name, values in (fine | waves).items()}
     (tmp_path / "coarse").mkdir()
-    resampled = one_run(tmp_path / "coarse", coarse).runs[0].slow
-    count = min(len(whole), len(resampled))
-    np.testing.assert_allclose(resampled[128:count], whole[128:count], rtol=0, atol=2 * 2 * 3e-4)
+    run = one_run(tmp_path / "coarse", coarse).runs[0].slow
+    count = min(len(whole), len(run))
+    np.testing.assert_allclose(run[128:count], whole[128:count], rtol=0, atol=2 * 2 * 3e-4)
 
 
 def test_a_short_gap_is_bridged_and_a_spike_is_said(tmp_path):
-    held = signals(0)
-    held["left[2]"][5000:5100] = np.nan  # 20 ms
-    held["right[1]"][9000] = 2000.0
-    found = one_run(tmp_path, held)
-    assert np.isfinite(found.runs[0].slow).all()
-    assert "a.parquet: left[2], 0.976–0.996 s: no samples; interpolated between the neighbours." in found.remarks
-    assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in found.remarks)
+    columns = signals(0)
+    columns["left[2]"][5000:5100] = np.nan  # 20 ms
+    columns["right[1]"][9000] = 2000.0
+    run = one_run(tmp_path, columns)
+    assert np.isfinite(run.runs[0].slow).all()
+    assert "a.parquet: left[2], 0.976–0.996 s: no samples; interpolated between the neighbours." in run.remarks
+    assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in run.remarks)
 
 
 def test_the_part_that_all_sensors_cover_is_taken(tmp_path):
-    held = signals(0, seconds=7.0)
-    held["left[1]"][:1024] = np.nan
-    assert len(one_run(tmp_path, held).runs[0].slow) == (int(7.0 * RATE) - 1024) // 40
+    columns = signals(0, seconds=7.0)
+    columns["left[1]"][:1024] = np.nan
+    assert len(one_run(tmp_path, columns).runs[0].slow) == (int(7.0 * RATE) - 1024) // 40
 
 
 def spoiled(**changes):
-    held = signals(0)
+    columns = signals(0)
     for name, (part, value) in changes.items():
-        held[name.replace("_", "[") + "]" if name[-1].isdigit() else name][part] = value
-    return held
+        columns[name.replace("_", "[") + "]" if name[-1].isdigit() else name][part] = value
+    return columns
 
 
 @pytest.mark.parametrize(
@@ -207,9 +207,9 @@ def test_a_label_that_cannot_be_is_answered(tmp_path, rows, sentence):
 def test_a_file_says_what_is_learned(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "lateral, yaw"\n')
-    asked = read_own(path)
-    assert asked.network.recipe().inputs == "lateral, yaw"
-    assert asked.data is None
+    table = read_own(path)
+    assert table.network.recipe().inputs == "lateral, yaw"
+    assert table.data is None
     assert set(plain_table().columns) == set(UNITS)
     path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "vertical"\n')
     with pytest.raises(ScenarioError, match=r"\[network\] inputs is 'vertical'; there is longitudinal, lateral, yaw; "):

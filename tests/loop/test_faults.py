@@ -79,6 +79,8 @@ def test_a_valve_is_fixed_kept_or_late():
     course = [1, 2, 3, 4, 5, 6]
     assert passed(course, valves=False, kind="fixed", value=-1.0) == [1, 2, -1, -1, -1, 6]
     assert passed(course, valves=False, kind="kept") == [1, 2, 2, 2, 2, 6]
+    # Broken from the start it keeps the first command: there was none before.
+    assert passed(course, valves=False, kind="kept", begin=0) == [1, 1, 1, 1, 1, 6]
     assert passed(course, valves=False, kind="late", delay=2) == [1, 2, 1, 2, 3, 6]
     assert passed(course, valves=False, kind="late", delay=0) == course
 
@@ -90,6 +92,7 @@ def test_a_reservoir_empties_with_the_air_it_gives():
     common = dict(kind="limited", value=0.01, pressure=2e5, air=air)
     limits = [3e5, 3e5, 2e5, 2e5 - 0.1 * FREE, 2e5 - FREE, 3e5]
     assert passed([3e5] * 6, valves=False, **common) == pytest.approx(limits)
+    assert passed([3e5] * 6, valves=False, begin=0, **common) == pytest.approx([2e5, 2e5, *limits[2:]])
     assert passed([5e4] * 6, valves=False, **common) == [5e4] * 6
     inside = [1.5e5] * 6
     assert passed([3e5] * 6, valves=False, inside=inside, **common)[4] == 1.5e5

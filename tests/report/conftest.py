@@ -20,10 +20,10 @@ def write_campaign():
 
     def write(directory, keep, overrides=(), file=TABLE1):
         whole = load_campaign(file, [*COARSE, *overrides])
-        kept = whole.only(keep)
-        write_description(kept, directory)
-        for stop in kept.stops:
+        campaign = whole.only(keep)
+        write_description(campaign, directory)
+        for stop in campaign.stops:
             write_stop(run_stop(stop.scenario), directory / stop.name)
-        return kept
+        return campaign
 
     return write

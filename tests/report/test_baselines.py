@@ -73,15 +73,19 @@ def test_a_distance_inside_its_tolerance_is_kept(results):
 
 
 def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(results):
-    found = distance(results, SBC)
-    kept = Accepted(distance=distance(results, FULL) + 0.1, tolerance=0.5, reason="First.")
+    moved_distance = distance(results, SBC)
+    baseline = Accepted(distance=distance(results, FULL) + 0.1, tolerance=0.5, reason="First.")
     before = Baseline(
-        campaign="c", stops={SBC: Accepted(distance=found / 2, tolerance=found / 200, reason="First."), FULL: kept}
+        campaign="c",
+        stops={
+            SBC: Accepted(distance=moved_distance / 2, tolerance=moved_distance / 200, reason="First."),
+            FULL: baseline,
+        },
     )
     after = accepted(before, findings_of(results), "Heavier train.")
-    assert after.stops[FULL].model_copy(update={"longest_lock": None}) == kept
-    assert after.stops[SBC].distance == pytest.approx(found, abs=1e-3)
-    assert after.stops[SBC].tolerance == pytest.approx(found / 100, rel=0.05)  # written with two digits
+    assert after.stops[FULL].model_copy(update={"longest_lock": None}) == baseline
+    assert after.stops[SBC].distance == pytest.approx(moved_distance, abs=1e-3)
+    assert after.stops[SBC].tolerance == pytest.approx(moved_distance / 100, rel=0.05)  # written with two digits
     assert after.stops[SBC].reason == "Heavier train."
 
 
@@ -129,7 +133,7 @@ def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path):
 
 def study(**figures):
     return Findings(
-        found=tuple(Finding(name=name, value=value, unit="1", tolerance=0.01) for name, value in figures.items())
+        values=tuple(Finding(name=name, value=value, unit="1", tolerance=0.01) for name, value in figures.items())
     )
 
 
@@ -178,7 +182,7 @@ def test_across_compilers_a_distance_keeps_to_half_a_percent_and_one_that_differ
 
     def found(**distances: float) -> dict[str, str]:
         return states(
-            compare(wide, Findings(found=tuple(Finding(name=n, value=d, unit="m") for n, d in distances.items())))
+            compare(wide, Findings(values=tuple(Finding(name=n, value=d, unit="m") for n, d in distances.items())))
         )
 
     for distance in (378.2, 380.0, 381.8):
@@ -194,7 +198,7 @@ def test_across_compilers_a_distance_keeps_to_half_a_percent_and_one_that_differ
 def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
     stop = Accepted(distance=324.3, tolerance=0.33, reason="First.", compilers={"openmodelica": 279.8})
     before = Baseline(campaign="c.toml", stops={SBC: stop})
-    after = accepted(before, Findings(found=(Finding(name=SBC, value=300.0, unit="m"),)), "Another law.")
+    after = accepted(before, Findings(values=(Finding(name=SBC, value=300.0, unit="m"),)), "Another law.")
     assert after.stops[SBC].compilers == {"openmodelica": 279.8}
     write_baseline(after, tmp_path / "c.toml")
     assert load_baseline(tmp_path / "c.toml") == after

@@ -51,16 +51,16 @@ def test_repeats_of_another_stop_are_called_stale(digest, distance, text):
 
 
 def test_a_range_is_told_with_what_the_other_compiler_gives():
-    repeated = Repeated(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
-    assert spread_text(repeated, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
-    assert spread_text(repeated, "d", 336.0) == STALE  # beyond a quarter of the range
+    repeats = Repeated(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
+    assert spread_text(repeats, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
+    assert spread_text(repeats, "d", 336.0) == STALE  # beyond a quarter of the range
 
 
 def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(tmp_path, write_campaign):
-    kept = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-adhesion_based")
-    (stop,) = kept.stops
+    campaign = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-adhesion_based")
+    (stop,) = campaign.stops
     repeats = {stop.name: repeats_of(stop, count=3, relative=1e-7)}
-    again = campaign_of(kept, repeats)
+    again = campaign_of(campaign, repeats)
     nudges = [one.scenario.vehicle.nudge for one in repeats[stop.name].nudged]
     assert [(nudge.seed, nudge.relative) for nudge in nudges] == [(1, 1e-7), (2, 1e-7), (3, 1e-7)]
     assert not any(one.keep_trace for one in again.stops)
@@ -68,16 +68,16 @@ def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(t
         from synthetic import stop_of
 
         write_stop(stop_of(one.scenario, 0.95 + 0.01 * (number - 1)), tmp_path / "again" / one.name, keep_trace=False)
-    found = conditioning_of(kept, repeats, tmp_path / "again", 1e-7)
-    assert found.stops[stop.name].spreads
+    conditioning = conditioning_of(campaign, repeats, tmp_path / "again", 1e-7)
+    assert conditioning.stops[stop.name].spreads
     path = tmp_path / "conditioning.json"
-    path.write_text(text_of(found), encoding="utf-8")
-    assert read_conditioning(path) == found
+    path.write_text(text_of(conditioning), encoding="utf-8")
+    assert read_conditioning(path) == conditioning
     from dataclasses import replace
 
-    write_description(replace(kept, conditioning=path), tmp_path)
+    write_description(replace(campaign, conditioning=path), tmp_path)
     (row,) = rows_of(read_results(tmp_path))
-    assert row.repeated.startswith(f"{found.stops[stop.name].median:.2f} m (")
+    assert row.repeated.startswith(f"{conditioning.stops[stop.name].median:.2f} m (")
 
 
 def test_a_missing_file_of_conditioning_says_how_it_is_made(tmp_path):
@@ -87,14 +87,14 @@ def test_a_missing_file_of_conditioning_says_how_it_is_made(tmp_path):
 
 def finding(value, repeated=None):
     return Findings(
-        found=(Finding(name="x", value=value, unit="m", repeated=repeated, longest_lock=18.9, valve_strokes=40),)
+        values=(Finding(name="x", value=value, unit="m", repeated=repeated, longest_lock=18.9, valve_strokes=40),)
     )
 
 
 def test_a_chaotic_stop_is_accepted_as_the_range_of_its_repeats_and_kept_anywhere_in_it(tmp_path):
-    repeated = Repeated(digest="d", distances=(280.0, 300.0, 320.0))
+    repeats = Repeated(digest="d", distances=(280.0, 300.0, 320.0))
     before = Baseline(campaign="c", stops={"x": Accepted(distance=319, tolerance=0.3, reason="First.")})
-    after = accepted(before, finding(319.0, repeated), "A range.")
+    after = accepted(before, finding(319.0, repeats), "A range.")
     stop = after.stops["x"]
     assert (stop.distance, stop.lowest, stop.highest, stop.tolerance) == (300, 280, 320, 10)
     assert (stop.longest_lock, stop.valve_strokes) == (18.9, 40)
@@ -120,10 +120,10 @@ def test_half_a_range_is_refused(tmp_path):
 def test_the_conditioning_of_table_1_is_of_its_stops_or_is_called_stale():
     """What is committed is shown beside a distance only where scenario and distance are those that were repeated."""
     campaign = load_campaign(CAMPAIGNS / "table1.toml")
-    repeated = read_conditioning(campaign.conditioning).stops
-    planned = {stop.name: stop.scenario.digest() for stop in campaign.stops}
-    assert set(repeated) <= set(planned)
-    for name, one in repeated.items():
+    repeats_of = read_conditioning(campaign.conditioning).stops
+    digests = {stop.name: stop.scenario.digest() for stop in campaign.stops}
+    assert set(repeats_of) <= set(digests)
+    for name, one in repeats_of.items():
         assert len(one.distances) >= 20
-        assert planned[name] == one.digest or spread_text(one, planned[name], one.median) == STALE
-        assert spread_text(one, planned[name], 0.5 * one.lowest) == STALE
+        assert digests[name] == one.digest or spread_text(one, digests[name], one.median) == STALE
+        assert spread_text(one, digests[name], 0.5 * one.lowest) == STALE

@@ -62,14 +62,14 @@ def test_draws_are_compared_one_by_one():
 def test_the_interval_of_the_median_holds_what_it_says():
     """Of 400 samples of 20 draws from a skewed distribution, the interval misses the true median in 5 % at most."""
     rng = np.random.default_rng(1)
-    missed = 0
+    misses = 0
     for _ in range(400):
         changes = rng.exponential(size=20)
-        found = paired({n: 1 + change for n, change in enumerate(changes)}, [row(n, 1.0) for n in range(20)])
-        low, high = found.change_interval
-        missed += not low <= math.log(2) <= high
-    assert missed <= stats.binom.ppf(0.999, 400, 0.05)
-    assert missed > 0  # an interval that never misses says nothing
+        one_draw = paired({n: 1 + change for n, change in enumerate(changes)}, [row(n, 1.0) for n in range(20)])
+        low, high = one_draw.change_interval
+        misses += not low <= math.log(2) <= high
+    assert misses <= stats.binom.ppf(0.999, 400, 0.05)
+    assert misses > 0  # an interval that never misses says nothing
 
 
 def test_a_draw_without_a_standstill_is_longer_than_any_other():
@@ -95,16 +95,16 @@ def folder(tmp_path, write_campaign):
 
 def test_controllers_are_compared_with_the_published_and_with_the_best_tuned_sbc(folder):
     """The synthetic three-state control stops shorter than the two-state one, whatever its thresholds."""
-    found = {one.controller_label: one for one in distributions_of(rows_of(read_results(folder)))}
+    distributions = {one.controller_label: one for one in distributions_of(rows_of(read_results(folder)))}
     published, low, mid = "SBC, two-state 10/15 %", "SBC, two-state 1/2 %", "SBC, three-state 5/15 %"
-    assert set(found) == {published, low, mid, "ABC"}
-    assert all(one.draws == one.stood == 4 for one in found.values())
-    abc = found["ABC"]
+    assert set(distributions) == {published, low, mid, "ABC"}
+    assert all(one.draws == one.stood == 4 for one in distributions.values())
+    abc = distributions["ABC"]
     assert (abc.vs_sbc.label, abc.vs_tuned.label) == (published, mid)
     assert abc.vs_sbc.change == pytest.approx(0.8 / 0.95 - 1, abs=1e-3)
     assert abc.vs_tuned.change == pytest.approx(0.85 / 0.95 - 1, abs=1e-3)
-    assert found[mid].vs_tuned is None
-    assert found[low].vs_tuned.change == pytest.approx(0.85 / 0.8 - 1, abs=1e-3)
+    assert distributions[mid].vs_tuned is None
+    assert distributions[low].vs_tuned.change == pytest.approx(0.85 / 0.8 - 1, abs=1e-3)
 
 
 def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):

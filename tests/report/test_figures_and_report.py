@@ -34,10 +34,10 @@ def stops(folder):
 
 
 def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
-    chosen = [stops[f"{name}-ideal-slip_two_state"] for name in ("trapezoid", "sine_sweep", "random")]
-    panels = friction_figure(chosen).axes
+    selection = [stops[f"{name}-ideal-slip_two_state"] for name in ("trapezoid", "sine_sweep", "random")]
+    panels = friction_figure(selection).axes
     assert len(panels) == 3
-    for panel, stop in zip(panels, chosen, strict=True):
+    for panel, stop in zip(panels, selection, strict=True):
         assert "mu_0" in panel.get_ylabel()
         mu0 = stop.record.trace()["mu0"].values
         # Coupled wheelsets find the same friction: one line for both, labelled with both.
@@ -77,20 +77,20 @@ def test_the_panels_of_a_stop_have_units_and_share_their_scales(stops):
 
 
 def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
-    kept = write_campaign(tmp_path, lambda stop: stop.name == "random-ideal-slip_two_state")
+    campaign = write_campaign(tmp_path, lambda stop: stop.name == "random-ideal-slip_two_state")
     (stop,) = read_results(tmp_path).stops
     trace = stop.record.trace().drop_vars("pad_friction")
     trace["cylinder_pressure"] = trace["cylinder_pressure"] * np.nan
     write_trace(trace, stop.record.directory / "trace.nc")
-    hidden = replace(stop.record, metrics=replace(stop.record.metrics, utilisation=float("nan")))
-    made = stop_figure(replace(stop, record=hidden))
+    without_utilisation = replace(stop.record, metrics=replace(stop.record.metrics, utilisation=float("nan")))
+    made = stop_figure(replace(stop, record=without_utilisation))
     labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion"]
     assert all(panel.lines for panel in made.axes)
     assert "nan" not in made.get_suptitle()
     assert "adhesion used" not in made.get_suptitle()
     # One draw of many says which.
-    assert made.get_suptitle().startswith(f"random, seed {kept.stops[0].scenario.seed}: ")
+    assert made.get_suptitle().startswith(f"random, seed {campaign.stops[0].scenario.seed}: ")
 
 
 def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
@@ -151,8 +151,8 @@ def test_a_single_stop_has_a_page_too(folder):
 
 
 def test_a_campaign_without_any_result_still_has_a_page(tmp_path, write_campaign):
-    kept = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-full_brake")
-    (tmp_path / kept.stops[0].name / "stop.json").unlink()
+    campaign = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-full_brake")
+    (tmp_path / campaign.stops[0].name / "stop.json").unlink()
     assert "Not run: trapezoid-ideal-full_brake" in write_report(tmp_path).read_text(encoding="utf-8")
 
 

@@ -38,8 +38,8 @@ def test_searched_levels_have_rows_of_their_own_against_the_papers(folder):
     """Two forms, each with slip as read and as estimated; what all are compared with stays the paper's SBC."""
     rows = [row for row in rows_of(read_results(folder)) if row.actuation == "ideal"]
     controllers = [row.controller for row in rows]
-    searched = [f"slip_{form}_state_{slip}" for slip in ("read", "estimated") for form in ("two", "three")]
-    assert [name for name in controllers if name.endswith(("_read", "_estimated"))] == searched
+    names = [f"slip_{form}_state_{slip}" for slip in ("read", "estimated") for form in ("two", "three")]
+    assert [name for name in controllers if name.endswith(("_read", "_estimated"))] == names
     assert len(set(controllers)) == len(controllers)
     assert set(controllers) <= set(CONTROLLERS)
     assert [row.controller for row in rows if row.reduction_vs_sbc is None] == ["slip_two_state"]
@@ -71,12 +71,12 @@ abc = {{ controller.kind = "adhesion_based" }}
 def test_json_has_the_rows_that_were_asked_for(folder):
     as_json, as_markdown = write_table(read_results(folder), folder)
     content = json.loads(as_json.read_text(encoding="utf-8"))
-    wanted = {
+    expected = {
         "scenario", "actuation", "sensors", "controller", "estimator", "distance_m", "duration_s",
         "reduction_vs_sbc", "utilisation", "paper_distance_m",
     }  # fmt: skip
     assert as_json.name == "table1.json"
-    assert wanted <= set(content["rows"][0])
+    assert expected <= set(content["rows"][0])
     text = as_markdown.read_text(encoding="utf-8")
     assert "## Actuation ideal, sensors ideal, creep curve" in text
     assert "## Actuation pneumatic, sensors service" in text
@@ -105,13 +105,15 @@ def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, wr
 
 
 def test_results_that_are_not_there_or_of_another_scenario_are_missing(tmp_path, write_campaign):
-    kept = write_campaign(
+    campaign = write_campaign(
         tmp_path, lambda stop: stop.name in {f"random-ideal-slip_{n}_state" for n in ("two", "three")}
     )
-    first, second = (stop.name for stop in kept.stops)
+    first, second = (stop.name for stop in campaign.stops)
     (tmp_path / first / "stop.json").unlink()
     path = tmp_path / second / "stop.json"
-    path.write_text(path.read_text(encoding="utf-8").replace(kept.stops[1].scenario.digest(), "0"), encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace(campaign.stops[1].scenario.digest(), "0"), encoding="utf-8"
+    )
     results = read_results(tmp_path)
     assert results.stops == ()
     assert set(results.missing) == {first, second}

@@ -78,9 +78,9 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
 
 
 def test_a_full_disk_is_the_runs_failure_and_no_wrong_question(tmp_path):
-    with pytest.raises(Unwritten) as caught, replacing(tmp_path / "a"):
+    with pytest.raises(Unwritten) as error, replacing(tmp_path / "a"):
         raise OSError(28, "No space left on device")
-    message = for_user(caught.value)
+    message = for_user(error.value)
     assert message is not None
     assert message.exit_code == 3
     assert str(message) == f"{tmp_path / 'a'}: cannot be written: No space left on device"
@@ -101,7 +101,7 @@ main()
 
 def test_the_command_line_ends_with_3_and_the_distance_is_not_lost(tmp_path):
     """In a process of its own, where HDF5 used to end it by a crash."""
-    done = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-c", PROGRAM, "9000", "run", str(WET), "--out", "out"],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"},
@@ -109,8 +109,8 @@ def test_the_command_line_ends_with_3_and_the_distance_is_not_lost(tmp_path):
         text=True,
         check=False,
     )
-    assert done.returncode == 3, done.stderr
-    assert [line for line in done.stderr.splitlines() if not line.endswith(" s")] == [
+    assert result.returncode == 3, result.stderr
+    assert [line for line in result.stderr.splitlines() if not line.endswith(" s")] == [
         "out/trace.nc: cannot be written: File too large"
     ]
     assert [file.name for file in (tmp_path / "out").iterdir()] == ["stop.json"]

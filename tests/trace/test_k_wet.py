@@ -13,8 +13,8 @@ SPEED, TIME = 33.3, 1.0
 
 def test_a_quarter_more_deceleration_distance_is_a_k_of_four_fifths():
     dry, wet = [SPEED * TIME + 400.0] * 4, [SPEED * TIME + 500.0] * 4
-    found = k_wet(dry, wet, SPEED, TIME)
-    assert (found.value, found.low, found.high) == pytest.approx((0.8, 0.8, 0.8), rel=1e-12)
+    k = k_wet(dry, wet, SPEED, TIME)
+    assert (k.value, k.low, k.high) == pytest.approx((0.8, 0.8, 0.8), rel=1e-12)
 
 
 distances = st.lists(st.floats(100.0, 1000.0), min_size=2, max_size=6)
@@ -22,22 +22,22 @@ distances = st.lists(st.floats(100.0, 1000.0), min_size=2, max_size=6)
 
 @given(dry=distances, wet=distances, scale=st.floats(0.5, 2.0))
 def test_k_is_a_ratio_between_equal_stops_one_and_the_other_way_round_its_inverse(dry, wet, scale):
-    found, same = k_wet(dry, wet, SPEED, TIME), k_wet(dry, dry, SPEED, TIME)
+    k, same = k_wet(dry, wet, SPEED, TIME), k_wet(dry, dry, SPEED, TIME)
     back = k_wet(wet, dry, SPEED, TIME)
     larger = k_wet([scale * d for d in dry], [scale * w for w in wet], SPEED, scale * TIME)
-    assert found.low <= found.value <= found.high
+    assert k.low <= k.value <= k.high
     assert same.value == pytest.approx(1.0)
-    assert (back.low, back.high) == pytest.approx((1 / found.high, 1 / found.low))
-    assert larger.value == pytest.approx(found.value)
+    assert (back.low, back.high) == pytest.approx((1 / k.high, 1 / k.low))
+    assert larger.value == pytest.approx(k.value)
 
 
 def test_the_interval_holds_the_true_k_as_often_as_it_says():
     random, count = np.random.default_rng(7), 2000
     draw = lambda mean: SPEED * TIME + mean * (1 + 0.03 * random.standard_normal(4))
-    found = [k_wet(draw(400.0), draw(500.0), SPEED, TIME) for _ in range(count)]
-    held = sum(one.low <= 0.8 <= one.high for one in found)
+    k = [k_wet(draw(400.0), draw(500.0), SPEED, TIME) for _ in range(count)]
+    hits = sum(one.low <= 0.8 <= one.high for one in k)
     # Welch's degrees of freedom are an approximation: 94 to 97 % with four stops each
-    assert binom.ppf(1e-4, count, 0.94) <= held <= binom.ppf(1 - 1e-4, count, 0.97)
+    assert binom.ppf(1e-4, count, 0.94) <= hits <= binom.ppf(1 - 1e-4, count, 0.97)
 
 
 def test_the_equivalent_time_of_a_first_order_build_up_is_dead_time_and_time_constant():

@@ -95,8 +95,8 @@ def test_coupled_wheelsets_share_what_their_group_can_use():
     bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.15)
     assert bound["ideal_adhesion"].values[:, 0] == pytest.approx(0.075)
     assert bound["ideal_share"].values[0, :2] == pytest.approx([0.05, 0.10])
-    limited = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.06)
-    assert limited["ideal_share"].values[0, :2] == pytest.approx([0.04, 0.08])
+    with_limit = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.06)
+    assert with_limit["ideal_share"].values[0, :2] == pytest.approx([0.04, 0.08])
 
 
 def test_part_of_the_brake_torque_stops_the_wheelset_itself():
@@ -202,10 +202,10 @@ def test_innovations_that_do_not_fit_are_said():
     (sentence,) = _measured(estimate_nis=3.0 * chi2.median(17)).doubts()
     assert "3.0 times the expected one" in sentence
     time = uniform_stop()["time"].values
-    lost = _measured(estimate_nis=np.where(time < 5.0, 17.0, 1e6))
+    diverging = _measured(estimate_nis=np.where(time < 5.0, 17.0, 1e6))
     period = time[1] - time[0]
-    assert lost.estimator_lost == pytest.approx(5.0 + 50 * period, abs=2 * period)
-    assert lost.doubts()[0].startswith("The estimator is lost from 5.")
+    assert diverging.estimator_lost == pytest.approx(5.0 + 50 * period, abs=2 * period)
+    assert diverging.doubts()[0].startswith("The estimator is lost from 5.")
 
 
 def _measured(**changes):

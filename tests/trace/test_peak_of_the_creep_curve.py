@@ -39,10 +39,10 @@ def test_the_peak_is_that_of_a_dense_grid(shape, speed, mu0, other):
     slip, each = peak(contact, np.array([speed]), load, friction)
     dense = np.geomspace(1e-4, 1, 20001)[:, None] * np.ones(2)
     forces = (contact(dense, speed, load, friction) * load).sum(axis=1)
-    found = float((each * load).sum())
+    total = float((each * load).sum())
     # The dense grid can miss the peak by half a step of 2.3e-4 of the slip, far below 1e-6 of the force.
-    assert found >= forces.max() * (1 - 1e-9)
-    assert found <= forces.max() * (1 + 1e-6)
+    assert total >= forces.max() * (1 - 1e-9)
+    assert total <= forces.max() * (1 + 1e-6)
     assert 1e-4 <= slip[0] <= 1
 
 

@@ -28,20 +28,20 @@ def test_a_transition_curve_is_a_clothoid():
 
 
 def test_an_arc_turns_by_its_length_over_its_radius_about_its_centre():
-    laid = track(Linear(np.array([0.0]), np.array([1 / 300.0])))
-    assert laid.heading_at(300.0) == pytest.approx(1.0)
-    plan = laid.plan()
+    track_here = track(Linear(np.array([0.0]), np.array([1 / 300.0])))
+    assert track_here.heading_at(300.0) == pytest.approx(1.0)
+    plan = track_here.plan()
     centre = np.array([0.0, 300.0])  # to the right of north is east
     distances = np.linalg.norm(plan.horizontal_at(np.arange(0, 400, 0.5)) - centre, axis=1)
     np.testing.assert_allclose(distances, 300.0, rtol=0, atol=1e-7)
 
 
 def test_a_slope_change_is_a_parabola_through_its_tangents():
-    laid = track(FLAT, grades_of(-0.01, ((200.0, 0.01, 5000.0),)))
+    track_here = track(FLAT, grades_of(-0.01, ((200.0, 0.01, 5000.0),)))
     # Tangents meet at 200 m, 2 m below the beginning; the parabola passes l²/(2R) above, l = 50 m.
-    assert laid.height_at(100.0) - MIDDLE.height == pytest.approx(-1.0)
-    assert laid.height_at(200.0) - MIDDLE.height == pytest.approx(-2.0 + 50.0**2 / (2 * 5000.0))
-    assert laid.height_at(300.0) - MIDDLE.height == pytest.approx(-1.0)
+    assert track_here.height_at(100.0) - MIDDLE.height == pytest.approx(-1.0)
+    assert track_here.height_at(200.0) - MIDDLE.height == pytest.approx(-2.0 + 50.0**2 / (2 * 5000.0))
+    assert track_here.height_at(300.0) - MIDDLE.height == pytest.approx(-1.0)
 
 
 def test_overlapping_roundings_are_refused():
@@ -50,11 +50,11 @@ def test_overlapping_roundings_are_refused():
 
 
 def test_positions_lie_on_the_plan_and_carry_the_height_over_the_ellipsoid():
-    laid = track(Linear(np.array([0.0]), np.array([1 / 300.0])), grades_of(0.01, ()), heading=0.4)
-    plan = laid.plan()
+    track_here = track(Linear(np.array([0.0]), np.array([1 / 300.0])), grades_of(0.01, ()), heading=0.4)
+    plan = track_here.plan()
     distance = np.array([0.0, 150.0, 400.0])
-    found = plan.positions(distance)
-    flat = local(found[:, 0], found[:, 1], found[:, 2], MIDDLE)
+    positions = plan.positions(distance)
+    flat = local(positions[:, 0], positions[:, 1], positions[:, 2], MIDDLE)
     # Lifting a point by 4 m along its own vertical, 400 m off, moves it by 4·400/6.4e6 m in the plane of the origin.
     np.testing.assert_allclose(flat[:, :2], plan.horizontal_at(distance), rtol=0, atol=5e-4)
-    np.testing.assert_allclose(found[:, 2], MIDDLE.height + 0.01 * distance)
+    np.testing.assert_allclose(positions[:, 2], MIDDLE.height + 0.01 * distance)

@@ -66,8 +66,8 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
     F, Q = np.array([[1.0, 0.5], [0.0, 0.9]]), np.array([[0.3, 0.1], [0.1, 0.2]])
     observation = random.normal(size=(12, 2, 2))
     noise = np.array([0.5, 2.0])
-    seen = random.normal(size=(12, 2))
-    seen[3, 0] = seen[7] = np.nan
+    readings = random.normal(size=(12, 2))
+    readings[3, 0] = readings[7] = np.nan
     start, spread = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
     rows, right = [], []
 
@@ -85,14 +85,20 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         if j:
             add(np.eye(2), j, np.zeros(2), Q, -F)
         for i in range(2):
-            if np.isfinite(seen[j, i]):
-                add(observation[j, i : i + 1], j, seen[j, i : i + 1], noise[i : i + 1, None])
+            if np.isfinite(readings[j, i]):
+                add(observation[j, i : i + 1], j, readings[j, i : i + 1], noise[i : i + 1, None])
     expected = np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0].reshape(12, 2)
-    found = smooth(
-        transition=F, noise=Q, observation=observation, reading_noise=noise, readings=seen, start=start, spread=spread
+    states = smooth(
+        transition=F,
+        noise=Q,
+        observation=observation,
+        reading_noise=noise,
+        readings=readings,
+        start=start,
+        spread=spread,
     ).mean
     # Both solve the same well-conditioned system in doubles.
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(states, expected, rtol=0, atol=1e-9)
 
 
 def test_a_speed_sensor_that_reads_too_much_is_found_out_by_gnss():

@@ -34,11 +34,11 @@ def test_half_of_the_cases_have_no_fault_and_the_faults_come_equally_often():
 
 
 def test_friction_is_even_on_a_logarithmic_scale_and_speed_reaches_its_ends():
-    found = cases(CASES)
-    below = sum(case.friction < (FRICTION[0] * FRICTION[1]) ** 0.5 for case in found)
+    all_cases = cases(CASES)
+    below = sum(case.friction < (FRICTION[0] * FRICTION[1]) ** 0.5 for case in all_cases)
     assert abs(below - CASES / 2) <= 1
-    assert min(case.speed for case in found) == pytest.approx(SPEED[0], rel=0.02)
-    assert max(case.speed for case in found) == pytest.approx(SPEED[1], rel=0.02)
+    assert min(case.speed for case in all_cases) == pytest.approx(SPEED[0], rel=0.02)
+    assert max(case.speed for case in all_cases) == pytest.approx(SPEED[1], rel=0.02)
 
 
 def test_no_case_is_so_fast_that_it_cannot_stop():

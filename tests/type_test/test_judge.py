@@ -61,10 +61,11 @@ def test_a_distance_is_compared_with_dry_rail_bound_and_best_tuned_baseline():
 
 
 def test_each_clause_is_kept_up_to_its_limit():
-    kept = {"locked_distance": None}  # no limit is known
+    unlimited = {"locked_distance": None}  # no limit is known
     good = mine(case("a", mine=1.25 * 250, longest_lock_fast=(0.0, 0.4), utilisation=0.85, duration=30.0))
     assert (
-        good.verdicts == {"stops": True, "extension": True, "lock": True, "reservoir": True, "utilisation": True} | kept
+        good.verdicts
+        == {"stops": True, "extension": True, "lock": True, "reservoir": True, "utilisation": True} | unlimited
     )
     bad = mine(
         case("a", mine=1.26 * 250, longest_lock_fast=(0.41, 0.0), utilisation=0.84, duration=0.0, energy_residual=1)

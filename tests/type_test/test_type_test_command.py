@@ -22,9 +22,9 @@ kind = "none"
 
 
 def run(*arguments):
-    with pytest.raises(SystemExit) as ended:
+    with pytest.raises(SystemExit) as end:
         main(["type-test", *arguments])
-    return ended.value.code
+    return end.value.code
 
 
 @pytest.fixture(scope="module")
@@ -101,10 +101,10 @@ def test_an_entrant_is_one_of_ours_a_scenario_an_fmu_or_a_class(tmp_path):
     (tmp_path / "own.toml").write_text(OWN.replace("[controller]", "[controlled]"), encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"own.toml: has no \[controller\]"):
         chosen([str(tmp_path / "own.toml")], ours)
-    found = chosen(["adhesion_based", str(tmp_path / "law.fmu"), "mine:Law"], ours)
-    assert list(found) == ["adhesion_based", "law", "Law"]
-    assert found["law"].tables == {"controller": {"kind": "fmu", "file": str(tmp_path / "law.fmu")}}
-    assert found["Law"].tables == {"controller": {"kind": "mine:Law"}}
+    taking_part = chosen(["adhesion_based", str(tmp_path / "law.fmu"), "mine:Law"], ours)
+    assert list(taking_part) == ["adhesion_based", "law", "Law"]
+    assert taking_part["law"].tables == {"controller": {"kind": "fmu", "file": str(tmp_path / "law.fmu")}}
+    assert taking_part["Law"].tables == {"controller": {"kind": "mine:Law"}}
 
 
 def test_a_train_is_ours_a_recipe_or_that_of_a_scenario(tmp_path):

@@ -31,16 +31,16 @@ class Task:
 
     Attributes:
         braking: What it is made of.
-        held: Pressures and track force, the mean over each period, shape (k − 1, 5).
-        seen: Speed and wheelset speeds at the end of each period, shape (k − 1, 5).
+        inputs: Pressures and track force, the mean over each period, shape (k − 1, 5).
+        readings: Speed and wheelset speeds at the end of each period, shape (k − 1, 5).
         start: Belief at the first sample.
         truth: Of all 13 states at the end of each period, shape (k − 1, 13), or None.
         period: [s].
     """
 
     braking: Braking
-    held: Array
-    seen: Array
+    inputs: Array
+    readings: Array
     start: Estimate
     truth: Array | None
     period: float
@@ -67,8 +67,8 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
     deviation = by_name("start deviation", start.deviation, model.states)
     return Task(
         braking=braking,
-        held=0.5 * (inputs[1:] + inputs[:-1]),
-        seen=readings[1:],
+        inputs=0.5 * (inputs[1:] + inputs[:-1]),
+        readings=readings[1:],
         start=Estimate(mean=np.concatenate([readings[0], frictions]), covariance=np.diag(deviation**2)),
         truth=truth,
         period=period_of(recording),
@@ -95,7 +95,7 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     """
     filter_.retune(noise.process, noise.readings)
     start = Estimate(mean=task.start.mean, covariance=start_scale * task.start.covariance)
-    return filter_.follow(start, task.held, task.seen)
+    return filter_.follow(start, task.inputs, task.readings)
 
 
 def lost(task: Task, estimate: Followed) -> float | None:

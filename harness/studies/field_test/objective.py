@@ -51,7 +51,7 @@ class Terms:
 def terms_of(task: Task, estimate: Followed) -> Terms:
     """Return the terms of one braking."""
     apart, ahead = (
-        np.abs(task.seen - prediction).mean(axis=0)
+        np.abs(task.readings - prediction).mean(axis=0)
         for prediction in (estimate.mean[:, : 1 + GROUPS], estimate.expected)
     )
     nees = np.nan

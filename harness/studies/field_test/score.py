@@ -87,7 +87,7 @@ def score(task: Task, estimate: Followed) -> Score:
     error, truth = (estimate.mean - task.truth)[after], task.truth[after]
     pads, adhesions = error[:, of_pads], error[:, of_adhesions]
     # Torque at the same μ_B: units times radius times pressure.
-    share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.held[after, :GROUPS]
+    share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.inputs[after, :GROUPS]
     share /= share.sum(axis=1, keepdims=True)
     braking = slice(task.braking.brake, None)
     true_way = float(task.truth[braking, 0].sum())

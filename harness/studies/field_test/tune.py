@@ -155,8 +155,8 @@ def _identity(kind: Kind, tasks: Sequence[Task], search: Search) -> str:
     """Return what tells searches apart: what is minimised, over which readings, from which random numbers."""
     digest = hashlib.sha256(f"{kind} {search.population} {search.stage} {search.seed}".encode())
     for task in tasks:
-        digest.update(task.held.tobytes())
-        digest.update(task.seen.tobytes())
+        digest.update(task.inputs.tobytes())
+        digest.update(task.readings.tobytes())
     return digest.hexdigest()
 
 

@@ -32,7 +32,7 @@ FILES = ("k_factors.json", "k_factors.png", "k_factors.md")
 def table(study: Study) -> Table:
     """Return one row for each EBCL: probability, and K with its interval for each output."""
     rows = [
-        [str(level), f"{probability:g}", *(_spelled(k[level]) for k in study.found.k)]
+        [str(level), f"{probability:g}", *(_spelled(k[level]) for k in study.quasi_static.k)]
         for level, probability in enumerate(PROBABILITIES)
     ]
     return Table.of(("EBCL", "P(less)", *study.brake.outputs), rows, left=0)
@@ -40,7 +40,7 @@ def table(study: Study) -> Table:
 
 def sentences(study: Study) -> list[str]:
     """Return what else the study has to say."""
-    brake, result, loop = study.brake, study.found, study.loop
+    brake, result, loop = study.brake, study.quasi_static, study.loop
     nominal = ", ".join(f"{output} {a:.3f}" for output, a in zip(brake.outputs, brake.nominal, strict=True))
     lines = [
         f"Nominal deceleration [m/s²]: {nominal}; equivalent time {brake.equivalent_time:.2f} s.",
@@ -69,7 +69,7 @@ def write(study: Study, folder: Path) -> Path:
 
     The same file gives the same bytes, but for times: what is under `seconds`, and the page's sentences on stops.
     """
-    specification, brake, result, loop = study.specification, study.brake, study.found, study.loop
+    specification, brake, result, loop = study.specification, study.brake, study.quasi_static, study.loop
     plant = plant_description(study.scenario)
     content: dict[str, Any] = {
         "name": specification.name,
@@ -123,7 +123,7 @@ def write(study: Study, folder: Path) -> Path:
 
 def draw(study: Study) -> Figure:
     """Return the figure: K over probability for each output, and how K of the whole stop settles with the draws."""
-    brake, result = study.brake, study.found
+    brake, result = study.brake, study.quasi_static
     drawing = figure(11.0, 5.4)
     grid = drawing.add_gridspec(len(_SHOWN), 2)
     left = drawing.add_subplot(grid[:, 0])

@@ -28,7 +28,7 @@ class Stops:
         """Read what is known."""
         self._journal, self._pool = journal, pool
         self._known: dict[str, tuple[float | None, float]] = {}
-        self.asked = self.run = 0
+        self.requests = self.run = 0
         for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
             try:
                 digest, distance, seconds = json.loads(line)
@@ -53,7 +53,7 @@ class Stops:
                 # A line of its own, whatever was before.
                 file.write(f"\n{json.dumps([digest, *result])}")
                 file.flush()
-        self.asked, self.run = self.asked + len(digests), self.run + len(running)
+        self.requests, self.run = self.requests + len(digests), self.run + len(running)
         return [self._known[digest][0] for digest in digests]
 
     @property

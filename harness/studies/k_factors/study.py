@@ -95,7 +95,7 @@ class Study:
     scenario: Scenario
     brake: QuasiStaticBrake
     plant_distance: float
-    found: QuasiStatic
+    quasi_static: QuasiStatic
     loop: InTheLoop | None
     workers: int
 
@@ -190,7 +190,7 @@ def in_the_loop(
     with open_stops(scenario, folder, workers) as stops:
 
         def performance(state: State, standard: Array) -> Array:
-            tell(f"stop {stops.asked} of {most}")
+            tell(f"stop {stops.requests} of {most}")
             distances = stops.distances([scenario_of_draw(scenario, brake, state.available, one) for one in standard])
             # A train that does not stop has braked with nothing.
             return np.array([0.0 if d is None else brake.equivalent_deceleration(d) / nominal for d in distances])
@@ -213,7 +213,7 @@ def in_the_loop(
         quasi_static=rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0],
         states=len(states),
         neglected=neglected,
-        stops=stops.asked,
+        stops=stops.requests,
         new_stops=stops.run,
         stop_seconds=stops.seconds,
         cost=cost,

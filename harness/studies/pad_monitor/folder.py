@@ -5,15 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import xarray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.sources import taken_for
 from railgrip.estimation.spec import Specification, parameters_for
 from railgrip.studies.pad_monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
 from railgrip.trace.files import FORMATS
-from railgrip.trace.netcdf import FILE_NAME, read_trace, write_trace
-from railgrip.trace.samples import evenly, with_signals
+from railgrip.trace.netcdf import FILE_NAME, read_trace
+from railgrip.trace.samples import evenly
 
 TEMPERATURE = "reading_disc_temperature"
 """Variable (time, group) of a trace that tells the temperature of the discs [K]; its first sample is used."""
@@ -97,10 +96,3 @@ def stops_in(
             "assumed at their beginning, 0.7 ‰ of friction a kelvin."
         )
     return Found(names=tuple(names), evidence=tuple(evidence), sentences=tuple(sentences))
-
-
-def write_recording(recording: xarray.Dataset, temperature: np.ndarray, folder: Path) -> None:
-    """Write a recording as a stop that `stops_in` finds: trace.nc in a folder of its name."""
-    count = recording.sizes["time"]
-    discs = {f"disc_temperature[{g + 1}]": (np.full(count, temperature[g]), "K") for g in range(GROUPS)}
-    write_trace(with_signals(recording, discs), folder / str(recording.attrs["name"]) / FILE_NAME)
