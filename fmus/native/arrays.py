@@ -17,10 +17,11 @@ Array = NDArray[Any]
 
 def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
     """Return an object array of `shape` filled row by row."""
-    out = np.empty(shape, dtype=object)
-    for place, value in zip(np.ndindex(*shape), values, strict=True):
-        out[place] = value
-    return out
+    every = list(values)
+    out = np.empty(len(every), dtype=object)
+    for i, value in enumerate(every):
+        out[i] = value  # by a whole number numpy stores it as it is, without asking whether it is an array itself
+    return out.reshape(shape)
 
 
 def boxed(value: Any) -> Array:

@@ -131,8 +131,8 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         else:
             model = rumoca.Session(roots=[str(LIBRARY)]).loads(path.read_text(), model=class_name, filename=alias)
         printed = model.codegen(str(FRONT)).files[0].content
-        flat = model.to_dict("flat")["variables"]
-        files = model.to_dict("dae")["source_map"]["files"]
+        flat = _part(model.to_json("flat", pretty=False), "variables")
+        files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
     except rumoca.RumocaError as error:
         said = str(error).replace(alias, str(path))
         found_at = "".join(f"\n  {place}" for place in places(said, path, class_name))
@@ -150,6 +150,12 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     }
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+
+
+def _part(text: str, key: str) -> Node:
+    """Return the first object of that name in JSON; what comes behind it, most of the text, is not read."""
+    name = f'"{key}":'
+    return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]
 
 
 _kept = threading.local()

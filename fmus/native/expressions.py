@@ -91,6 +91,9 @@ class Evaluator:
         return self._compute(expression, Frame(binding))
 
     def _value(self, expression: int, frame: Frame) -> Array:
+        # What needs no loop variable is one value for all points, unless relations in it have a memory for each.
+        if frame.function is None and not self.relations and self.dae.expressions[expression]["binder_domain"] is None:
+            frame = self._top
         if expression not in frame.memo:
             memory = self.relations.get(site(expression, frame.binding)) if frame.function is None else None
             frame.memo[expression] = array([memory]) if memory is not None else self._compute(expression, frame)

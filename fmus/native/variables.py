@@ -222,24 +222,14 @@ def _numbers(dae: Dae, scalars: list[Scalar], parameters: list[Scalar]) -> list[
 
 def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     """Return dependent parameters so that each comes after what it needs, with bindings in free ones only."""
-    names = vector(dependent)
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
     if dependent:
         bindings = ca.vertcat(*[p.binding for p in dependent])
-        for i, j in zip(*ca.jacobian_sparsity(bindings, names).get_triplet(), strict=True):
+        for i, j in zip(*ca.jacobian_sparsity(bindings, vector(dependent)).get_triplet(), strict=True):
             before[i].add(j)
-    done: dict[int, SX] = {}
-    for i in TopologicalSorter(before).static_order():
-        expression = dependent[i].binding
-        known = sorted(before[i])
-        if known:
-            expression = ca.substitute(
-                expression,
-                ca.vertcat(*[dependent[j].symbol for j in known]),
-                ca.vertcat(*[done[j] for j in known]),
-            )
-        done[i] = expression
-    return [dependent[i] for i in done], list(done.values())
+    ordered = [dependent[i] for i in TopologicalSorter(before).static_order()]
+    values, _ = ca.substitute_inplace([p.symbol for p in ordered], [p.binding for p in ordered], [])
+    return ordered, list(values)
 
 
 def _default_values(every: list[Scalar], v: Variables) -> None:
