@@ -98,6 +98,8 @@ class Judged:
         strokes: Of all valves.
         tread_energy_mj: Largest of any wheelset, in the contacts of its wheels: what flats are made of.
         utilisation: Of the adhesion that there was [1].
+        nees: Mean squared error of the estimated adhesion over its variance, above 10 km/h, mean of the groups; None
+            without an estimator that says how sure it is.
         verdicts: Clause → whether it is kept; None where it is not judged.
     """
 
@@ -121,6 +123,7 @@ class Judged:
     strokes: int | None
     tread_energy_mj: float | None
     utilisation: float | None
+    nees: float | None
     verdicts: Mapping[str, bool | None]
 
     def to_plain(self) -> dict[str, Any]:
@@ -209,6 +212,7 @@ def _judge(
         strokes=round(sum(metrics.actuations)),
         tread_energy_mj=_number(1e-6 * max(metrics.tread_energy)),
         utilisation=used,
+        nees=None if metrics.adhesion_nees is None else _number(float(np.mean(metrics.adhesion_nees))),
         verdicts=verdicts,
     )
 
@@ -239,6 +243,7 @@ class Summary:
         longest_lock_s: Of any case.
         air, strokes: Medians over those of three-state slip control with the published levels in the same case.
         utilisation: Median.
+        nees_low, nees, nees_high: 10 % quantile, median and 90 % quantile.
         kept: Clause → share of the cases it is judged in that keep it.
     """
 
@@ -259,6 +264,9 @@ class Summary:
     air: float | None
     strokes: float | None
     utilisation: float | None
+    nees_low: float | None
+    nees: float | None
+    nees_high: float | None
     kept: Mapping[str, float | None]
 
 
@@ -276,6 +284,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
         over_best = [math.inf if stop.over_best is None else stop.over_best for stop in own if stop.best_m]
         wet = [stop.k_wet for stop in own if stop.k_wet is not None and stop.verdicts["extension"] is not None]
         low, high = _interval(wet)
+        sure = [stop.nees for stop in own if stop.nees is not None]
         found.append(
             Summary(
                 controller=name,
@@ -299,6 +308,9 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 air=_relative(own, frugal, "air_l"),
                 strokes=_relative(own, frugal, "strokes"),
                 utilisation=_quantile([stop.utilisation for stop in own if stop.utilisation is not None], 0.5),
+                nees_low=_quantile(sure, 0.1),
+                nees=_quantile(sure, 0.5),
+                nees_high=_quantile(sure, 0.9),
                 kept={clause: _kept(own, clause) for clause in JUDGED},
             )
         )

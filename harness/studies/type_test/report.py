@@ -102,6 +102,9 @@ def leaderboard(board: Sequence[Summary]) -> Table:
             "longest lock": one.longest_lock_s,
             "air": one.air,
             "strokes": one.strokes,
+            "NEES (10 – 90 %)": ""
+            if one.nees is None
+            else f"{one.nees:.2g} ({one.nees_low:.2g} – {one.nees_high:.2g})",
             "K_wet (10 %)": ""
             if one.k_wet is None
             else f"{one.k_wet:.2f}"
