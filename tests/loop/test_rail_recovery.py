@@ -103,6 +103,12 @@ def test_the_rail_keeps_all_the_energy(moves):
     assert kept == pytest.approx(spent, rel=1e-9, abs=1e-6)
 
 
+def test_wheels_that_are_driven_clean_nothing():
+    track = rolled(rail(), 20.0, slip=lambda place: -0.1)
+    assert not track.field.energy.any()
+    assert track.mu0 == pytest.approx([0.05] * 6)
+
+
 def test_halving_the_stride_changes_the_rail_by_a_quarter_each_time():
     wave = lambda place: 0.1 * (1 + np.sin(place))
     strides = (0.08, 0.04, 0.02, 0.01)
