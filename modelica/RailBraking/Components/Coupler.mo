@@ -15,13 +15,14 @@ model Coupler "Coupler between two cars: spring, damper and slack; a bar when it
   Types.Length x(start=0, fixed=true, nominal=1e-2) "Elongation, change from the start";
   Types.Length stretch "Elongation beyond the slack, negative when it pushes";
 protected
+  constant Types.Length x_least = 1e-10 "Keeps the share one where there is no slack";
   Types.Velocity dv "Rate of the elongation";
   Types.Ratio share "Share of the damping that acts";
 equation
   dv = front.v - rear.v;
   der(x) = dv;
   stretch = Pneumatics.positivePart(x - slack/2, x_small) - Pneumatics.positivePart(-x - slack/2, x_small);
-  share = if slack > 0 then stretch^2/(stretch^2 + (10*x_small)^2) else 1;
+  share = (stretch^2 + x_least^2)/(stretch^2 + (10*x_small*slack/(slack + x_small))^2 + x_least^2);
   force = k*stretch + share*c*dv;
   front.f = force;
   rear.f = -force;
