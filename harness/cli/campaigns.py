@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from railgrip.controllers.tuning import SlipSource
     from railgrip.report.baseline import Baseline, Findings
     from railgrip.report.row import Row
+    from railgrip.scenario.conditioning import Repeated
 
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
@@ -71,6 +73,9 @@ def conditioning(
     file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
     repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
     relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Most that a parameter moves by.")] = 1e-7,
+    stops: Annotated[
+        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
+    ] = "*",
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
     workers: Workers = 2,
     fresh: Fresh = False,
@@ -86,12 +91,16 @@ def conditioning(
     whole = load_campaign(file)
     if whole.conditioning is None:
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
-    repeated = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in whole.stops}
+    chosen = whole.only(lambda stop: fnmatch(stop.name, stops))
+    if not chosen.stops:
+        raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {whole.stops[0].name} and others")
+    kept = {} if stops == "*" else _repeated_before(whole.conditioning, relative)
+    repeated = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in chosen.stops}
     directory = out / whole.name
-    problem = _run_campaigns([CampaignRun(campaign_of(whole, repeated), directory)], workers=workers, fresh=fresh)
+    problem = _run_campaigns([CampaignRun(campaign_of(chosen, repeated), directory)], workers=workers, fresh=fresh)
     # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
-    found = conditioning_of(whole, repeated, directory, relative)
-    write_text(whole.conditioning, text_of(found))
+    found = conditioning_of(chosen, repeated, directory, relative)
+    write_text(whole.conditioning, text_of(found.model_copy(update={"stops": kept | found.stops})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
         for name, stop in found.stops.items()
@@ -101,6 +110,17 @@ def conditioning(
     say(str(whole.conditioning))
     if problem:
         raise typer.Exit(problem)
+
+
+def _repeated_before(path: Path, relative: float) -> "dict[str, Repeated]":
+    from railgrip.scenario.conditioning import read_conditioning
+
+    before = read_conditioning(path)
+    if before.relative != relative:
+        raise ScenarioError(
+            f"--relative {relative:g}: what stays in {path.name} was moved by {before.relative:g}; leave --stops out"
+        )
+    return before.stops
 
 
 @app.command()

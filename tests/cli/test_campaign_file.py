@@ -1,5 +1,7 @@
 """A campaign file is every combination it names, and refuses what would silently match nothing."""
 
+import json
+
 import pytest
 
 from railgrip.errors import ScenarioError
@@ -94,3 +96,18 @@ def test_a_missing_scenario_of_a_campaign_is_named(project):
     (project / "wet.toml").unlink()
     with pytest.raises(ScenarioError, match=r"wet\.toml: there is no such file"):
         campaign(project, "")
+
+
+def test_some_stops_are_repeated_again_and_the_others_stay(railgrip, project):
+    text = (project / "pair.toml").read_text(encoding="utf-8")
+    (project / "pair.toml").write_text(f'conditioning = "pair.json"\n{text}', encoding="utf-8")
+    file = project / "pair.json"
+    assert railgrip("conditioning", "pair.toml", "--repeats", 2).code == 0
+    before = json.loads(file.read_text(encoding="utf-8"))["stops"]
+    assert railgrip("conditioning", "pair.toml", "--repeats", 3, "--stops", min(before)).code == 0
+    after = json.loads(file.read_text(encoding="utf-8"))["stops"]
+    assert {name: len(stop["distances"]) for name, stop in after.items()} == dict.fromkeys(before, 2) | {min(before): 3}
+    wrong = railgrip("conditioning", "pair.toml", "--stops", "nobody")
+    assert (wrong.code, "pair.toml has no such stop" in wrong.err) == (2, True)
+    wrong = railgrip("conditioning", "pair.toml", "--stops", min(before), "--relative", "1e-6")
+    assert (wrong.code, "was moved by 1e-07" in wrong.err) == (2, True)
