@@ -222,11 +222,12 @@ def _numbers(dae: Dae, scalars: list[Scalar], parameters: list[Scalar]) -> list[
 
 def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     """Return dependent parameters so that each comes after what it needs, with bindings in free ones only."""
+    if not dependent:  # CasADi could not tell of which type nothing is
+        return [], []
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
-    if dependent:
-        bindings = ca.vertcat(*[p.binding for p in dependent])
-        for i, j in zip(*ca.jacobian_sparsity(bindings, vector(dependent)).get_triplet(), strict=True):
-            before[i].add(j)
+    bindings = ca.vertcat(*[p.binding for p in dependent])
+    for i, j in zip(*ca.jacobian_sparsity(bindings, vector(dependent)).get_triplet(), strict=True):
+        before[i].add(j)
     ordered = [dependent[i] for i in TopologicalSorter(before).static_order()]
     values, _ = ca.substitute_inplace([p.symbol for p in ordered], [p.binding for p in ordered], [])
     return ordered, list(values)
