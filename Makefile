@@ -6,7 +6,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
-        test test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors clean
+        test suite test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -76,10 +76,14 @@ type-test: fmus  ## all controllers in hundreds of cases that none was tuned on,
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m railgrip bench
 
-# A file stays in one process: its tests share what they have built and run.
-test: check fmus  ## lint, types, tests, and distances and figures against the accepted ones
-	$(RUN) -m pytest --numprocesses 2 --dist loadfile
+# Types are checked on one core for a minute: beside the tests, which fill what is left of two.
+test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line check suite
 	$(RUN) -m railgrip regress
+
+# A file stays in one process: its tests share what they have built and run.
+suite: $(DEV)
+	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
