@@ -6,7 +6,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
-        test suite test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors clean
+        test suite test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -72,6 +72,9 @@ tune-control: fmus  ## search the parameters of slip- and adhesion-based control
 
 type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour; QUICK=--quick)
 	$(RUN) -m railgrip type-test $(QUICK)
+
+trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains (QUICK=--quick)
+	$(RUN) -m railgrip trains $(QUICK)
 
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m railgrip bench

@@ -15,7 +15,7 @@ from railgrip.controllers.brake import BrakeGroup
 
 Array = NDArray[np.float64]
 
-Extent = Literal["train", "group", "wheelset"]
+Extent = Literal["train", "group", "wheelset", "coupler"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,7 @@ class Formation:
 
     def width(self, extent: Extent) -> int:
         """Return how many values a quantity has that there is one of for each `extent`."""
-        return {"train": 1, "group": self.groups, "wheelset": self.wheelsets}[extent]
+        return {"train": 1, "group": self.groups, "wheelset": self.wheelsets, "coupler": self.cars - 1}[extent]
 
     def members(self) -> Iterator[slice]:
         """Yield the wheelsets of each group."""

@@ -14,7 +14,7 @@ class Signal:
 
     Attributes:
         name: Of the variable; the plant's output of the same name, or with a prefix who says it.
-        extent: What it has one value of each: the train, each group, each wheelset.
+        extent: What it has one value of each: the train, each group, each wheelset, each coupler of two cars.
         unit: SI, "1" for ratios.
         meaning: For axes and for readers of the file.
     """
@@ -69,6 +69,7 @@ PLANT = (
 EXTRA = (
     Signal("contact_force", "wheelset", "N", "force of rail or roller along the track, positive in braking"),
     Signal("resistance_torque", "group", "N.m", "torque of bearing and rolling resistance"),
+    Signal("coupler_force", "coupler", "N", "force in the coupler behind each car, positive when it pulls"),
     Signal("drive_torque", "train", "N.m", "torque of a roller's drive, driving positive"),
 )
 """Outputs that follow those of `PLANT` in the trace of a plant that has them."""
@@ -121,7 +122,11 @@ def reading_of(signal: Signal) -> Signal:
 
 
 EXTRA_READINGS = (
-    *(reading_of(signal) for signal in (*PLANT, *EXTRA) if f"reading_{signal.name}" not in {s.name for s in READINGS}),
+    *(
+        reading_of(signal)
+        for signal in (*PLANT, *EXTRA)
+        if signal.extent != "coupler" and f"reading_{signal.name}" not in {s.name for s in READINGS}
+    ),
     Signal("reading_acceleration_along", "group", "m/s2", "read acceleration with the gravity of the gradient"),
     Signal("reading_latitude", "train", "deg", "read latitude"),
     Signal("reading_longitude", "train", "deg", "read longitude"),

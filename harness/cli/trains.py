@@ -1,13 +1,16 @@
-"""Trains in files: begin one, look at one, check one."""
+"""Trains in files: begin one, look at one, check one; and the study of those of this project."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from railgrip.cli.app import app
-from railgrip.console import remark, say, show_table
+from railgrip.console import progress, remark, say, show_table
 from railgrip.errors import InputError
+
+if TYPE_CHECKING:
+    from railgrip.studies.trains.stops import DryStop
 
 trains = typer.Typer(help="Trains in files, for [vehicle] train of a scenario: begin, look at and check one.")
 app.add_typer(trains, name="train")
@@ -69,3 +72,39 @@ def check(file: TrainFile) -> None:
         raise InputError("\n".join(wrong))
     for speed, stop in stops_by_hand(train).items():
         say(sentence_of_stop(train, speed, stop))
+
+
+@app.command("trains")
+def study(
+    quick: Annotated[bool, typer.Option(help="Without the longest train, and the cost of up to four cars.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for results and report.")] = Path("build/trains"),
+) -> None:
+    """Stop the trains of this project, compare them with what is published, and fit sand to a trial of sanders."""
+    import tempfile
+
+    from railgrip.rolling_stock.files import NAMED
+    from railgrip.scenario.file import installed
+    from railgrip.studies.trains.report import table_of, table_of_sanders, write_report
+    from railgrip.studies.trains.sanders import compare, trial_of
+    from railgrip.studies.trains.stops import dry_stop, multiplied
+
+    names = [name for name in NAMED if not quick or name != "loco_coaches"]
+    counts = (1, 2, 4) if quick else (1, 2, 4, 8, 16)
+    trial, model = trial_of(), Path("emu387")
+    text = installed(model, "trains").read_text(encoding="utf-8")
+    pieces = len(names) + len(counts) + 1
+    with progress("trains", pieces, counted=True) as shown, tempfile.TemporaryDirectory() as folder:
+        files = [Path(folder) / f"{model}_{count}.toml" for count in counts]
+        for file, count in zip(files, counts, strict=True):
+            file.write_text(multiplied(text, count), encoding="utf-8")
+        found: list[DryStop] = []
+        for train in (*names, *files):
+            found.append(dry_stop(train))
+            shown.advance()
+        stops, series = found[: len(names)], found[len(names) :]
+        density, comparisons = compare(trial)
+        shown.advance()
+        page = write_report(stops, series, trial, density, comparisons, out)
+    show_table(table_of(stops))
+    show_table(table_of_sanders(comparisons))
+    say(str(page))

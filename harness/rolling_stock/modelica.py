@@ -43,6 +43,11 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         key: [getattr(bogie.brake, key) for bogie in bogie_of_group]
         for key in ("piston_area", "rigging", "efficiency", "spring_force")
     }
+    suspension = {
+        key: [getattr(bogie.data, key) for bogie in bogies]
+        for key in ("frame_height", "rod_height", "stiffness", "damping")
+    }
+    suspension["count"] = [len(bogie.axles) for bogie in bogies]
     parts: list[dict[str, Any]] = []
     for bogie in bogies:
         own = [number for number, members in enumerate(groups, start=1) if members[0] in bogie.axles]
@@ -71,8 +76,9 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         wheelsets=len(axles),
         known=known,
         rigging=rigging,
+        suspension=suspension,
         bogies=parts,
-        kinds=[{"id": kind, "data": bogie.data, "pads": bogie.pads} for kind, bogie in kinds.items()],
+        kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
         bodies=[
             {
                 "mass": sum(axle.mass for axle, of in zip(axles, carried, strict=True) if of == body),

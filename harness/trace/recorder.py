@@ -68,6 +68,8 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         )
         for signal, block in blocks.items()
     }
+    couplers = next((block.shape[1] for signal, block in blocks.items() if signal.extent == "coupler"), 0)
+    further = {"coupler": ("coupler", np.arange(1, couplers + 1), {"long_name": "coupler, lead to trail"})}
     membership = {"long_name": "group that the wheelset turns with"}
     return xarray.Dataset(
         variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
@@ -84,7 +86,8 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
                 {"long_name": "group of wheelsets that turn as one"},
             ),
             "wheelset": ("wheelset", np.arange(1, formation.wheelsets + 1), {"long_name": "wheelset, lead to trail"}),
-        },
+        }
+        | (further if couplers else {}),
     )
 
 

@@ -1,0 +1,141 @@
+"""The trial of sanders: one of its five distances is fitted, the other four are predicted."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, StrictBool, model_validator
+from scipy.optimize import root_scalar
+
+from railgrip.assemble import braking_distance
+from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario.load import read_toml, scenario_of, validated
+from railgrip.scenario.merge import merged
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Friction, Speed, Table, broken
+from railgrip.studies.trains.stops import LIBRARY
+
+_FRICTION = 0.02  # of the untreated rail in the trial
+_HORIZON = 200.0  # s
+_CLOSE = 0.005  # of the density, relative: some metres
+
+Metres = Annotated[float, Unit("m", above=0, at_most=1e5)]
+Density = Annotated[float, Unit("kg/m", above=0, at_most=1)]
+
+
+class Row(Table):
+    """One of the distances of a trial."""
+
+    sanders: str
+    measured: Metres
+    at_least: StrictBool = Field(default=False, description="whether the trial only says that it was longer")
+    laid: tuple[dict[str, Any], ...]
+
+
+class SandLaw(Table):
+    """What is assumed of sand, and between what the density is looked for."""
+
+    mu0: Friction
+    left: Annotated[float, Unit("1", at_least=0, at_most=1)]
+    density: tuple[Density, Density]
+
+
+class Trial(Table):
+    """A trial of sanders, `library/sanders.toml`."""
+
+    speed: Speed
+    demanded: Annotated[float, Unit("m/s2", above=0, at_most=5)]
+    train: str
+    fitted: str
+    source: str
+    law: SandLaw
+    rows: tuple[Row, ...]
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.fitted not in {row.sanders for row in self.rows}:
+            raise broken(f"fitted is '{self.fitted}', which no row is called")
+        return self
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """A distance of the trial beside ours; None for a train that did not stop within the horizon.
+
+    Attributes:
+        fitted: Whether the density of sand was found on it.
+    """
+
+    sanders: str
+    distance: float | None
+    measured: float
+    at_least: bool
+    fitted: bool
+
+    @property
+    def off(self) -> float | None:
+        """Relative difference; None where the trial gives only a bound."""
+        return None if self.at_least or self.distance is None else self.distance / self.measured - 1
+
+
+def trial_of(path: Path = LIBRARY / "sanders.toml") -> Trial:
+    """Return a trial.
+
+    Raises:
+        ScenarioError: The file is none.
+    """
+    return validated(Trial, read_toml(path), directory=path.parent, origin=path.name)
+
+
+def scenario_tables(trial: Trial) -> dict[str, Any]:
+    """Return the tables that all stops of a trial have in common: its train, demand, rail and protection."""
+    train = load_train(Path(trial.train))
+    # Pad force, and with it the deceleration, is even in the pressure beyond that of the spring.
+    share = min(trial.demanded / by_hand(train, trial.speed).deceleration, 1.0)
+    brakes = [train.bogie_of(group).brake for group in range(len(train.groups))]
+    springs = [brake.spring_force / brake.piston_area for brake in brakes]
+    pressure = [spring + share * (brake.pressure_max - spring) for brake, spring in zip(brakes, springs, strict=True)]
+    return merged(
+        read_toml(LIBRARY / "dry.toml"),
+        {
+            "name": "sanders",
+            "vehicle": {"train": trial.train},
+            "start": {"speed": trial.speed},
+            "adhesion": {"polach": "wet", "mu0": _FRICTION},
+            "controller": {"kind": "slip_three_state"},
+            "demand": {"phases": [{"pressure": pressure}]},
+            "limits": {"horizon": _HORIZON},
+        },
+    )
+
+
+def stopped(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> float | None:
+    """Return the distance of a row with a density of sand [m]."""
+    own: dict[str, Any] = {}
+    if row.laid:
+        law = {"mu0": trial.law.mu0, "left": trial.law.left, "density": density}
+        own = {"adhesion": {"sand": law}, "sanders": [dict(sander) for sander in row.laid]}
+    return braking_distance(scenario_of(merged(tables, own), directory=LIBRARY, origin="sanders.toml"))
+
+
+def compare(trial: Trial) -> tuple[float, list[Comparison]]:
+    """Fit the density of sand on one distance; return it [kg/m] and all distances."""
+    tables = scenario_tables(trial)
+    fitted = next(row for row in trial.rows if row.sanders == trial.fitted)
+
+    def excess(density: float) -> float:
+        distance = stopped(trial, fitted, density, tables)
+        return (trial.speed * _HORIZON if distance is None else distance) - fitted.measured
+
+    density = float(root_scalar(excess, bracket=trial.law.density, rtol=_CLOSE).root)
+    return density, [
+        Comparison(
+            sanders=row.sanders,
+            distance=stopped(trial, row, density, tables),
+            measured=row.measured,
+            at_least=row.at_least,
+            fitted=row is fitted,
+        )
+        for row in trial.rows
+    ]

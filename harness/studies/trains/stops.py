@@ -1,0 +1,172 @@
+"""Dry emergency stops of trains, and what a train costs to build and to step."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.assemble import assembled, plant_description
+from railgrip.errors import ScenarioError
+from railgrip.fmu.comparison import seconds_in_c
+from railgrip.fmu.mapping import Signal, bind
+from railgrip.loop import compiled_cycle, cycle
+from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.schema import BrakePipe, Train
+from railgrip.rolling_stock.stopping import HandCalculation, by_hand
+from railgrip.scenario.load import read_toml, scenario_of
+from railgrip.scenario.merge import merged
+from railgrip.scenario.schema import Scenario
+from railgrip.trace.outcome import Outcome
+
+Vector = NDArray[np.float64]
+
+LIBRARY = Path(__file__).parent / "library"
+USUAL_SPEED = 120 / 3.6  # m/s, where a train file names none
+_STEPS, _ROUNDS = 2000, 3
+_TOUCHED = 0.05  # of the highest pressure, at which a cylinder has begun to fill
+_FILLED = 0.95  # UIC 540
+
+UIC_540 = {"filling": (3.0, 5.0), "propagation": 250.0}
+"""Seconds to 95 % in position P; slowest front of an emergency brake [m/s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Filling:
+    """How the cylinders behind a brake pipe fill.
+
+    Attributes:
+        begin: First pressure in each car since the demand, shape (cars,) [s].
+        filling: From there to 95 % of the highest, shape (cars,) [s].
+        propagation: Of the front, from the first car to the last [m/s].
+    """
+
+    begin: Vector
+    filling: Vector
+    propagation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DryStop:
+    """A dry emergency stop of a train beside its calculation by hand.
+
+    Attributes:
+        states: Of the FMU.
+        build_s: Time that the FMU took [s]; None where it was there already.
+        plant_step_us: A communication step of 1 ms of the plant in C, full brake [µs].
+        cycle_us: A cycle of the loop, sensors and controller included [µs].
+        coupler_force: Largest in each coupler, push positive, shape (couplers,) [N].
+        bound: Quasi-static, shape (joints of cars,) [N].
+    """
+
+    train: Train
+    speed: float
+    distance: float
+    hand: HandCalculation
+    states: int
+    build_s: float | None
+    plant_step_us: float
+    cycle_us: float
+    coupler_force: Vector
+    filling: Filling | None
+
+
+def dry_scenario(train: str | Path, speed: float) -> Scenario:
+    """Return the dry emergency stop of a named train or a train file."""
+    table = merged(read_toml(LIBRARY / "dry.toml"), {"vehicle": {"train": str(train)}, "start": {"speed": speed}})
+    return scenario_of(table, directory=Path(), origin="dry.toml")
+
+
+def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
+    """Build a train if need be, stop it, and time it.
+
+    Args:
+        train: A name or a file.
+        speed: At the demand [m/s]; that of its first published stop unless given.
+
+    Raises:
+        ScenarioError: It does not come to stand.
+    """
+    data = load_train(Path(train))
+    from_speed = speed or (data.reference[0].speed if data.reference else USUAL_SPEED)
+    scenario = dry_scenario(train, from_speed)
+    begin = perf_counter()
+    description = plant_description(scenario)
+    took = perf_counter() - begin
+    with assembled(scenario) as parts:
+        loop = cycle.run if parts.obstacle else compiled_cycle.run
+        begin = perf_counter()
+        ended = loop(controller=parts.controller, progress=None, **parts.parties)
+        seconds = perf_counter() - begin
+    if ended.outcome is not Outcome.STANDSTILL:
+        raise ScenarioError(f"{data.name}: the dry stop ended with {ended.outcome.value}: {ended.reason}")
+    trace = parts.recorder.trace(ended.samples, scenario.periods.communication)
+    force = trace["coupler_force"].values if "coupler_force" in trace else np.zeros((1, 0))
+    push, pull = (-force).max(axis=0, initial=0.0), force.max(axis=0, initial=0.0)
+    return DryStop(
+        train=data,
+        speed=from_speed,
+        distance=float(trace["distance"].values[-1]),
+        hand=by_hand(data, from_speed),
+        states=len(description.states),
+        build_s=took if took > _CACHED else None,
+        plant_step_us=_step_cost(scenario),
+        cycle_us=1e6 * seconds / ended.samples,
+        coupler_force=np.maximum(push, pull),
+        filling=_filling(data, trace) if isinstance(data.command, BrakePipe) else None,
+    )
+
+
+_CACHED = 1.5  # s; what is found in the cache is there sooner, and nothing compiles so fast
+
+
+def _step_cost(scenario: Scenario) -> float:
+    """Return the time of a step in a loop in C [µs], the best of some runs from speed with full brake."""
+    description = plant_description(scenario)
+
+    def real(names: tuple[str, ...]) -> list[Signal]:
+        variables = [description.variables[name] for name in names]
+        return [
+            Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
+        ]
+
+    inputs, outputs = real(description.named("input")), real(description.named("output"))
+    binding = bind(description, inputs=inputs, outputs=outputs, parameters=(), table={}, where=description.file.name)
+    held = {"pressure_command": 1e7, "mu0": 0.5}
+    values = np.array([held.get(signal.name.partition("[")[0], 0.0) for signal in inputs])
+    runs = (seconds_in_c(description, binding, values, period=1e-3, count=_STEPS)[0] for _ in range(_ROUNDS))
+    return 1e6 * min(runs) / _STEPS
+
+
+def _filling(train: Train, trace: Any) -> Filling:
+    """Return when the cylinders of the first group of each car begin to fill, and are full."""
+    time, pressure = trace["time"].values, trace["cylinder_pressure"].values
+    cars = [train.axles[members[0]].car for members in train.groups]
+    first = [cars.index(car) for car in range(len(train.cars))]
+    highest = np.array([train.bogie_of(g).brake.pressure_max for g in first])
+    begin = np.array([time[np.argmax(pressure[:, g] > _TOUCHED * top)] for g, top in zip(first, highest, strict=True)])
+    full = np.array([time[np.argmax(pressure[:, g] > _FILLED * top)] for g, top in zip(first, highest, strict=True)])
+    lengths = np.array([car.length for car in train.cars])
+    middles = np.cumsum(lengths) - lengths / 2
+    # The first 5 % take their share of the filling.
+    start = begin - (full - begin) * _TOUCHED / (_FILLED - _TOUCHED)
+    return Filling(
+        begin=start, filling=full - start, propagation=float((middles[-1] - middles[0]) / (start[-1] - start[0]))
+    )
+
+
+def multiplied(text: str, cars: int) -> str:
+    """Return the text of a train file of so many cars like the second one of another file."""
+    head, _, second, *_ = text.split("[[cars]]")
+    second = second.split("[[")[0]
+    name = re.search(r'^name = "(.*)"$', head, re.MULTILINE)
+    assert name is not None  # or the file has been refused
+    head = head.replace(name[0], f'name = "{name[1]}_{cars}"', 1)
+    rows = [
+        re.sub(r'^name = ".*"$', f'name = "C{number}"', second, flags=re.MULTILINE) for number in range(1, cars + 1)
+    ]
+    rows[-1] = re.sub(r"^coupler = .*\n", "", rows[-1], flags=re.MULTILINE)
+    return head + "".join("[[cars]]" + row for row in rows)

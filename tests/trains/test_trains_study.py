@@ -1,0 +1,85 @@
+"""The study of trains: one distance of the trial is fitted, four are predicted, and what comes out says which."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip.rolling_stock.files import load_train, train_of
+from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario.file import installed
+from railgrip.studies.trains import sanders
+from railgrip.studies.trains.report import write_report
+from railgrip.studies.trains.stops import DryStop, Filling, multiplied
+
+
+def laid(scenario):
+    """A rail on which each sander takes a fifth off, by the density of its sand."""
+    density = scenario.adhesion.sand.density if scenario.sanders else 1.0
+    variable = sum(2 if sander.density else 1 for sander in scenario.sanders)
+    return 1300.0 * np.exp(-variable * 0.01 / density) if variable else None
+
+
+def test_the_trial_is_the_published_one():
+    trial = sanders.trial_of()
+    assert [row.measured for row in trial.rows] == [1200, 800, 650, 600, 400]
+    assert trial.speed == pytest.approx(24.587, abs=1e-3)
+    assert [row.sanders for row in trial.rows if row.at_least] == ["none"]
+
+
+def test_one_distance_is_fitted_and_the_others_follow(monkeypatch):
+    monkeypatch.setattr(sanders, "braking_distance", laid)
+    trial = sanders.trial_of()
+    density, rows = sanders.compare(trial)
+    assert density == pytest.approx(0.01 / np.log(1300 / 800), rel=0.01)
+    assert [row.sanders for row in rows if row.fitted] == ["one fixed"]
+    one, two = rows[1], rows[2]
+    assert one.distance == pytest.approx(800, rel=0.01)
+    assert two.distance == pytest.approx(1300 * (800 / 1300) ** 2, rel=0.02)
+    assert rows[0].distance is None
+    assert rows[0].off is None
+
+
+def test_the_demand_is_the_deceleration_of_the_trial():
+    """By hand, with the pressures of the scenario in place of the highest ones."""
+    trial = sanders.trial_of()
+    pressures = sanders.scenario_tables(trial)["demand"]["phases"][0]["pressure"]
+    tables = tomllib.loads(installed(Path(trial.train), "trains").read_text(encoding="utf-8"))
+    train = load_train(Path(trial.train))
+    for group, pressure in enumerate(pressures):
+        tables["brakes"][train.bogie_of(group).data.brake]["pressure_max"] = pressure
+    assert by_hand(train_of(tables, "demanded"), trial.speed).deceleration == pytest.approx(0.9, rel=0.03)
+
+
+def stop_of(train, **changes):
+    """A stop that nobody ran."""
+    values = {
+        "train": train, "speed": 30.0, "distance": 400.0, "hand": by_hand(train, 30.0), "states": 9, "build_s": None,
+        "plant_step_us": 3.0, "cycle_us": 5.0, "coupler_force": np.zeros(len(train.couplers)), "filling": None,
+    }  # fmt: skip
+    return DryStop(**values | changes)
+
+
+def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
+    train = load_train(Path("emu387"))
+    filling = Filling(begin=np.array([0.1, 0.4]), filling=np.array([4.0, 4.1]), propagation=280.0)
+    text = installed(Path("emu387"), "trains").read_text(encoding="utf-8")
+    series = [stop_of(train_of(tomllib.loads(multiplied(text, cars)), "cars")) for cars in (1, 2)]
+    rows = [
+        sanders.Comparison(sanders="one fixed", distance=801.0, measured=800.0, at_least=False, fitted=True),
+        sanders.Comparison(sanders="none", distance=None, measured=1200.0, at_least=True, fitted=False),
+    ]
+    page = write_report([stop_of(train, filling=filling)], series, sanders.trial_of(), 0.011, rows, tmp_path)
+    trains = json.loads((tmp_path / "trains.json").read_text(encoding="utf-8"))["trains"]
+    assert [one["train"] for one in trains] == ["emu387", "emu387_1", "emu387_2"]
+    assert [one["axles"] for one in trains] == [16, 4, 8]
+    assert trains[0]["reference_m"] == pytest.approx(by_hand(train, 30.0).distance)
+    assert trains[0]["source"] == "EN 14531-1 by hand"
+    found = json.loads((tmp_path / "sanders.json").read_text(encoding="utf-8"))["rows"]
+    assert [(one["sanders"], one["fitted"]) for one in found] == [("one fixed", True), ("none", False)]
+    html = page.read_text(encoding="utf-8")
+    assert "11.0 g/m" in html
+    assert "&gt; 1200 m" in html
+    assert "280 m/s" in html
