@@ -13,7 +13,7 @@ from railgrip.report.page import image, write_page
 from railgrip.report.table import Table
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.studies.trains.sanders import Comparison, Trial
-from railgrip.studies.trains.stops import UIC_540, DryStop
+from railgrip.studies.trains.stops import FILLING, PROPAGATION, DryStop
 
 HAND = "EN 14531-1 by hand"
 
@@ -136,14 +136,14 @@ def _published(stops: Sequence[DryStop]) -> Table:
 
 
 def _filling(stops: Sequence[DryStop]) -> Table:
-    least, most = UIC_540["filling"]
+    least, most = FILLING
     rows = [
         {
             "train": stop.train.name,
             "filling to 95 %": f"{stop.filling.filling.min():.2f} to {stop.filling.filling.max():.2f} s",
             "UIC 540, P": f"{least:g} to {most:g} s",
             "front": f"{stop.filling.propagation:.0f} m/s",
-            "UIC 540": f"≥ {UIC_540['propagation']:g} m/s",
+            "UIC 540": f"≥ {PROPAGATION:g} m/s",
             "last car begins": f"{stop.filling.begin.max():.2f} s",
         }
         for stop in stops

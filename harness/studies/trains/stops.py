@@ -28,9 +28,9 @@ LIBRARY = Path(__file__).parent / "library"
 USUAL_SPEED = 120 / 3.6  # m/s, where a train file names none
 _STEPS, _ROUNDS = 2000, 3
 _TOUCHED = 0.05  # of the highest pressure, at which a cylinder has begun to fill
-_FILLED = 0.95  # UIC 540
+_FILLED = 0.95  # UIC 540, as the two below
 
-UIC_540 = {"filling": (3.0, 5.0), "propagation": 250.0}
+FILLING, PROPAGATION = (3.0, 5.0), 250.0
 """Seconds to 95 % in position P; slowest front of an emergency brake [m/s]."""
 
 
