@@ -124,7 +124,9 @@ class SlopeSeeking(Law):
     better known than the adhesion of one, and it is the noise of y that decides how soon a slope is significant.
 
     A wheel that is not braked yet rolls, and the slip it shows then is an error of radius or speed: it is averaged and
-    taken from all that follows. Wheels worn by 3 % and a radar off by 1 % would else look like slides.
+    taken from all that follows. Wheels worn by 3 % and a radar off by 1 % would else look like slides. The same holds
+    later for a wheel that nothing brakes and the rail does not turn: where the train's speed is wrong, all wheels seem
+    to slide, are released, roll, and show by how much.
 
     Start: a wheel with slip below slip_small + creep_small/v rolls, and is braked as far as `adhesion_max` allows. A
     low adhesion alone is no sign of rolling: on oil a sliding wheel has next to none. Standstill: below `speed_min` the
@@ -150,6 +152,12 @@ _LEASH = 0.5
 """How far ln(s_set) may be from ln(s): a set point that the brake cannot reach must not run away."""
 
 _RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
+_SPEED_ERROR = 0.8  # of the train's speed after a radar has lied
+_TOUCHING = 1.15  # times the spring's force: the law asks for just that where it wants no torque
+_NOTHING = 5e-3
+"""Adhesion below which nothing turns a wheel: bearings take 0.001, and the estimate's noise is some 0.002."""
+
+_REGAINED = 0.2  # s, over which the slip of a wheel is averaged that rolls again
 _ANY_SPEED = 1e6  # rad/s
 _BACKWARDS = -0.05  # slip of a braked wheel that no wheel has
 _DRAWN = 0.25
@@ -309,15 +317,23 @@ def _target(draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression])
 
 
 def _corrected(draft: Draft, seen: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
-    """Return the slip less what the wheel showed while it had not been braked yet."""
+    """Return the slip less what the wheel showed when it surely rolled.
+
+    That is so before it has been braked, and again when its pads have been off for long and it draws no adhesion: a
+    wheel that slides is turned by the rail. Then it is the train's speed that is wrong, as after a radar has lied.
+    """
     offset = draft.state(seen.named("offset"), "1", "slip that the wheel shows when it rolls")
     count = draft.state(seen.named("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
-    believable = every(seen.slip > -_RADIUS_ERROR, seen.slip < _RADIUS_ERROR)
-    rolls = every(count >= 0.0, pads_off, believable)
-    share = ca.fmax(1.0 / (1.0 + count), period / _AVERAGED)
-    mean = choose(rolls, offset + share * (seen.slip - offset), offset)
+    free = draft.state(seen.named("free"), "s", "for how long nothing has braked the wheel and nothing turned it")
+    drawn = within(seen.adhesion, -1.0, 1.0)
+    touching = seen.pressure * seen.brake["piston_area"] < _TOUCHING * seen.brake["spring_force"]
+    draft.keep(free, choose(every(touching, drawn > -_NOTHING, drawn < _NOTHING), free + period, 0.0))
+    first = every(count >= 0.0, pads_off, seen.slip > -_RADIUS_ERROR, seen.slip < _RADIUS_ERROR)
+    again = every(count < 0.0, free > _DOUBTED, seen.slip > -_SPEED_ERROR, seen.slip < _SPEED_ERROR)
+    share = choose(first, ca.fmax(1.0 / (1.0 + count), period / _AVERAGED), period / _REGAINED)
+    mean = choose(either(first, again), offset + share * (seen.slip - offset), offset)
     draft.keep(offset, mean)
-    draft.keep(count, choose(rolls, count + 1.0, choose(pads_off, count, -1.0)))
+    draft.keep(count, choose(first, count + 1.0, choose(pads_off, count, -1.0)))
     return 1.0 - (1.0 - seen.slip) / (1.0 - mean)
 
 

@@ -1,5 +1,5 @@
 within RailBraking.FMUs;
-block TrainPredictionDisturbed "Two-part train as an estimator believes it to be, on a track and with an accelerometer that it does not know"
+block TrainPredictionDisturbed "Two-part train as an estimator believes it to be, on a track that it does not know"
   extends TrainPrediction(disturbance = d, acceleration = der(v) + bias);
   Types.Acceleration d(start=0, fixed=true, stateSelect=StateSelect.always)
     "What moves the train and is in no other equation: gradient, curve, wind";
