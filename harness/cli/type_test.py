@@ -23,7 +23,8 @@ def type_test(
         ),
     ] = None,
     train: Annotated[
-        str | None, typer.Option(help="A scenario (.toml) whose train it is, an .fmu or a recipe; ours without it.")
+        str | None,
+        typer.Option(help="A scenario (.toml) whose train it is, a train, an .fmu or a recipe; ours without it."),
     ] = None,
     quick: Annotated[bool, typer.Option(help="A tenth of the cases: shows where a controller stands.")] = False,
     validation: Annotated[bool, typer.Option(help="Other cases, which nobody may look at while tuning.")] = False,

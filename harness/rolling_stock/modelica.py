@@ -81,7 +81,8 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
         bodies=[
             {
-                "mass": sum(axle.mass for axle, of in zip(axles, carried, strict=True) if of == body),
+                # Of the parameters: who changes them changes the body.
+                "mass": f"sum(m_wheelset[{carried.index(body) + 1}:{len(carried) - carried[::-1].index(body)}])",
                 "title": _text(
                     ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
                 ),

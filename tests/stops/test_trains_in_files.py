@@ -75,3 +75,10 @@ def test_a_train_that_is_none_ends_in_a_sentence(tmp_path):
         plant_description(dry({"train": "bad.toml"}, "50 km/h", tmp_path))
     with pytest.raises(ScenarioError, match="has two plants"):
         dry({"train": "tram", "plant": "TwoPartTrain"}, "50 km/h")
+
+
+def test_a_load_that_nobody_was_told_changes_the_mass_and_not_the_speed():
+    """A fifth more mass takes about a fifth further: brakes do not know of it, and what turns stays the same."""
+    stop, heavy = (run_stop(dry({"train": "tram"}, "50 km/h", truth={"load": load})) for load in ([1.0], [1.2]))
+    assert float(heavy.trace["speed"].values[0]) == pytest.approx(50 / 3.6, rel=1e-9)
+    assert 1.1 < heavy.metrics.distance / stop.metrics.distance < 1.25

@@ -5,6 +5,8 @@ from collections import Counter
 import pytest
 
 from railgrip.errors import ScenarioError
+from railgrip.scenario.load import scenario_of
+from railgrip.scenario.merge import merged
 from railgrip.studies.type_test.design import (
     CASES,
     FRICTION,
@@ -18,6 +20,7 @@ from railgrip.studies.type_test.design import (
     case_named,
     cases,
 )
+from railgrip.studies.type_test.entrants import train_of
 
 
 @pytest.mark.parametrize("count", [QUICK, CASES, 12])
@@ -79,3 +82,13 @@ def test_a_case_says_what_nobody_told_the_controller():
     assert truth["load"] == 0.8
     assert truth["wheel_radius"] == [1.005, 0.995, 1.005, 0.995]
     assert truth["gradient"] == case.slope
+
+
+def test_a_train_file_takes_part_with_a_filter_that_knows_any_train(tmp_path):
+    named = train_of("tram")
+    assert named["vehicle"] == {"train": "tram"}
+    assert named["estimator"]["kind"] == "decentralised"
+    scenario = scenario_of(merged(named, {"name": "train"}), directory=tmp_path, origin="train")
+    assert scenario.actuation.kind == "pneumatic"
+    with pytest.raises(ScenarioError, match="--train trm: is neither"):
+        train_of("trm")

@@ -87,7 +87,9 @@ def _own(description: str, tables: Mapping[str, Any]) -> Entrant:
 
 
 def train_of(written: str | None) -> dict[str, Any]:
-    """Return the tables of a train with valves and service sensors: ours, a recipe, an FMU, or those of a scenario.
+    """Return the tables of a train with valves and service sensors.
+
+    It is ours, a recipe, an FMU, that of a scenario, or one in a train file, which the decentralised filter knows.
 
     Raises:
         ScenarioError: There is no such train.
@@ -97,8 +99,13 @@ def train_of(written: str | None) -> dict[str, Any]:
     if written is None:
         return table
     path = installed(Path(written), "library")
-    if path.suffix == ".toml":
-        own = read_toml(path)
+    named = installed(path, "trains")
+    if named.suffix == ".toml":
+        own = read_toml(named)
+        if "cars" in own:
+            own_file = str(named.resolve()) if named == path else written
+            filtering = {"kind": "decentralised", "noise": "service"}
+            return table | {"vehicle": {"train": own_file}, "estimator": filtering}
         vehicle = dict(own.get("vehicle", {}))
         for key in ("plant", "library"):
             if str(vehicle.get(key, "")).endswith((".fmu", ".mo")):
@@ -108,7 +115,9 @@ def train_of(written: str | None) -> dict[str, Any]:
         return table | {"vehicle": {"plant": str(path.resolve())}}
     if written in read_recipes().recipes:
         return table | {"vehicle": {"plant": written}}
-    raise ScenarioError(f"--train {cut(written)}: is neither a scenario (.toml), an .fmu nor a recipe of this project")
+    raise ScenarioError(
+        f"--train {cut(written)}: is neither a scenario (.toml), an .fmu nor a recipe of this project, nor a train"
+    )
 
 
 _TRAINING_SPEED = 60 / 3.6
