@@ -58,7 +58,7 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
         AssertionError: Two ways disagree on the outputs; then their times mean nothing.
     """
     description = describe(file)
-    binding = _every_real(description)
+    binding = every_real(description)
     inputs = np.array([float(description.variables[v].start or 0.0) for v in binding.inputs.elements])
     run: dict[str, Callable[..., tuple[float, np.ndarray]]] = {
         "ours": seconds_of_ours,
@@ -96,7 +96,7 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
     )
 
 
-def _every_real(description: Description) -> Binding:
+def every_real(description: Description) -> Binding:
     """Tie every Real input and output of an FMU to itself."""
 
     def signals(names: tuple[str, ...]) -> list[Signal]:

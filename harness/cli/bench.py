@@ -8,6 +8,7 @@ from railgrip.engine import Engine
 @app.command()
 def bench() -> None:
     """Measure speed: medians, and ratios of what ran in turn. Times are shown beside their targets, never judged."""
+    from railgrip.bench.consist import consist_costs
     from railgrip.bench.estimation import estimation_cost
     from railgrip.bench.fmi import step_cost
     from railgrip.bench.rig_filter import rig_filter_cost
@@ -32,6 +33,11 @@ def bench() -> None:
             add("  FMPy's FMU2Slave over ours", f"{cost.fmpy_over_ours:.2f}", "")
             add("  fmpy.simulate_fmu over ours", f"{cost.simulate_fmu_over_ours:.2f}", "")
             add("  ours over C", f"{cost.ours_over_c:.2f}", "")
+        shown.update(doing="trains of 1 to 16 cars")
+        for train in consist_costs():
+            what = f"train of {train.cars} four-axle cars, {train.states} states: step of 1 ms in a loop in C"
+            add(what, f"{train.step:.1f} µs", "25 µs for four cars" if train.cars == 4 else "")
+            add("  build of its FMU", f"{train.build:.1f} s", "30 s for eight cars" if train.cars == 8 else "")
         for model, noise, target in (
             ("TrainPrediction", "train_ideal", "15 µs"),
             ("TrainPredictionReduced", "reduced_ideal", "5 µs"),
