@@ -29,6 +29,7 @@ from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.law import Law, Tuning
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.slope_seeking import SlopeSeeking
+from railgrip.controllers.train_level import with_redistribution, with_shared_valves
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
 from railgrip.engine import Engine
@@ -66,6 +67,7 @@ from railgrip.scenario.demand import phases_of
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
+from railgrip.scenario.parties import Law as ParametricLaw
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
@@ -98,7 +100,9 @@ _MOST_OF_THE_RAIL = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
 
 _COUNTS = "wheelsets_per_group"
-_FORMATION = MappingProxyType({_COUNTS: "1", "wheelsets_per_car": "1", "wheelset_position": "m"})
+_FORMATION = MappingProxyType(
+    {_COUNTS: "1", "wheelsets_per_car": "1", "wheelset_position": "m", "groups_per_valve": "1"}
+)
 """Parameters of an FMU that only describe it, which are keys of [vehicle.formation], too; their units."""
 
 _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
@@ -382,7 +386,8 @@ def _driver(scenario: Scenario, layout: Layout, groups: Sequence[BrakeGroup]) ->
     touching = np.array([group.spring_force / group.piston_area for group in groups])
     demand = scenario.demand
     phases = () if demand is None else phases_of(demand, full.tolist(), scenario.name)
-    return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases)
+    binding = not getattr(scenario.controller, "redistribute", False)
+    return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases, binding=binding)
 
 
 def _estimates(state_estimator: StateEstimator | custom.CustomEstimator | None) -> frozenset[str]:
@@ -606,6 +611,7 @@ def formation_of(scenario: Scenario, plant: Description) -> Formation:
             tuple(map(int, values["wheelsets_per_car"])),
             values["wheelset_position"],
             table.wheelset_load,
+            groups_per_valve=tuple(map(int, values["groups_per_valve"])),
         )
     except ValueError as problem:
         where = f"{scenario.name}: [vehicle.formation]" if table.model_fields_set else plant.file.name
@@ -1196,7 +1202,33 @@ def _controlling(
 
 
 def controller_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Controller:
-    """Return the control law of a scenario, its named set changed by [controller.parameters].
+    """Return the control law of a scenario with what is decided for the whole train.
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+    """
+    law, table = _group_law(scenario, groups), scenario.controller
+    assert isinstance(table, ParametricLaw | SlipLaw)
+    valves = formation_of(scenario, plant_description(scenario)).groups_per_valve
+    if table.redistribute:
+        if valves and max(valves) > 1:
+            raise ScenarioError(
+                f"{scenario.name}: [controller] redistribute asks single groups for more, groups_per_valve is "
+                f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
+            )
+        if scenario.demand is None:
+            raise ScenarioError(
+                f"{scenario.name}: [controller] redistribute has nothing to give where full brake is asked of every "
+                "group; write a [demand] below it"
+            )
+        law = with_redistribution(
+            law, groups, period=scenario.periods.controller, adhesion_max=scenario.limits.alpha_max
+        )
+    return with_shared_valves(law, groups, valves, table.shared_valve) if valves and max(valves) > 1 else law
+
+
+def _group_law(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Law:
+    """Return the law for single groups, its named set changed by [controller.parameters].
 
     Raises:
         ScenarioError: A parameter is wrong, or the controller is no law of ours.

@@ -31,6 +31,8 @@ class Formation:
         wheelset_position: Distance of each wheelset behind the leading one [m].
         wheelset_load: Static force of each wheelset on the rail, nominal [N].
         brakes: Of each group, by nominal data.
+        groups_per_valve: Number of groups that each brake valve fills and vents, leading one first; one each where
+            nobody says.
     """
 
     wheelsets_per_group: tuple[int, ...]
@@ -38,6 +40,7 @@ class Formation:
     wheelset_position: tuple[float, ...] = ()
     wheelset_load: tuple[float, ...] = ()
     brakes: tuple[BrakeGroup, ...] = ()
+    groups_per_valve: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what no vehicle is.
@@ -65,6 +68,11 @@ class Formation:
                 raise ValueError(f"{name} is for {len(values)} wheelsets; {counted}")
         if self.brakes and len(self.brakes) != self.groups:
             raise ValueError(f"brakes are for {len(self.brakes)} groups, there are {self.groups}")
+        if self.groups_per_valve and (min(self.groups_per_valve) < 1 or sum(self.groups_per_valve) != self.groups):
+            raise ValueError(
+                f"groups_per_valve has {sum(self.groups_per_valve)} groups, {list(self.groups_per_valve)}, at least "
+                f"one to a valve; there are {self.groups}"
+            )
         places = self.wheelset_position
         if places and (places[0] != 0 or any(a >= b for a, b in pairwise(places))):
             raise ValueError(f"wheelset_position must be rising distances [m] that start with 0, got {list(places)}")

@@ -158,7 +158,8 @@ def decisions(
                     command = actuation.command(demands, observation.pressure)
                 else:
                     driver_demands = driver.pressure.tolist()
-                    lower = [min(pair) for pair in zip(demands, driver_demands, strict=True)]
+                    pairs = zip(demands, driver_demands, strict=True)
+                    lower = [min(pair) for pair in pairs] if driver.binding else demands
                     command = actuation.command(lower, observation.pressure)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)

@@ -92,7 +92,7 @@ def driver_struct(groups: int) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in ("phases", "pressures", "slopes", "touching", "full")),
             *((name, ctypes.c_double) for name in ("period", "began", "force")),
             ("pressure", ctypes.c_double * groups),
-            *((name, ctypes.c_longlong) for name in ("count", "phase", "braking")),
+            *((name, ctypes.c_longlong) for name in ("count", "phase", "braking", "binding")),
         )
 
     return Driver
@@ -110,11 +110,19 @@ class Driver:
 
     Attributes:
         has_phases: Whether it asks for anything else than full brake.
+        binding: Whether no group is given more than is asked of it; otherwise the controller minds the demand itself.
         pressure: Asked for, shape (groups,) [Pa]; a new array whenever it changes.
     """
 
     def __init__(
-        self, layout: Layout, period: float, *, full: Vector, touching: Vector, phases: Sequence[Phase] = ()
+        self,
+        layout: Layout,
+        period: float,
+        *,
+        full: Vector,
+        touching: Vector,
+        phases: Sequence[Phase] = (),
+        binding: bool = True,
     ) -> None:
         """Drive a vehicle of this layout.
 
@@ -124,8 +132,9 @@ class Driver:
             full: Pressure of full brake, shape (groups,) [Pa].
             touching: Pressure at which pads begin to press, shape (groups,) [Pa].
             phases: In their order; none for full brake.
+            binding: As the attribute.
         """
-        self.has_phases, self.pressure = bool(phases), full
+        self.has_phases, self.pressure, self.binding = bool(phases), full, binding
         self._truth = np.empty(layout.outputs)
         numbers = ({name: getattr(phase, name) for name in _NUMBERS} for phase in phases)
         codes = (get_args(Until).index(phase.until) for phase in phases)
@@ -134,7 +143,7 @@ class Driver:
         self._keep: Any = ((_Phase * len(rows))(*rows), *tables, np.array(touching), np.array(full))
         named = zip(("pressures", "slopes", "touching", "full"), self._keep[1:], strict=True)
         self.struct: Any = driver_struct(layout.formation.groups)(
-            phases=ctypes.addressof(self._keep[0]), period=period, count=len(rows),
+            phases=ctypes.addressof(self._keep[0]), period=period, count=len(rows), binding=binding,
             **{name: array.ctypes.data for name, array in named},
         )  # fmt: skip
         if phases:

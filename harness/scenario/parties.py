@@ -86,6 +86,16 @@ class Law(Table):
         "ideal_tracking",
     ]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
+    redistribute: StrictBool = Field(
+        default=False,
+        exclude_if=lambda value: not value,
+        description="ask of groups with adhesion left what others cannot give of the driver's demand",
+    )
+    shared_valve: Literal["lowest", "mean"] = Field(
+        default="lowest",
+        exclude_if=lambda value: value == "lowest",
+        description="how groups that share a valve agree: the lowest demand or the mean",
+    )
 
     _flat = field_validator("parameters", mode="before")(scalars)
 
@@ -100,6 +110,16 @@ class SlipLaw(Table):
         "slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
+    redistribute: StrictBool = Field(
+        default=False,
+        exclude_if=lambda value: not value,
+        description="ask of groups with adhesion left what others cannot give of the driver's demand",
+    )
+    shared_valve: Literal["lowest", "mean"] = Field(
+        default="lowest",
+        exclude_if=lambda value: value == "lowest",
+        description="how groups that share a valve agree: the lowest demand or the mean",
+    )
 
     _flat = field_validator("parameters", mode="before")(scalars)
 

@@ -26,6 +26,12 @@ class FormationTable(Table):
         max_length=256,
         description="number of wheelsets of each car, leading car first; of a bogie under two cars each has its share",
     )
+    groups_per_valve: tuple[_Wheelsets, ...] = Field(
+        default=(),
+        exclude_if=lambda counts: not counts,
+        max_length=256,
+        description="number of groups that share each brake valve, leading one first; one each where it is left out",
+    )
     wheelset_position: tuple[Length, ...] = Field(
         default=(),
         description="distance of each wheelset behind the leading one; wanted when adhesion is over distance",

@@ -21,7 +21,7 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.outcome import Outcome
-from railgrip.trace.stop import read_stop, write_stop
+from railgrip.trace.stop import Stop, read_stop, write_stop
 
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"
@@ -343,3 +343,52 @@ def test_the_decentralised_estimator_believes_its_own_parameters():
     )
     beyond = (1.0 - larger["estimate_slip"]) / (1.0 - plain["estimate_slip"])
     assert beyond.isel(time=slice(5, 50)).values == pytest.approx(1.01, abs=1e-3)
+
+
+PARTLY = {"demand": {"phases": [{"pressure": "2.3 bar"}]}, "start": {"speed": "50 km/h"}}
+
+
+def freight(change: dict[str, Any], engine: Engine = Engine.COMPILED) -> Stop:
+    path = Path(FREIGHT)
+    return run_stop(
+        scenario_of(merged(read_toml(path), change), directory=path.parent, origin=path.name), engine=engine
+    )
+
+
+def test_wheelsets_behind_give_what_those_in_front_cannot_and_both_engines_agree():
+    """On a rail that wheels clean for those behind them: shorter, never more than the law or the cylinders allow."""
+    alone = freight(PARTLY)
+    change = merged(PARTLY, {"controller": {"kind": "slip_two_state", "redistribute": True}})
+    together, again = freight(change), freight(change, Engine.PYTHON)
+    assert together.trace.equals(again.trace)
+    assert together.metrics.distance < 0.995 * alone.metrics.distance
+    assert float(together.trace["demand"].max()) <= 3.2e5
+    assert float(together.trace["demand"].max()) > 2.4e5
+
+
+def test_wheelsets_of_a_valve_are_commanded_alike():
+    """Two bogies of two wheelsets in each car, each with one valve: longer than with a valve for each wheelset."""
+    valves = {"vehicle": {"formation": {"groups_per_valve": [2] * 8}}, "start": {"speed": "40 km/h"}}
+    alone, shared = freight({"start": {"speed": "40 km/h"}}), freight(valves)
+    again = freight(valves, Engine.PYTHON)
+    assert shared.trace.equals(again.trace)
+    demand = shared.trace["demand"].values
+    assert np.array_equal(demand[:, ::2], demand[:, 1::2])
+    assert demand.min() == 0.0
+    assert shared.metrics.distance > alone.metrics.distance
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"controller": {"redistribute": True}}, r"write a \[demand\] below it"),
+        ({"vehicle": {"formation": {"groups_per_valve": [2, 2]}}}, "groups_per_valve has 4 groups"),
+        (
+            PARTLY | {"controller": {"redistribute": True}, "vehicle": {"formation": {"groups_per_valve": [2] * 8}}},
+            "leave out redistribute",
+        ),
+    ],
+)
+def test_train_level_control_that_cannot_be_is_refused_in_a_sentence(change: dict[str, Any], sentence: str):
+    with pytest.raises(ScenarioError, match=sentence):
+        freight(change)

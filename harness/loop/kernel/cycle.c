@@ -170,7 +170,7 @@ static int decide(Cycle *c)
         total += demand[g];
     if (c->driver) {                              /* in this form, a demand that is no number stays none */
         copy(c->driver_demand, c->driver->pressure, GROUPS);
-        for (int g = 0; g < GROUPS; g++)
+        for (int g = 0; g < GROUPS && c->driver->binding; g++)
             demand[g] = demand[g] > c->driver_demand[g] ? c->driver_demand[g] : demand[g];
     }
     copy(c->command, demand, GROUPS);

@@ -27,6 +27,7 @@ typedef struct {
     double period, began, force;                 /* began: when the phase did; force: of the traction, now */
     double pressure[GROUPS];                     /* asked for, now */
     long long count, phase, braking;             /* braking: whether the curve to the target has been reached */
+    long long binding;                           /* whether no group is given more than is asked of it */
 } Driver;
 
 void drive(Driver *its, long long sample, const double *truth);

@@ -1,0 +1,110 @@
+"""What is decided for a train as a whole, over the demands of a law for its groups: shared valves, redistribution."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from itertools import accumulate
+from typing import Literal
+
+import casadi as ca
+
+from railgrip.controllers.brake import BrakeGroup, pressure_for
+from railgrip.controllers.law import Law
+from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
+
+Choice = Literal["lowest", "mean"]
+"""How groups that share a valve agree: the lowest demand, for the group that slips most; or the mean."""
+
+PAD_FRICTION = 0.35
+"""Of pads whose friction nobody estimates."""
+
+T_REDISTRIBUTION = 0.3
+"""Time constant [s] of what other groups are asked for: longer than a pulse of a slip controller."""
+
+
+def with_shared_valves(law: Law, groups: Sequence[BrakeGroup], groups_per_valve: Sequence[int], choice: Choice) -> Law:
+    """Return a law that demands one pressure, as a share of their highest, of all groups of a valve.
+
+    Shares, because cylinders of a valve may differ in their highest pressures: the valve fills all or vents all.
+    """
+    demands, following, symbols = _opened(law.formula)
+    parameters = {quantity.name: symbol for quantity, symbol in _named(law.formula.parameters, symbols[2])}
+    shared: list[Expression] = []
+    for end, count in zip(accumulate(groups_per_valve), groups_per_valve, strict=True):
+        full = [parameters[f"pressure_max[{g + 1}]"] for g in range(end - count, end)]
+        shares = [demands[g] / most for g, most in zip(range(end - count, end), full, strict=True)]
+        agreed = shares[0]
+        for share in shares[1:]:
+            agreed = agreed + share if choice == "mean" else choose(agreed < share, agreed, share)
+        agreed = agreed / count if choice == "mean" else agreed
+        # A valve of one group: its demand to the last bit.
+        shared += [agreed * most for most in full] if count > 1 else [demands[end - 1]]
+    return _law(law, groups, replace(law.formula, step=_step(law.formula, symbols, following, shared)))
+
+
+def with_redistribution(law: Law, groups: Sequence[BrakeGroup], *, period: float, adhesion_max: float) -> Law:
+    """Return a law that asks of groups with adhesion left what others cannot give of the driver's demand.
+
+    A group gives the lower of what the driver asks of it and what its law allows. The force that is missing, filtered
+    with `T_REDISTRIBUTION`, is asked of the groups whose laws allow more than the driver asks, each by the same share
+    of what it has left, up to its highest pressure and to `adhesion_max` of its load. With full brake nothing is left
+    to give. The demands need no driver's limit any more: they hold it.
+    """
+    demands, following, symbols = _opened(law.formula)
+    inputs, parameters = (
+        {quantity.name: symbol for quantity, symbol in _named(quantities, symbol)}
+        for quantities, symbol in ((law.formula.inputs, symbols[1]), (law.formula.parameters, symbols[2]))
+    )
+    numbers = range(1, len(groups) + 1)
+    missing, room = 0.0, 0.0
+    wanted: list[Expression] = []
+    spare: list[Expression] = []
+    for g, demand in zip(numbers, demands, strict=True):
+        brake = {name: parameters[f"{name}[{g}]"] for name in asdict(groups[0])}
+        estimated = inputs[f"pad_friction[{g}]"]
+        friction = choose(estimated > 0.0, estimated, PAD_FRICTION)
+        gain = brake["units"] * friction * brake["friction_radius"] * brake["rigging"] * brake["piston_area"]
+        gain = gain / brake["wheel_radius"]
+        asked = inputs[f"driver_demand[{g}]"]
+        given = choose(demand < asked, demand, asked)
+        most = pressure_for(adhesion_max * brake["load"] * brake["wheel_radius"], friction, brake)
+        most = choose(demand < most, demand, most)
+        left = choose(most > asked, most - asked, 0.0)
+        missing, room = missing + gain * (asked - given), room + gain * left
+        wanted.append(given)
+        spare.append(left)
+    carried = ca.SX.sym("missing")
+    share = period / (T_REDISTRIBUTION + period)
+    after = carried + share * (missing - carried)
+    part = choose(after < room, after / choose(room > 0.0, room, 1.0), 1.0)
+    results = [given + part * left for given, left in zip(wanted, spare, strict=True)]
+    state = Quantity(name="missing", unit="N", description="force that groups cannot give, filtered")
+    formula = replace(law.formula, states=(*law.formula.states, state))
+    widened = (ca.vertcat(symbols[0], carried), *symbols[1:])
+    return _law(law, groups, replace(formula, step=_step(formula, widened, ca.vertcat(following, after), results)))
+
+
+def _opened(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
+    """Return demands, states after the call, and the symbols that both are of: states, inputs, parameters."""
+    sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
+    symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
+    following, demands = formula.step(*symbols)
+    return ca.vertsplit(demands), following, symbols  # pyright: ignore[reportReturnType]
+
+
+def _named(quantities: Sequence[Quantity], symbols: Expression) -> list[tuple[Quantity, Expression]]:
+    return [(quantity, symbols[i]) for i, quantity in enumerate(quantities)]
+
+
+def _step(
+    formula: Formula, symbols: Sequence[Expression], following: Expression, demands: Sequence[Expression]
+) -> ca.Function:
+    results = [ca.densify(each) for each in (following, ca.vertcat(*demands))]
+    return ca.Function("step", list(symbols), results, {"cse": True})
+
+
+def _law(law: Law, groups: Sequence[BrakeGroup], formula: Formula) -> Law:
+    brakes = {f"{name}[{g}]" for g in range(1, len(groups) + 1) for name in asdict(groups[0])}
+    values = dict(zip((quantity.name for quantity in law.formula.parameters), law.parameters.tolist(), strict=True))
+    wrapped = Law(formula, groups, {name: value for name, value in values.items() if name not in brakes})
+    wrapped.needs = law.needs
+    return wrapped

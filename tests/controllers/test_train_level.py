@@ -1,0 +1,96 @@
+"""What is decided over the demands of single groups: valves that several share, and force that others give."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.full_brake import FullBrake
+from railgrip.controllers.law import Law
+from railgrip.controllers.observation import Observation
+from railgrip.controllers.slip_based import SlipBased, SlipLevels
+from railgrip.controllers.train_level import PAD_FRICTION, with_redistribution, with_shared_valves
+
+GROUP = BrakeGroup(
+    load=140e3, inertia=120.0, wheel_radius=0.46, units=2.0, friction_radius=0.24, piston_area=0.0324, rigging=4.75,
+    spring_force=1200.0, pressure_max=3e5,
+)  # fmt: skip
+GROUPS = (GROUP, GROUP, replace(GROUP, pressure_max=2e5))
+LEVELS = SlipLevels(low=0.05, high=0.1, speed_min=1.0, hold=False)
+
+
+def observed(slip: tuple[float, float, float], demand: float) -> Observation:
+    asked = np.array([demand * group.pressure_max for group in GROUPS])
+    wheels = 20.0 / 0.46 * (1.0 - np.array(slip))
+    return Observation(0.0, 20.0, -0.5, wheels, np.array(slip), False, None, None, np.zeros(3), asked)
+
+
+def slip_based() -> Law:
+    return SlipBased(GROUPS, LEVELS)
+
+
+def force(pressures: np.ndarray) -> float:
+    """Of all brakes at the rim, with pads as taken for where nobody estimates them."""
+    per_pascal = GROUP.units * PAD_FRICTION * GROUP.friction_radius * GROUP.rigging * GROUP.piston_area
+    return float(np.sum(pressures)) * per_pascal / GROUP.wheel_radius
+
+
+def test_groups_of_a_valve_do_what_the_most_slipping_one_needs():
+    law = with_shared_valves(slip_based(), GROUPS, (1, 2), "lowest")
+    assert law.decide(observed((0.01, 0.01, 0.01), 1.0)) == (3e5, 3e5, 2e5)
+    assert law.decide(observed((0.01, 0.2, 0.01), 1.0)) == (3e5, 0.0, 0.0)
+    assert law.decide(observed((0.2, 0.01, 0.01), 1.0)) == (0.0, 3e5, 2e5)
+
+
+def test_or_the_mean_of_what_they_need():
+    law = with_shared_valves(slip_based(), GROUPS, (1, 2), "mean")
+    assert law.decide(observed((0.01, 0.2, 0.01), 1.0)) == pytest.approx((3e5, 1.5e5, 1e5))
+
+
+def test_a_valve_for_each_group_changes_nothing():
+    plain, shared = slip_based(), with_shared_valves(slip_based(), GROUPS, (1, 1, 1), "mean")
+    for slip in ((0.01, 0.2, 0.07), (0.07, 0.01, 0.3), (0.0, 0.0, 0.0)):
+        assert plain.decide(observed(slip, 0.5)) == shared.decide(observed(slip, 0.5))
+
+
+def settled(law: Law, seen: Observation) -> np.ndarray:
+    """Its demands after five seconds of the same."""
+    for _ in range(5000):
+        demands = law.decide(seen)
+    return np.array(demands)
+
+
+def test_what_a_sliding_group_cannot_give_others_give():
+    """The force of all is what the driver asks for, each by the same share of what it has left."""
+    seen = observed((0.2, 0.01, 0.01), 0.5)
+    law = with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3)
+    demands = settled(law, seen)
+    assert demands[0] == 0.0
+    assert force(demands) == pytest.approx(force(seen.driver_demand), rel=1e-6)
+    left = (demands[1:] - seen.driver_demand[1:]) / (np.array([3e5, 2e5]) - seen.driver_demand[1:])
+    assert left[0] == pytest.approx(left[1])
+
+
+def test_nobody_is_asked_for_more_than_the_limit_of_adhesion():
+    seen = observed((0.2, 0.01, 0.01), 0.3)
+    law = with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.03)
+    demands = settled(law, seen)
+    pad = (demands[1] * GROUP.piston_area - GROUP.spring_force) * GROUP.rigging
+    adhesion = GROUP.units * PAD_FRICTION * GROUP.friction_radius * pad / GROUP.wheel_radius / GROUP.load
+    assert demands[1] > seen.driver_demand[1]
+    assert adhesion == pytest.approx(0.03, rel=1e-6)
+
+
+def test_with_full_brake_or_without_slip_there_is_nothing_to_redistribute():
+    for slip, demand in (((0.2, 0.01, 0.01), 1.0), ((0.01, 0.01, 0.01), 0.5)):
+        seen = observed(slip, demand)
+        demands = settled(with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3), seen)
+        lower = np.minimum(slip_based().decide(seen), seen.driver_demand)
+        assert demands == pytest.approx(lower)
+
+
+def test_it_holds_for_a_law_without_memory():
+    seen = observed((0.2, 0.01, 0.01), 0.5)
+    law = with_redistribution(FullBrake(GROUPS), GROUPS, period=1e-3, adhesion_max=0.3)
+    assert settled(law, seen) == pytest.approx(seen.driver_demand)
