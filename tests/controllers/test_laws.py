@@ -147,9 +147,7 @@ def test_the_set_point_climbs_to_the_peak_wherever_it_lies(peak_slip):
 
 @pytest.mark.parametrize("error", [-0.03, 0.03])
 def test_a_worn_wheel_is_no_slide(error):
-    """A radius wrong by 3 % shows as 3 % of slip at once; the law measures it before the brake is on.
-
-    """
+    """A radius wrong by 3 % shows as 3 % of slip at once; the law measures it before the brake is on."""
 
     class Worn:
         def __init__(self, law):

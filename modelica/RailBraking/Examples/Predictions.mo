@@ -1,10 +1,15 @@
 within RailBraking.Examples;
-model Predictions "The two prediction models beside each other, braked at a constant adhesion"
+model Predictions "The prediction models of a train beside each other, braked at a constant adhesion"
   FMUs.TrainPrediction full(alpha_start={0.12, 0.08, 0.08, 0.12}) "With suspension"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
   FMUs.TrainPredictionReduced reduced(alpha_start={0.12, 0.08, 0.08, 0.12}) "Without suspension"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
+  FMUs.TrainPredictionDisturbed disturbed(alpha_start={0.12, 0.08, 0.08, 0.12}, d(start=-0.05))
+    "With suspension, on a rising gradient that it may come to know"
+    annotation(Placement(transformation(extent={{-20, -80}, {20, -40}})));
 equation
+  disturbed.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
+  disturbed.track_force = 0;
   full.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   reduced.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   full.track_force = 0;
