@@ -81,7 +81,7 @@ bench: fmus  ## speed, as medians and ratios in one run
 
 # Types are checked on one core for a minute: beside the tests, which fill what is left of two.
 test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=line check suite
+	@$(MAKE) --no-print-directory --jobs 2 check suite
 	$(RUN) -m railgrip regress
 
 # A file stays in one process: its tests share what they have built and run.
