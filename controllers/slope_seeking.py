@@ -133,7 +133,7 @@ class SlopeSeeking(Law):
     slip is no longer known, and the brake is applied as at the start.
 
     A wheel speed that cannot be true is believed no more: one that is not known (NaN), a slip of less than −5 %, or a
-    slide on which the rail does nothing although the brake is off. Such a group gets the torque for nine tenths of the
+    slide on which the rail does nothing although the brake is off. Such a group gets the torque for seven tenths of the
     adhesion that the others use, until its wheel speed makes sense again.
     """
 
@@ -164,8 +164,8 @@ _DRAWN = 0.25
 """Share of the others' adhesion that a sliding wheel draws at least: creep curves fall to 0.4 of their peak."""
 
 _DOUBTED = 0.5  # s, after which a wheel whose speed cannot be true is believed no more
-_FOLLOWED = 0.9
-"""Share of the others' adhesion that is asked of a wheel whose speed is not known."""
+_FOLLOWED = 0.7
+"""Share of the others' adhesion that is asked of a wheel whose speed is not known: with more it locks, unseen."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

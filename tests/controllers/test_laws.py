@@ -178,7 +178,7 @@ def test_a_wheel_whose_speed_cannot_be_true_follows_the_others(lie):
         if lie == "lost":
             now = now._replace(wheelset_speed=np.array([np.nan, now.wheelset_speed[1]]))
         demands.append(law.decide(now)[0])
-    followed = (0.9 * 0.06 * GROUP.load * 0.38 / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
+    followed = (0.7 * 0.06 * GROUP.load * 0.38 / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
     assert demands[-1] == pytest.approx(followed, rel=0.01)
     assert demands[10] != pytest.approx(followed, rel=0.1)  # not before it is sure
     again = shown(2.0, SPEED, 0.0, (0.1, 0.05), (0.05, 0.06), (0.35, 0.35), (1e5, 2e5))
