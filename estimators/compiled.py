@@ -1,6 +1,7 @@
 """The extended Kalman filter of `ekf`, generated as C for one model."""
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +43,51 @@ class Followed:
     used: Vector
 
 
-class CompiledFilter:
+class StepInC:
+    """A filter whose step is C that works on one block of memory, which a subclass lays out and keeps."""
+
+    _block: Vector
+    _squared: Vector
+
+    def load(self, sources: Mapping[str, str]) -> ctypes.CDLL:
+        """Return the library with `int step(double *block)`, compiled or found compiled."""
+        loaded = ctypes.CDLL(str(shared_library(sources, "filter", flags=("-O3",))))
+        self._step = loaded.step
+        self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
+        self._address = ctypes.c_void_p(self._block.ctypes.data)
+        return loaded
+
+    @property
+    def squared_innovation(self) -> float:
+        """Normalised innovation squared of the last step, of `used.sum()` degrees."""
+        return float(self._squared[0])
+
+    @property
+    def entry(self) -> tuple[int, int, int]:
+        """Addresses for a caller in C: `int step(double *block)`, its block, and the squared innovation.
+
+        They and the arrays of this filter are valid as long as it lives.
+        """
+        step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
+        return step, self._block.ctypes.data, self._squared.ctypes.data
+
+    def go_on(self) -> None:
+        """Take one step.
+
+        Raises:
+            FilterDiverged: It failed; the block stays as it was.
+        """
+        outcome = self._step(self._address)
+        if outcome:
+            raise FilterDiverged(self.failure(outcome))
+
+    @staticmethod
+    def failure(outcome: int) -> str:
+        """Return what it means when the function of `entry` gives this number, other than 0."""
+        return DIVERGED[outcome]
+
+
+class CompiledFilter(StepInC):
     """The filter of `ExtendedKalmanFilter`, with its arguments, in C: equal but for rounding, much faster.
 
     `step` works on values as the other filter does. A loop that minds microseconds writes into `held` and
@@ -106,28 +151,11 @@ class CompiledFilter:
         part("THRESHOLD")[:] = design.gate_threshold
         part("LIMIT_SQUARED")[:] = design.outlier_limit**2
 
-        loaded = ctypes.CDLL(str(shared_library(code.sources, "filter", flags=("-O3",))))
-        self._step, self._run = loaded.step, loaded.run
-        self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
+        self._run = self.load(code.sources).run
         self._run.argtypes = [ctypes.c_void_p, ctypes.c_int] + [ctypes.c_void_p] * 8
         self._run.restype = ctypes.c_int
-        self._address = ctypes.c_void_p(block.ctypes.data)
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
         self._last: Estimate | None = None
-
-    @property
-    def squared_innovation(self) -> float:
-        """Normalised innovation squared of the last step, of `used.sum()` degrees."""
-        return float(self._squared[0])
-
-    @property
-    def entry(self) -> tuple[int, int, int]:
-        """Addresses for a caller in C: `int step(double *block)`, its block, and the squared innovation.
-
-        They and the arrays of this filter are valid as long as it lives.
-        """
-        step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
-        return step, self._block.ctypes.data, self._squared.ctypes.data
 
     def change_process_noise(self, process_noise: ArrayLike) -> None:
         """Trust the model otherwise from the next step on.
@@ -161,14 +189,7 @@ class CompiledFilter:
             FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
         """
         self._last = None
-        outcome = self._step(self._address)
-        if outcome:
-            raise FilterDiverged(self.failure(outcome))
-
-    @staticmethod
-    def failure(outcome: int) -> str:
-        """Return what it means when the function of `entry` gives this number, other than 0."""
-        return DIVERGED[outcome]
+        self.go_on()
 
     def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> None:
         """Take other noises from the next step on, without compiling again.

@@ -1,6 +1,5 @@
 """A Kalman filter whose cost is linear in the parts of a train: one for each bogie or group, around what they share."""
 
-import ctypes
 from collections.abc import Iterable
 from functools import lru_cache
 from importlib.resources import files
@@ -10,14 +9,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.errors import EstimatorError, FilterDiverged
+from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix
-from railgrip.estimators.compiled import DIVERGED
+from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import Design, index
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import Model
-from railgrip.fmus.native.toolchain import shared_library
 
 RANK = 9
 """Common unknowns that are kept: on the two-part train enough for the central filter's deviations, within 0.1 %."""
@@ -26,7 +24,7 @@ _LANES = 4
 _SOURCES = ("dispatch.c", "plain.c", "wide.c")
 
 
-class DecentralisedFilter:
+class DecentralisedFilter(StepInC):
     """An extended Kalman filter whose covariance is D + U C Uᵀ, D block diagonal by parts, U of `RANK` columns.
 
     Parts meet in the acceleration of the train only, a sum over all of them: by it each moves the speed and the others'
@@ -108,21 +106,7 @@ class DecentralisedFilter:
             tuple(numbers.items()),
             tuple((name, tuple(values)) for name, values in tables.items()),
         )
-        loaded = ctypes.CDLL(str(shared_library(dict(sources), "filter", flags=("-O3",))))
-        self._step = loaded.step
-        self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
-        self._address = ctypes.c_void_p(block.ctypes.data)
-
-    @property
-    def squared_innovation(self) -> float:
-        """Normalised innovation squared of the last step, of `used.sum()` degrees."""
-        return float(self._squared[0])
-
-    @property
-    def entry(self) -> tuple[int, int, int]:
-        """Addresses for a caller in C; see `railgrip.estimators.compiled.CompiledFilter.entry`."""
-        step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
-        return step, self._block.ctypes.data, self._squared.ctypes.data
+        self.load(dict(sources))
 
     def start(self, mean: ArrayLike, variances: ArrayLike) -> None:
         """Hold the belief before the first step: mean (n,) and variances (n,) of independent states.
@@ -151,14 +135,7 @@ class DecentralisedFilter:
         Raises:
             FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
         """
-        outcome = self._step(self._address)
-        if outcome:
-            raise FilterDiverged(self.failure(outcome))
-
-    @staticmethod
-    def failure(outcome: int) -> str:
-        """Return what it means when the function of `entry` gives this number, other than 0."""
-        return DIVERGED[outcome]
+        self.go_on()
 
 
 def _width(consist: Consist) -> int:

@@ -71,7 +71,22 @@ Estimator = Annotated[
 ]
 
 
-class Law(Table):
+class _OverTheTrain(Table):
+    """What groups have in common under any law of ours."""
+
+    redistribute: StrictBool = Field(
+        default=False,
+        exclude_if=lambda value: not value,
+        description="ask of groups with adhesion left what others cannot give of the driver's demand",
+    )
+    shared_valve: Literal["lowest", "mean"] = Field(
+        default="lowest",
+        exclude_if=lambda value: value == "lowest",
+        description="how groups that share a valve agree: the lowest demand or the mean",
+    )
+
+
+class Law(_OverTheTrain):
     """A control law of this project and what differs from its own parameter set."""
 
     kind: Literal[
@@ -86,21 +101,11 @@ class Law(Table):
         "ideal_tracking",
     ]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
-    redistribute: StrictBool = Field(
-        default=False,
-        exclude_if=lambda value: not value,
-        description="ask of groups with adhesion left what others cannot give of the driver's demand",
-    )
-    shared_valve: Literal["lowest", "mean"] = Field(
-        default="lowest",
-        exclude_if=lambda value: value == "lowest",
-        description="how groups that share a valve agree: the lowest demand or the mean",
-    )
 
     _flat = field_validator("parameters", mode="before")(scalars)
 
 
-class SlipLaw(Table):
+class SlipLaw(_OverTheTrain):
     """Slip-based control, and what differs from its parameter set."""
 
     kind: Literal["slip_two_state", "slip_three_state"]
@@ -110,16 +115,6 @@ class SlipLaw(Table):
         "slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
-    redistribute: StrictBool = Field(
-        default=False,
-        exclude_if=lambda value: not value,
-        description="ask of groups with adhesion left what others cannot give of the driver's demand",
-    )
-    shared_valve: Literal["lowest", "mean"] = Field(
-        default="lowest",
-        exclude_if=lambda value: value == "lowest",
-        description="how groups that share a valve agree: the lowest demand or the mean",
-    )
 
     _flat = field_validator("parameters", mode="before")(scalars)
 

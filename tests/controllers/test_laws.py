@@ -185,6 +185,34 @@ def test_a_wheel_whose_speed_cannot_be_true_follows_the_others(lie):
     assert law.decide(again)[0] != pytest.approx(followed, rel=0.1)
 
 
+def test_wheels_that_nothing_brakes_or_turns_tell_the_speed_after_a_radar_has_lied():
+    """A speed that is believed 25 % too high makes all wheels seem to slide by 20 %; released, they roll."""
+    law = SlopeSeeking([GROUP, GROUP], replace(SLOPE, period=1e-2))
+    names = [quantity.name for quantity in law.formula.states]
+    braked = 0.9 * GROUP.pressure_max
+
+    def decide(slip, adhesion, pressure):
+        return law.decide(shown(0.0, SPEED, 0.0, (slip,) * 2, (adhesion,) * 2, (0.35,) * 2, (pressure,) * 2))
+
+    decide(0.0, 0.0, 0.0)
+    decide(0.2, 0.06, braked)
+    for _ in range(200):
+        decide(0.2, 0.02, 0.0)  # the rail turns it: a slide
+    assert law.state[names.index("offset[1]")] == pytest.approx(0.0, abs=1e-12)
+    for _ in range(200):
+        demands = decide(0.2, 0.001, 0.0)
+    assert law.state[names.index("offset[1]")] == pytest.approx(0.2, rel=0.01)
+    assert demands[0] > 0.9 * GROUP.pressure_max  # it is braked again
+
+
+def test_the_slip_of_a_rolling_wheel_is_averaged():
+    law, random = SlopeSeeking([GROUP], replace(SLOPE, period=1e-2)), np.random.default_rng(3)
+    names = [quantity.name for quantity in law.formula.states]
+    for _ in range(100):
+        law.decide(shown(0.0, SPEED, 0.0, (0.02 + 0.01 * random.standard_normal(),), (0.0,), (0.35,), (0.0,)))
+    assert law.state[names.index("offset[1]")] == pytest.approx(0.02, abs=3 * 0.01 / 10)
+
+
 def test_next_to_no_adhesion_is_not_rolling():
     """On oil a wheel that slides at 40 % draws 0.008; full brake would lock it."""
     law = climber()
