@@ -25,6 +25,7 @@ from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBa
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.constant_slip import ConstantSlip, ConstantSlipTuning
 from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
+from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.law import Law, Tuning
 from railgrip.controllers.slip_based import SlipBased
@@ -74,7 +75,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import sampled_every
 from railgrip.scenario.track import STEEPEST, TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
-from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, TRACTION, Layout, layout_of, sent
+from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, REFERENCE, TRACTION, Layout, layout_of, sent
 from railgrip.trace.adhesion_use import over_the_rail
 from railgrip.trace.bound import Brake, with_bound
 from railgrip.trace.contact import Contact
@@ -273,6 +274,8 @@ def assembled(
             state_estimator = custom.CustomEstimator(estimator, formation)
         elif scenario.estimator.kind != "none":
             state_estimator = stack.enter_context(_state_estimator(scenario, layout, fmus))
+            if isinstance(scenario.estimator, KalmanFilter) and scenario.estimator.free_wheels:
+                state_estimator = replace(state_estimator, free_wheel=FreeWheel(groups, scenario.periods.estimator))
         estimates = _estimates(state_estimator)
         if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
             noise = generator(scenario.seed, "sensors.custom")
@@ -302,6 +305,7 @@ def assembled(
             *(() if commands_valves else DEMANDED),
             *(DRIVEN if scenario.demand is not None else ()),
             *(TRACTION if scenario.demand is not None and scenario.demand.has_traction else ()),
+            *(REFERENCE if isinstance(state_estimator, StateEstimator) and state_estimator.free_wheel else ()),
             *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
         )
         yield Assembled(

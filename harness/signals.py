@@ -154,6 +154,12 @@ INNOVATION = (
 )
 """How far the readings were from what the estimator expected, in its own claim."""
 
+REFERENCE = (
+    Signal("reference_speed", "train", "m/s", "speed that the estimator was given, of the radar or a rolling wheel"),
+    Signal("test_release", "group", "1", "1 while the brake is released for a reference speed"),
+)
+"""What was done about a silent radar; absent from the trace of a stop whose estimator has no free_wheels."""
+
 ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """What the estimator believed; absent from the trace of a stop without one."""
 

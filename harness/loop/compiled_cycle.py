@@ -1,6 +1,7 @@
 """The compiled engine: the stop of `cycle.run` in C, to the same bits, when every party can be called from there."""
 
 import ctypes
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any, Protocol, runtime_checkable
@@ -94,7 +95,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
     vectors = {
         "truth": layout.outputs, "inputs": layout.inputs, "latest": layout.readings, "fresh": layout.readings,
         **{name: length(places(block, layout.formation)) for name, block in _BELIEF.items()},
-        "command": layout.formation.groups, "demand": layout.formation.groups,
+        "reference": 1 + layout.formation.groups, "command": layout.formation.groups, "demand": layout.formation.groups,
         "driver_demand": layout.formation.groups,
     }  # fmt: skip
 
@@ -106,7 +107,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
             *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
-            *((name, _Formula) for name in ("law", "valves")),
+            *((name, _Formula) for name in ("law", "valves", "free_wheel")),
             *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver", "full", "faults")),
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
             ("rows", ctypes.c_void_p),
@@ -117,7 +118,10 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
                 for name in ("seen_count", "sensors_every", "estimator_every", "controller_every", "row")
             ),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
-            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at", "traction_at")),
+            *(
+                (name, ctypes.c_longlong)
+                for name in ("innovation_at", "demand_at", "driver_at", "traction_at", "reference_at")
+            ),
             *(
                 (name, ctypes.c_longlong)
                 for name in ("any", "news", "crossed", "sample", "written", "failure", "moved")
@@ -266,13 +270,15 @@ class _Parts:
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             full=self._at(driver.pressure), faults=ctypes.addressof(faults.struct) if faults is not None else None,
             law=self._formula(controller), valves=self._formula(actuation),
+            free_wheel=self._formula(None if state_estimator is None else getattr(state_estimator, "free_wheel", None)),
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,
             read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
             driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
-            traction_at=recorder.at.get("traction", -1),
+            traction_at=recorder.at.get("traction", -1), reference_at=recorder.at.get("reference_speed", -1),
         )  # fmt: skip
         its = self.struct
+        its.reference[0] = math.nan
         if isinstance(sensors, WhiteSensors):
             its.gain, its.bias, its.noise = (self._at(part) for part in (sensors.gain, sensors.bias, sensors.noise))
         self._filter = filter_ = state_estimator.filter if isinstance(state_estimator, StateEstimator) else None

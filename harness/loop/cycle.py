@@ -154,12 +154,13 @@ def decisions(
                     return without_controller(str(failed), written)
                 if not math.isfinite(sum(demands)):  # valve logic would take it for a wish to hold
                     return without_command(demands, time, written)
+                allowed = watch.allowed(demands)
                 if driver_columns is None:
-                    command = actuation.command(demands, observation.pressure)
+                    command = actuation.command(allowed, observation.pressure)
                 else:
                     driver_demands = driver.pressure.tolist()
-                    pairs = zip(demands, driver_demands, strict=True)
-                    lower = [min(pair) for pair in pairs] if driver.binding else demands
+                    pairs = zip(allowed, driver_demands, strict=True)
+                    lower = [min(pair) for pair in pairs] if driver.binding else allowed
                     command = actuation.command(lower, observation.pressure)
                 if not math.isfinite(sum(command)):
                     return without_command(command, time, written)

@@ -113,6 +113,14 @@ class DirectEstimator(Protocol):
         ...
 
 
+class Calculation(Protocol):
+    """A sampled function with memory."""
+
+    def call(self, given: Sequence[float]) -> Sequence[float]:
+        """Return its outputs for these inputs, and remember."""
+        ...
+
+
 @runtime_checkable
 class Controller(Protocol):
     """A control law."""

@@ -1,7 +1,7 @@
 """What a train knows of itself from sample to sample: its newest readings and, with an estimator, its belief."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from railgrip import signals
 from railgrip.controllers.observation import Observation
 from railgrip.errors import EstimatorFailed
-from railgrip.loop.ports import DirectEstimator, Filter
+from railgrip.loop.ports import Calculation, DirectEstimator, Filter
 from railgrip.signals import Layout
 from railgrip.trace.recorder import Recorder
 
@@ -40,6 +40,9 @@ class StateEstimator:
         adhesion: Indices of the adhesions.
         pad_friction: Indices of the pad frictions.
         wheel_radius: As the estimator believes it, one for each group [m].
+        free_wheel: Given the reading of the speed, those of the wheelset speeds and of the pressures, returns the
+            speed that the filter takes, and 1 for each group that is to be released; None where nobody stands in for
+            the radar.
     """
 
     filter: Filter
@@ -49,6 +52,7 @@ class StateEstimator:
     adhesion: Indices
     pad_friction: Indices
     wheel_radius: tuple[float, ...]
+    free_wheel: Calculation | None = None
 
 
 class Readings:
@@ -77,6 +81,10 @@ class Readings:
 
     def believe(self, time: float) -> str | None:
         """Estimate anew at a time [s]; return what is wrong with that, if anything is."""
+
+    def allowed(self, demands: Sequence[float]) -> Sequence[float]:
+        """Return demanded pressures [Pa], none of groups that are to be released."""
+        return demands
 
     def record(self, row: Vector) -> None:
         """Write nothing."""
@@ -162,6 +170,11 @@ class Beliefs:
         self._believed = its.mean.take(self._states)
         self._spread = self._variances.take(self._uncertain)
         self._wheels, self._unknown = state_estimator.wheelset_speed, (_UNKNOWN_SPEED / self._radius) ** 2
+        self._free_wheel, at = state_estimator.free_wheel, layout.reading
+        self._reading_speed, self._reading_wheels = at["speed"].start, at["wheelset_speed"]
+        self._reference: Sequence[float] = (math.nan,) + (0.0,) * self._groups
+        if self._free_wheel is not None:
+            self._reference_columns = recorder.block(signals.REFERENCE)
         self._innovation = (0.0, 0.0)
         self._mean_columns, self._spread_columns = recorder.block(signals.BELIEVED), recorder.block(signals.SPREAD)
         self._innovation_columns = recorder.block(signals.INNOVATION)
@@ -187,8 +200,13 @@ class Beliefs:
         if self._fresh is None:  # the first sample: the belief is the one that the filter begins with
             return None
         assert self._latest is not None
-        its = self._filter
-        its.seen[:] = self._fresh.take(self._seen)
+        its, fresh = self._filter, self._fresh
+        if self._free_wheel is not None:
+            wheels, pressures = self._latest[self._reading_wheels], self._latest[self._pressure]
+            self._reference = self._free_wheel.call([fresh[self._reading_speed], *wheels, *pressures])
+            fresh = fresh.copy()
+            fresh[self._reading_speed] = self._reference[0]
+        its.seen[:] = fresh.take(self._seen)
         try:
             its.advance()
         except ArithmeticError as diverged:
@@ -202,11 +220,18 @@ class Beliefs:
             return NEGATIVE
         return None
 
+    def allowed(self, demands: Sequence[float]) -> Sequence[float]:
+        """Return demanded pressures [Pa], none of groups that are to be released."""
+        released = self._reference[1:]
+        return [0.0 if off else demand for demand, off in zip(demands, released, strict=True)]
+
     def record(self, row: Vector) -> None:
         """Write the belief into a row."""
         row[self._mean_columns] = self._believed
         row[self._spread_columns] = self._spread
         row[self._innovation_columns] = self._innovation
+        if self._free_wheel is not None:
+            row[self._reference_columns] = self._reference
 
     def complete(self, rows: Matrix) -> None:
         """Add to the rows of a stop what follows from the beliefs in them."""

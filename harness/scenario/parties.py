@@ -51,6 +51,12 @@ class KalmanFilter(Table):
         exclude_if=lambda limits: not limits,
         description="from how many standard deviations of what was expected on a reading is left out, by its name",
     )
+    free_wheels: StrictBool = Field(
+        default=False,
+        exclude_if=lambda value: not value,
+        description="let the speed of a wheel that rolls, its brake off, stand for that of the train while the radar "
+        "is silent",
+    )
 
     _flat = field_validator("parameters", mode="before")(scalars)
 

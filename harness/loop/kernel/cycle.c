@@ -44,7 +44,7 @@ typedef struct {
     const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading in it */
     const long long *seen_of, *believed_of;      /* places in a reading; among the states */
     const double *radius;
-    Formula law, valves;
+    Formula law, valves, free_wheel;
     Plausibility *plausibility;
     Rail *rail;
     Driver *driver;                              /* null: full brake */
@@ -53,10 +53,11 @@ typedef struct {
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
+    double reference[1 + GROUPS];                /* speed for the filter; 1 for each group that is to be released */
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
     long long present_count, width, seen_count;
     long long sensors_every, estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
-    long long demand_at, driver_at, traction_at; /* -1: it is not kept */
+    long long demand_at, driver_at, traction_at, reference_at; /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
     long long moved;                             /* whether the train has been faster than stop_speed */
@@ -118,6 +119,14 @@ static void look(Cycle *c)
 
 static long long believe(Cycle *c)
 {
+    if (c->free_wheel.call) {
+        double given[1 + 2 * GROUPS];
+        given[0] = c->fresh[READING_SPEED];
+        copy(given + 1, c->latest + READING_WHEELSET_SPEED, GROUPS);
+        copy(given + 1 + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
+        c->free_wheel.call(c->free_wheel.state, given, c->free_wheel.parameter, c->reference);
+        c->fresh[READING_SPEED] = c->reference[0];
+    }
     for (long long i = 0; i < c->seen_count; i++)
         c->seen[i] = c->fresh[c->seen_of[i]];
     const int failure = c->advance(c->block);
@@ -166,8 +175,11 @@ static int decide(Cycle *c)
     }
     c->law.call(c->law.state, given, c->law.parameter, demand);
     copy(c->demand, demand, GROUPS);
-    for (int g = 0; g < GROUPS; g++)
+    for (int g = 0; g < GROUPS; g++) {
         total += demand[g];
+        if (c->free_wheel.call && c->reference[1 + g] != 0.0)
+            demand[g] = 0.0;
+    }
     if (c->driver) {                              /* in this form, a demand that is no number stays none */
         copy(c->driver_demand, c->driver->pressure, GROUPS);
         for (int g = 0; g < GROUPS && c->driver->binding; g++)
@@ -231,6 +243,8 @@ EXPORT int cycle(Cycle *c, long long until)
             copy(row + c->believed_at, c->believed, BELIEVED);
             copy(row + c->spread_at, c->spread, SPREAD);
             copy(row + c->innovation_at, c->innovation, INNOVATION);
+            if (c->reference_at >= 0)
+                copy(row + c->reference_at, c->reference, 1 + GROUPS);
         }
         c->written = k + 1;
         if (k % c->controller_every == 0) {

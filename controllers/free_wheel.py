@@ -1,0 +1,108 @@
+"""Speed over ground from a wheel that rolls, while the radar is silent."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import cache
+from types import MappingProxyType
+
+from railgrip.controllers.brake import BRAKE, BrakeGroup
+from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose, either, every
+
+PARAMETERS = MappingProxyType(
+    {
+        "period": ("s", "between two samples"),
+        "silence": ("s", "without a reading of the speed, after which wheels stand in for it"),
+        "release": ("s", "for which a brake must have been off"),
+        "filter_time": ("s", "time constant of the filter that differentiates wheel speeds"),
+        "spin_up": ("m/s2", "acceleration at the rim above which a released wheel still slides"),
+        "interval": ("s", "between two speeds from wheels: their error is that of a radius, and does not average out"),
+        "test_after": ("s", "without any speed, after which a group is released to see how fast its wheels roll"),
+        "test_most": ("s", "longest such release"),
+    }
+)
+VALUES = MappingProxyType(
+    {
+        "silence": 1.0, "release": 0.5, "filter_time": 0.3, "spin_up": 0.3, "interval": 0.1,
+        "test_after": 5.0, "test_most": 7.0,
+    }
+)  # fmt: skip
+"""A wheelset of 120 kg·m² under 7 t is turned at 0.3 m/s² by an adhesion of 0.004, less than leaves leave; an axle may
+be vented for 5 to 10 s before it has to brake again."""
+
+_ANY_SPEED = 1e6  # m/s
+
+
+class FreeWheel(Sampled):
+    """What takes the place of a reading of the speed that does not come, and the releases that it takes.
+
+    Its outputs are the speed [m/s] for the filter, NaN while nobody knows one, and 1 for each group that is to be
+    released.
+    """
+
+    def __init__(self, groups: Sequence[BrakeGroup], period: float) -> None:
+        """Watch the wheels of `groups`, every `period` [s]."""
+        brakes = {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
+        super().__init__(free_wheel(len(groups)), {"period": period, **VALUES, **brakes})
+
+
+@cache
+def free_wheel(groups: int) -> Formula:
+    """Return the formula of `FreeWheel` for so many groups.
+
+    A wheel rolls whose brake has been off for `release` and whose speed does not rise by more than `spin_up`; of more
+    the fastest, and none that is slower than a wheel that is braked: its sensor would be dead. Where no law releases
+    one for `test_after`, one group after the other is, from the rear. Test releases for a reference speed are the
+    practice of protection without radar (Pugi et al., Railway Engineering Science 31 (2023) 108).
+    """
+    draft = Draft()
+    speed = draft.input("speed", "m/s", "reading of the train speed; NaN while there is none")
+    numbers = range(1, groups + 1)
+    wheels = [draft.input(f"wheelset_speed[{g}]", "rad/s", "newest reading") for g in numbers]
+    pressures = [draft.input(f"pressure[{g}]", "Pa", "newest reading of the brake cylinder pressure") for g in numbers]
+    t = {name: draft.parameter(name, unit, text) for name, (unit, text) in PARAMETERS.items()}
+    period = t["period"]
+    silent = draft.state("silent", "s", "since the last reading of the speed")
+    present = _known(speed)
+    silence = choose(present, 0.0, silent + period)
+    draft.keep(silent, silence)
+
+    fastest: Expression = 0.0
+    free: Expression = 0.0
+    for g, wheel, pressure in zip(numbers, wheels, pressures, strict=True):
+        brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
+        rim = wheel * brake["wheel_radius"]
+        filtered = draft.state(f"rim[{g}]", "m/s", "filtered speed of the rim")
+        released = draft.state(f"released[{g}]", "s", "for how long the brake has been off")
+        change = period / (t["filter_time"] + period) * (rim - filtered)
+        draft.keep(filtered, filtered + choose(_known(rim), change, 0.0))
+        off = pressure * brake["piston_area"] < brake["spring_force"]
+        duration = choose(off, released + period, 0.0)
+        draft.keep(released, duration)
+        rolls = every(duration >= t["release"], change < t["spin_up"] * period)
+        fastest = choose(rim > fastest, rim, fastest)
+        free = choose(every(rolls, rim > free), rim, free)
+    waited = draft.state("waited", "s", "since the last speed from wheels")
+    waiting = waited + period
+    known = every(silence >= t["silence"], free > 0.0, free >= fastest)
+    given = every(known, waiting >= t["interval"])
+    draft.keep(waited, choose(given, 0.0, waiting))
+    draft.output("speed", "m/s", "speed for the filter", choose(present, speed, choose(given, free, float("nan"))))
+
+    # A test ends with a speed, or in vain; the next one is another group's.
+    unknown = draft.state("unknown", "s", "since a speed was known, or a test was in vain")
+    turn = draft.state("turn", "1", "groups between the last one and the next to be released")
+    duration = choose(either(present, known), 0.0, unknown + period)
+    testing = duration >= t["test_after"]
+    vain = duration >= t["test_after"] + t["test_most"]
+    draft.keep(unknown, choose(vain, 0.0, duration))
+    over = every(unknown >= t["test_after"], either(vain, duration == 0.0))
+    draft.keep(turn, choose(over, choose(turn + 1.0 < groups, turn + 1.0, 0.0), turn))
+    for g in numbers:
+        release = choose(every(testing, turn == groups - g), 1.0, 0.0)
+        draft.output(f"release[{g}]", "1", "1 while the group is to be released", release)
+    return draft.formula("FreeWheel", "Speed over ground from a wheel that rolls")
+
+
+def _known(reading: Expression) -> Expression:
+    """Return whether a reading [m/s] is a number."""
+    return reading > -_ANY_SPEED
