@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,3 +19,12 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     monkeypatch.setenv("RAILGRIP_CACHE", str(folder))
     return folder
+
+
+@pytest.fixture
+def in_process() -> Iterator[None]:
+    """Run stops in this process, where a test is not about workers."""
+    from one_process import one_process
+
+    with one_process():
+        yield

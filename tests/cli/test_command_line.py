@@ -127,7 +127,8 @@ def test_a_campaign_keeps_every_stop_prints_the_table_and_goes_on_where_it_was_l
     assert (project / "out" / "wet-abc" / "trace.nc").read_bytes() == traces
 
 
-def test_two_campaigns_share_the_workers_and_have_a_report_each(railgrip, project):
+@pytest.mark.usefixtures("in_process")
+def test_two_campaigns_in_one_command_have_a_report_each(railgrip, project):
     """The second says itself that it wants no panels: its page lacks those of its two stops."""
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "other.toml").write_text('panels = "none"\n' + text.replace('"pair"', '"other"'), encoding="utf-8")
@@ -157,6 +158,7 @@ def test_what_another_scenario_or_another_program_left_is_run_again(project):
     assert not is_there(stop, directory)
 
 
+@pytest.mark.usefixtures("in_process")
 def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "pair.toml").write_text(
@@ -217,6 +219,7 @@ def baselines(project):
     return path
 
 
+@pytest.mark.usefixtures("in_process")
 def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project, baselines):
     where = ("--baselines", "baselines", "--out", "out")
     new = railgrip("regress", *where)

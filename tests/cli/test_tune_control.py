@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from one_process import Here
 
 from railgrip.assemble import controlled_formation, controller_of
 from railgrip.campaign.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
-from railgrip.campaign.workers import workers
 from railgrip.controllers.adhesion_based import PeakSeekingTuning
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.scenario.campaign import load_campaign
@@ -133,8 +133,8 @@ def one_rail(tmp_path_factory):
 )
 def test_a_search_ends_no_worse_than_it_began(law, actuation, slip, one_rail):
     best: list[float] = []
-    with workers(2) as pool:
-        optimum = search(law, actuation, slip, lambda _, value: best.append(value), pool, rails=one_rail, sets=12)
+    tell = lambda _, value: best.append(value)
+    optimum = search(law, actuation, slip, tell, Here(), rails=one_rail, sets=12)
     assert len(best) >= 2
     assert best == sorted(best, reverse=True)
     assert optimum.rails == ("even",)

@@ -31,6 +31,7 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
     assert "EBCL" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("in_process")
 def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_they_stopped(tmp_path):
     study = tmp_path / "short.toml"
     text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", "stop.toml")
@@ -52,6 +53,7 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     assert abs(first["loop"]["k"] - first["loop"]["quasi_static"]["k"]) < 0.05
 
 
+@pytest.mark.usefixtures("in_process")
 def test_half_a_line_of_a_killed_study_costs_one_stop(tmp_path):
     scenario = load(LIBRARY / "vt642_dry.toml", ["start.speed=15 km/h"])
     other = scenario.model_copy(update={"seed": 2})

@@ -4,6 +4,7 @@ import csv
 import json
 
 import pytest
+from one_process import one_process
 
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
@@ -22,7 +23,7 @@ kind = "none"
 
 
 def run(*arguments):
-    with pytest.raises(SystemExit) as end:
+    with one_process(), pytest.raises(SystemExit) as end:
         main(["type-test", *arguments])
     return end.value.code
 
