@@ -7,7 +7,7 @@ import shutil
 import casadi as ca
 import numpy as np
 import pytest
-from conftest import FEATURES
+from small_fmus import FEATURES
 
 from railgrip.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import lower, model, toolchain

@@ -1,6 +1,7 @@
 """Every FMU of recipes.toml: valid, as lock.toml says, and with the trajectory of rumoca's own simulator."""
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -70,6 +71,12 @@ def train(made, tmp_path_factory):
     return load
 
 
+@cache
+def session() -> rumoca.Session:
+    """One for all classes: it reads the library once."""
+    return rumoca.Session(roots=[str(Path(LIBRARY).parent)])
+
+
 def reference(
     class_name: str, inputs: Mapping[str, float], until: float = STOP, more: str = ""
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -80,9 +87,7 @@ def reference(
     scalar = {name for name in inputs if "[" not in name}
     bound = [f"{k} = {v[0]}" if k in scalar else f"{k} = {{{', '.join(map(repr, v))}}}" for k, v in groups.items()]
     text = f"model Wrapped\n  {class_name} inside({', '.join(bound)}{more});\nend Wrapped;"
-    model = rumoca.Session(roots=[str(Path(LIBRARY).parent)]).loads(
-        text, model="Wrapped", filename="wrapped/Wrapped.mo"
-    )
+    model = session().loads(text, model="Wrapped", filename="wrapped/Wrapped.mo")
     result = model.simulate((0, until), dt=STEP, config=rumoca.SimConfig(solver="bdf", rtol=1e-9, atol=1e-10))
     time = np.asarray(result.time)
     doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]

@@ -9,7 +9,7 @@ import rumoca
 
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
-EXPLICIT = {"EnergyOfAStop", "ValveTimes", "AirCounted"}
+EXPLICIT = {"EnergyOfAStop", "EnergyOfAConsist", "TrainOfComponents", "ValveTimes", "AirCounted"}
 """Models with a whole train or a clock: rumoca's BDF is slow, or stops with a complaint about its sampler."""
 
 
@@ -24,34 +24,38 @@ def simulate(model: rumoca.Model, until: float, *, explicit: bool = False) -> ru
     return model.simulate((0, until), dt=0.05, config=config)
 
 
-def load(class_name: str) -> tuple[rumoca.Model, float]:
+@pytest.fixture(scope="module")
+def session() -> rumoca.Session:
+    """Reads the library once: that takes longer than most of the models."""
+    return rumoca.Session(roots=[str(LIBRARY.parent)])
+
+
+def load(session: rumoca.Session, class_name: str) -> tuple[rumoca.Model, float]:
     """Return a class of the library and the stop time of its experiment, s."""
     text = (LIBRARY / (class_name.replace(".", "/") + ".mo")).read_text()
     experiment = re.search(r"experiment\(StopTime=([\d.]+), Tolerance=", text)
     assert experiment, f"{class_name} has no experiment"
-    session = rumoca.Session(roots=[str(LIBRARY.parent)])
     model = session.load(str(LIBRARY / "package.mo"), model=f"RailBraking.{class_name}")
     return model, float(experiment[1])
 
 
 @pytest.mark.parametrize("name", models("Validation"))
-def test_the_answer_is_the_closed_form(name: str) -> None:
-    result = simulate(*load(f"Validation.{name}"), explicit=name in EXPLICIT)
+def test_the_answer_is_the_closed_form(session: rumoca.Session, name: str) -> None:
+    result = simulate(*load(session, f"Validation.{name}"), explicit=name in EXPLICIT)
     error = np.asarray(result["error"])
     assert error.size > 10
     assert np.isfinite(error).all()
 
 
-def test_a_wrong_answer_fails() -> None:
+def test_a_wrong_answer_fails(session: rumoca.Session) -> None:
     """A model that judges itself must be able to say no."""
-    session = rumoca.Session(roots=[str(LIBRARY.parent)])
     source = "model Strict extends RailBraking.Validation.LoadTransfer(tolerance=-1); end Strict;"
     with pytest.raises(rumoca.SimulationError, match="off by"):
         simulate(session.loads(source, model="Strict", filename="Strict.mo"), 1.0)
 
 
 @pytest.mark.parametrize("name", models("Examples"))
-def test_the_example_runs(name: str) -> None:
-    result = simulate(*load(f"Examples.{name}"), explicit="Stop" in name)
+def test_the_example_runs(session: rumoca.Session, name: str) -> None:
+    result = simulate(*load(session, f"Examples.{name}"), explicit="Stop" in name)
     if "train.speed" in result.names:
         assert np.asarray(result["train.speed"])[-1] == pytest.approx(0.0, abs=1e-9)
