@@ -77,9 +77,9 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Energy of rotation"
     annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
   Components.Wheelsets wheels(
-    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail, E=creep.E, nu=creep.nu,
-    k_A=creep.k_A, k_S=creep.k_S, A=creep.A,
-    B=creep.B, v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
+    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
+    curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, k_A=creep.k_A, k_S=creep.k_S, A=creep.A, B=creep.B,
+    v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
     e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
   Components.GroupBrake brake(
