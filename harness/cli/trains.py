@@ -84,15 +84,15 @@ def study(
 
     from railgrip.rolling_stock.files import NAMED
     from railgrip.scenario.file import installed
-    from railgrip.studies.trains.report import table_of, table_of_sanders, write_report
+    from railgrip.studies.trains.report import table_of, table_of_protected, table_of_sanders, write_report
     from railgrip.studies.trains.sanders import compare, trial_of
-    from railgrip.studies.trains.stops import dry_stop, multiplied
+    from railgrip.studies.trains.stops import dry_stop, multiplied, protected_stop
 
     names = [name for name in NAMED if not quick or name != "loco_coaches"]
     counts = (1, 2, 4) if quick else (1, 2, 4, 8, 16)
     trial, model = trial_of(), Path("emu387")
     text = installed(model, "trains").read_text(encoding="utf-8")
-    pieces = len(names) + len(counts) + 1
+    pieces = len(names) + len(counts) + 2
     with progress("trains", pieces, counted=True) as shown, tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{model}_{count}.toml" for count in counts]
         for file, count in zip(files, counts, strict=True):
@@ -102,9 +102,12 @@ def study(
             found.append(dry_stop(train))
             shown.advance()
         stops, series = found[: len(names)], found[len(names) :]
+        protected = [protected_stop(period) for period in (1e-3, 10e-3)]
+        shown.advance()
         density, comparisons = compare(trial)
         shown.advance()
-        page = write_report(stops, series, trial, density, comparisons, out)
+        page = write_report(stops, series, protected, trial, density, comparisons, out)
     show_table(table_of(stops))
+    show_table(table_of_protected(protected))
     show_table(table_of_sanders(comparisons))
     say(str(page))

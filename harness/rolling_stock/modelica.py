@@ -58,7 +58,6 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
                 "n": len(bogie.axles),
                 "groups": len(own),
                 "group_numbers": own,
-                "g0": own[0],
                 "g": f"{own[0]}:{own[-1]}",
                 "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
                 "body": body_of_car[bogie.cars[0]] + 1,

@@ -18,7 +18,7 @@ Vector = NDArray[np.float64]
 _STEP = 1e-2  # s
 _FILLED = 0.95  # of the highest pressure at the end of the filling time
 _PROPAGATION = 290.0  # m/s, of a front in the brake pipe: isothermal speed of sound; UIC 540 wants 250 at least
-_AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Components.TrainBody
+_AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Data.Drag
 _LONGEST = 600.0  # s
 
 

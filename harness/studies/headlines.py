@@ -15,6 +15,8 @@ Tell = Callable[[str], None]
 
 MEAN, EXTREME = 0.02, 0.10
 """Relative tolerances of means and of the largest of many."""
+SLIP = 2e-3
+"""Of a distance under slip control: parameters moved by 1e-7 move it by 2e-4."""
 
 
 def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
@@ -137,10 +139,48 @@ def learn(tell: Tell) -> list[Finding]:
     return of_learn(tell)
 
 
+def trains(tell: Tell) -> list[Finding]:
+    """Return dry distances of named trains, and two rows of the trial of sanders with its density of sand."""
+    from railgrip.assemble import braking_distance
+    from railgrip.studies.trains.sanders import scenario_tables, stopped, trial_of
+    from railgrip.studies.trains.stops import dry_scenario
+
+    findings: list[Finding] = []
+    for train, speed in (("vt642", 85 / 3.6), ("emu387", 120 / 3.6), ("tram", 50 / 3.6)):
+        tell(f"trains, {train}")
+        distance = _stopped(braking_distance(dry_scenario(train, speed)), train)
+        # Nothing slides: only the solver's steps differ on another machine.
+        findings.append(
+            Finding(name=f"trains, {train}: dry distance", value=distance, unit="m", tolerance=1e-4 * distance)
+        )
+    trial = trial_of()
+    tables = scenario_tables(trial)
+    for row in trial.rows:
+        if row.sanders in ("two fixed", "two variable"):
+            tell(f"trains, {row.sanders}")
+            distance = _stopped(stopped(trial, row, _SAND, tables), row.sanders)
+            findings.append(
+                Finding(
+                    name=f"trains, sanders {row.sanders}: distance", value=distance, unit="m", tolerance=SLIP * distance
+                )
+            )
+    return findings
+
+
+_SAND = 5.4e-3  # kg/m, what docs/trains.md has from the fit on one row
+
+
+def _stopped(distance: float | None, what: str) -> float:
+    if distance is None:
+        raise EstimationError(f"{what} does not come to stand; `railgrip trains` shows the stop.")
+    return distance
+
+
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
     "estimate": (rig, field, monitor),
     "lateral": (lateral,),
     "learn": (learn,),
+    "trains": (trains,),
 }
 
 

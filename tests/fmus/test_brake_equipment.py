@@ -18,7 +18,18 @@ def simulated(name: str, *outputs: str) -> np.ndarray:
     return fmpy.simulate_fmu(str(file), stop_time=until, output_interval=0.01, output=outputs)
 
 
-@pytest.mark.parametrize("name", ["PipeFront", "PipeFriction", "DistributorTimes", "CommandDelay", "CompressorCycle"])
+AIR = [
+    "PipeFront",
+    "PipeFriction",
+    "DistributorTimes",
+    "TwoStages",
+    "AcceleratedPipe",
+    "CommandDelay",
+    "CompressorCycle",
+]
+
+
+@pytest.mark.parametrize("name", AIR)
 def test_the_built_in_compiler_finds_the_answer(name: str) -> None:
     error = simulated(f"Validation.{name}", "error")["error"]
     assert len(error) > 100

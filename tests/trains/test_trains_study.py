@@ -12,7 +12,7 @@ from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import installed
 from railgrip.studies.trains import sanders
 from railgrip.studies.trains.report import write_report
-from railgrip.studies.trains.stops import DryStop, Filling, multiplied
+from railgrip.studies.trains.stops import DryStop, Filling, ProtectedStop, multiplied, protected_stop
 
 
 def laid(scenario):
@@ -56,7 +56,7 @@ def test_the_demand_is_the_deceleration_of_the_trial():
 def stop_of(train, **changes):
     """A stop that nobody ran."""
     values = {
-        "train": train, "speed": 30.0, "distance": 400.0, "hand": by_hand(train, 30.0), "states": 9, "build_s": None,
+        "train": train, "speed": 30.0, "distance": 400.0, "hand": by_hand(train, 30.0), "states": 9, "build_s": 2.5,
         "plant_step_us": 3.0, "cycle_us": 5.0, "coupler_force": np.zeros(len(train.couplers)), "filling": None,
     }  # fmt: skip
     return DryStop(**values | changes)
@@ -71,8 +71,14 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
         sanders.Comparison(sanders="one fixed", distance=801.0, measured=800.0, at_least=False, fitted=True),
         sanders.Comparison(sanders="none", distance=None, measured=1200.0, at_least=True, fitted=False),
     ]
-    page = write_report([stop_of(train, filling=filling)], series, sanders.trial_of(), 0.011, rows, tmp_path)
-    trains = json.loads((tmp_path / "trains.json").read_text(encoding="utf-8"))["trains"]
+    protected = ProtectedStop(estimator_period=0.01, simulated=30.0, processor=1.2)
+    page = write_report(
+        [stop_of(train, filling=filling)], series, [protected], sanders.trial_of(), 0.011, rows, tmp_path
+    )
+    written = json.loads((tmp_path / "trains.json").read_text(encoding="utf-8"))
+    trains = written["trains"]
+    assert [one["times_real_time"] for one in written["protected_stop"]] == [pytest.approx(25.0)]
+    assert all(one["build_s"] > 0 for one in trains)
     assert [one["train"] for one in trains] == ["emu387", "emu387_1", "emu387_2"]
     assert [one["axles"] for one in trains] == [16, 4, 8]
     assert trains[0]["reference_m"] == pytest.approx(by_hand(train, 30.0).distance)
@@ -83,3 +89,9 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
     assert "11.0 g/m" in html
     assert "&gt; 1200 m" in html
     assert "280 m/s" in html
+
+
+def test_the_stop_with_estimator_and_valves_runs_in_the_compiled_engine():
+    stop = protected_stop(0.01)
+    assert 20.0 < stop.simulated < 60.0  # the rail holds 0.08 g from 80 km/h: 28 s at best
+    assert stop.processor > 0

@@ -13,7 +13,7 @@ from railgrip.report.page import image, write_page
 from railgrip.report.table import Table
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.studies.trains.sanders import Comparison, Trial
-from railgrip.studies.trains.stops import FILLING, PROPAGATION, DryStop
+from railgrip.studies.trains.stops import FILLING, PROPAGATION, DryStop, ProtectedStop
 
 HAND = "EN 14531-1 by hand"
 
@@ -46,6 +46,7 @@ def row_of(stop: DryStop) -> dict[str, object]:
 def write_report(
     stops: Sequence[DryStop],
     series: Sequence[DryStop],
+    protected: Sequence[ProtectedStop],
     trial: Trial,
     density: float,
     comparisons: Sequence[Comparison],
@@ -56,12 +57,25 @@ def write_report(
     Args:
         stops: Of the named trains.
         series: Of trains of one, two, four … equal cars.
+        protected: What the stop with estimator and valves costs.
         trial: Of sanders.
         density: Of sand, fitted [kg/m].
         comparisons: Of the distances of the trial.
         directory: The folder.
     """
-    _write(directory / "trains.json", {"trains": [row_of(stop) for stop in (*stops, *series)]})
+    real_time = [
+        {
+            "estimator_period_s": one.estimator_period,
+            "simulated_s": one.simulated,
+            "processor_s": one.processor,
+            "times_real_time": one.times_real_time,
+        }
+        for one in protected
+    ]
+    _write(
+        directory / "trains.json",
+        {"trains": [row_of(stop) for stop in (*stops, *series)], "protected_stop": real_time},
+    )
     rows = [
         {"sanders": one.sanders, "distance_m": one.distance, "measured_m": one.measured, "fitted": one.fitted}
         | ({"at_least": True} if one.at_least else {})
@@ -79,6 +93,7 @@ def write_report(
         filling=_filling(stops),
         forces=_forces(stops),
         costs=_costs([*stops, *series]),
+        protected=table_of_protected(protected),
         cost_figure=image(style.save(_cost_figure(series), figures / "cost.png")) if series else "",
         sanders=table_of_sanders(comparisons),
         sander_figure=image(style.save(_sander_figure(comparisons), figures / "sanders.png")),
@@ -102,6 +117,22 @@ def table_of(stops: Sequence[DryStop]) -> Table:
     ]
     forms = {"from": "{:.0f} km/h", "simulated": "{:.1f} m", "by hand": "{:.1f} m", "difference": "{:+.1f} %"}
     return Table(rows, forms, ("train",))
+
+
+def table_of_protected(protected: Sequence[ProtectedStop]) -> Table:
+    """Return how much faster than real time the stop with estimator and valves runs."""
+    rows = [
+        {
+            "estimator every": f"{1e3 * one.estimator_period:g} ms",
+            "simulated": one.simulated,
+            "processor": one.processor,
+            "times real time": one.times_real_time,
+            "target": ">= 20",
+        }
+        for one in protected
+    ]
+    forms = {"simulated": "{:.1f} s", "processor": "{:.2f} s", "times real time": "{:.1f}"}
+    return Table(rows, forms, ("estimator every", "target"))
 
 
 def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:

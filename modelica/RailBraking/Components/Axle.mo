@@ -16,7 +16,6 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Torque by which the track must exceed the brake to turn a locked axle";
   parameter Data.Creep creep "Contact";
   parameter Data.Resistance resistance "Bearings and rolling";
-  parameter Data.Rigging rigging "Levers of a brake unit";
   parameter Data.Pad pads "Pads";
   parameter Data.Disc discs "Discs";
   Interfaces.TranslationalFlange box "Axle boxes, to the bogie frame"
@@ -29,8 +28,8 @@ model Axle "Wheelset with its brake, or several that turn as one"
   Interfaces.RealInput mu0[n](each final unit="1")
     "Maximum friction coefficient of the rail at each wheelset"
     annotation(Placement(transformation(extent={{-120, 14}, {-100, 34}})));
-  Interfaces.RealInput pressure(final unit="Pa")
-    "Pressure in the cylinders"
+  Interfaces.RealInput pad_force(final unit="N")
+    "Normal force of both pads of one unit"
     annotation(Placement(transformation(extent={{-120, -34}, {-100, -14}})));
   Interfaces.BooleanInput standstill
     "= true, if the train stands"
@@ -47,9 +46,6 @@ model Axle "Wheelset with its brake, or several that turn as one"
   Interfaces.RealOutput adhesion(final unit="1")
     "Braking forces over loads"
     annotation(Placement(transformation(extent={{100, 45}, {120, 57}})));
-  Interfaces.RealOutput pad_force(final unit="N")
-    "Normal force of both pads of one unit"
-    annotation(Placement(transformation(extent={{100, 32}, {120, 44}})));
   Interfaces.RealOutput pad_friction(final unit="1")
     "Friction coefficient of the pads"
     annotation(Placement(transformation(extent={{100, 19}, {120, 31}})));
@@ -81,9 +77,9 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Energy of rotation"
     annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
   Components.Wheelsets wheels(
-    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail, E=creep.E, nu=creep.nu,
-    k_A=creep.k_A, k_S=creep.k_S, A=creep.A,
-    B=creep.B, v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
+    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
+    curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, k_A=creep.k_A, k_S=creep.k_S, A=creep.A, B=creep.B,
+    v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
     e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
   Components.GroupBrake brake(
@@ -107,9 +103,7 @@ equation
   connect(standstill, wheels.standstill);
   connect(brake.torque, wheels.brake_torque)
     annotation(Line(points={{-18, 10}, {0, 10}, {0, -8}, {18, -8}}, color={0, 0, 127}));
-  pad_force = Pneumatics.padForce(
-    pressure, rigging.A_piston, rigging.i_rigging, rigging.eta_rigging, rigging.F_spring);
-  brake.pad_force = pad_force;
+  connect(pad_force, brake.pad_force);
   brake.w = wheels.w;
   brake.speed = box.v;
   F = wheels.F;
@@ -140,9 +134,9 @@ equation
     Documentation(info="<html>
 <p>
 <a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> on the rails and the <a
-href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a> on them. The cylinders are not in it: a valve
-that several axles share is one cylinder whose pressure goes to all of them. J dw/dt = r_wheel &Sigma;F + shaft.tau -
-brake - resistance while the wheelsets turn.
+href=\"modelica://RailBraking.Components.GroupBrake\">GroupBrake</a> on them. Cylinders and riggings are not in it: a
+valve that several axles share is one cylinder whose pressure goes to the riggings of all of them. J dw/dt = r_wheel
+&Sigma;F + shaft.tau - brake - resistance while the wheelsets turn.
 </p>
 <h4>Limitations</h4>
 <p>

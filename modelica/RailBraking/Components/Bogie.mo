@@ -26,7 +26,6 @@ model Bogie "Bogie of any number of axles, braked"
   parameter Data.Suspension suspension "Frame and primary suspension";
   parameter Data.Creep creep "Contact";
   parameter Data.Resistance resistance "Bearings and rolling";
-  parameter Data.Rigging rigging "Levers of a brake unit";
   parameter Data.Pad pads "Pads";
   parameter Data.Disc discs "Discs";
   Interfaces.TranslationalFlange pivot "Traction rod, to the body of a car"
@@ -36,8 +35,8 @@ model Bogie "Bogie of any number of axles, braked"
   Interfaces.RealInput mu0[n](each final unit="1")
     "Maximum friction coefficient of the rail at each wheelset"
     annotation(Placement(transformation(extent={{-120, 53}, {-100, 73}})));
-  Interfaces.RealInput pressure[groups](each final unit="Pa")
-    "Pressure in the cylinders of each group"
+  Interfaces.RealInput pad_force[groups](each final unit="N")
+    "Normal force of both pads of one unit"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.BooleanInput standstill
     "= true, if the train stands"
@@ -60,9 +59,6 @@ model Bogie "Bogie of any number of axles, braked"
   Interfaces.RealOutput adhesion[groups](each final unit="1")
     "Adhesion used by each group"
     annotation(Placement(transformation(extent={{100, 32}, {120, 42}})));
-  Interfaces.RealOutput pad_force[groups](each final unit="N")
-    "Normal force of both pads of one unit"
-    annotation(Placement(transformation(extent={{100, 21}, {120, 31}})));
   Interfaces.RealOutput pad_friction[groups](each final unit="1")
     "Friction coefficient of the pads"
     annotation(Placement(transformation(extent={{100, 11}, {120, 21}})));
@@ -100,7 +96,7 @@ model Bogie "Bogie of any number of axles, braked"
     redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
     each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
     mu_b_start=mu_b_start, T_disc_start=T_disc_start, each v_start=v_start, each tau_small=tau_small, each creep=creep,
-    each resistance=resistance, each rigging=rigging, each pads=pads, each discs=discs) "Wheelsets with their brakes"
+    each resistance=resistance, each pads=pads, each discs=discs) "Wheelsets with their brakes"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
   Components.BogieFrame frame(
     final n=n, m_wheelset={m_wheelset[j] for j in 1:n}, m_unsprung={m_unsprung[j] for j in 1:n}, m_frame=m_frame,
@@ -114,7 +110,7 @@ equation
     connect(axle[g].box, pivot) annotation(Line(points={{-40, -18}, {-40, 10}, {0, 10}, {0, 110}}, color={0, 0, 127}));
     connect(axle[g].shaft, shaft[g])
       annotation(Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
-    connect(pressure[g], axle[g].pressure);
+    connect(pad_force[g], axle[g].pad_force);
     connect(standstill, axle[g].standstill);
     for i in 1:size_of_group loop
       connect(mu0[size_of_group*(g - 1) + i], axle[g].mu0[i]);
@@ -124,7 +120,6 @@ equation
     w[g] = axle[g].w;
     slip[g] = axle[g].slip;
     adhesion[g] = axle[g].adhesion;
-    pad_force[g] = axle[g].pad_force;
     pad_friction[g] = axle[g].pad_friction;
     disc_temperature[g] = axle[g].disc_temperature;
     disc_surface_temperature[g] = axle[g].disc_surface_temperature;

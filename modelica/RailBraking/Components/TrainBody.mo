@@ -21,20 +21,34 @@ model TrainBody "All masses of the train along the track, with drag and rest"
   Interfaces.BooleanOutput standstill(start=false, fixed=true) "= true, if the train stands"
     annotation(Placement(transformation(extent={{100, -77}, {120, -57}})));
   Types.Length s(start=0, fixed=true) "Distance travelled";
-  Types.Velocity v(start=v_start, fixed=true) "Speed";
+  Types.Velocity v "Speed";
 protected
-  Types.Force drag "Drag of the air";
+  final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
+  CarBody body(m=m, v_start=v_start, drag=drag) "All masses in one body"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
+  BodyForce wheelsets "Force of the track on all wheelsets"
+    annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
+  Rest rest(final n=1, v_rest=v_rest, F_small=F_small) "When the train is at rest"
+    annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
 equation
-  drag = rho_air/2*c_drag*A_drag*v^2;
-  standstill = if pre(standstill) then track_force <= capacity + F_small
-    else v <= v_rest and track_force <= capacity;
-  a = if standstill then 0 else (track_force - F - drag)/m;
-  der(v) = a;
+  connect(wheelsets.pivot, body.pivot) annotation(Line(points={{-18, -60}, {0, -60}, {0, -22}}, color={0, 0, 127}));
+  connect(track_force, body.track_force)
+    annotation(Line(points={{-110, 0}, {-60, 0}, {-60, 12}, {-22, 12}}, color={0, 0, 127}));
+  connect(track_force, rest.track_force)
+    annotation(Line(points={{-110, 0}, {-70, 0}, {-70, -90}, {10, -90}, {10, -60}, {18, -60}}, color={0, 0, 127}));
+  connect(capacity, rest.capacity)
+    annotation(Line(points={{-110, -67}, {-80, -67}, {-80, -95}, {14, -95}, {14, -72}, {18, -72}}, color={0, 0, 127}));
+  connect(rest.standstill, body.standstill)
+    annotation(Line(points={{62, -60}, {70, -60}, {70, -30}, {-30, -30}, {-30, -12}, {-22, -12}}, color={0, 0, 127}));
+  connect(rest.standstill, standstill)
+    annotation(Line(points={{62, -60}, {90, -60}, {90, -67}, {110, -67}}, color={0, 0, 127}));
+  connect(body.a, a) annotation(Line(points={{22, 16}, {80, 16}, {80, 67}, {110, 67}}, color={0, 0, 127}));
+  connect(body.resistance_power, resistance_power)
+    annotation(Line(points={{22, 8}, {60, 8}, {60, 0}, {110, 0}}, color={0, 0, 127}));
+  wheelsets.force = -F;
+  rest.v = {body.v};
+  v = body.v;
   der(s) = v;
-  when standstill then
-    reinit(v, 0);
-  end when;
-  resistance_power = (drag - track_force)*v;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -46,15 +60,13 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A train that is slower than <code>v_rest</code> and can be held is at rest: its speed is exactly zero until the track
-pulls
-it forward harder than brakes, bearings and adhesion can hold. A creep force law alone would let it approach rest for
-ever.
+<a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a> and <a
+href=\"modelica://RailBraking.Components.Rest\">Rest</a> with signals in place of connectors, for a train that is one
+mass.
 </p>
 <h4>Limitations</h4>
 <p>
-Forward motion only: a train on a rising gradient with released brakes comes to rest and stays, where a real one
-would roll back. Coming to rest discards m v_rest<sup>2</sup>/2, 0.04 J for 84 t.
+Those of its parts. Coming to rest discards m v_rest<sup>2</sup>/2, 0.04 J for 84 t.
 </p>
 </html>"));
 end TrainBody;

@@ -35,7 +35,7 @@ kinematics keep <code>r</code>.
 <p>
 Below <code>v_small</code> a creeping wheel behaves like a very stiff damper; static friction is the business of
 <a href=\"modelica://RailBraking.Components.Wheelsets\">Wheelsets</a> and
-<a href=\"modelica://RailBraking.Components.TrainBody\">TrainBody</a>. The rounding of the load adds
+<a href=\"modelica://RailBraking.Components.Rest\">Rest</a>. The rounding of the load adds
 F_small<sup>2</sup>/(4 load), less than 0.03 N for any railway wheelset.
 </p>
 </html>"));

@@ -13,11 +13,19 @@ protected
   Pneumatics.ValveCylinder cylinder(
     p_max=p_max, V=n_units*V_cylinder, T_fill=T_fill, T_vent=T_vent, dead_fill=dead_fill,
     dead_vent=dead_vent) "Cylinders"
-    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
+    annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
+  Pneumatics.Rigging rigging(
+    A_piston=A_piston, i_rigging=i_rigging, eta_rigging=eta_rigging, F_spring=F_spring) "Rigging"
+    annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
 equation
-  cylinder.command = valve_command;
-  cylinder_pressure = cylinder.pressure;
-  pad_force = Pneumatics.padForce(cylinder_pressure, A_piston, i_rigging, eta_rigging, F_spring);
+  connect(valve_command, cylinder.command)
+    annotation(Line(points={{-110, 0}, {-90, 0}, {-90, -60}, {-62, -60}}, color={0, 0, 127}));
+  connect(cylinder.pressure, rigging.pressure)
+    annotation(Line(points={{-18, -50}, {0, -50}, {0, -60}, {18, -60}}, color={0, 0, 127}));
+  connect(cylinder.pressure, cylinder_pressure)
+    annotation(Line(points={{-18, -50}, {0, -50}, {0, -30}, {90, -30}, {90, -6}, {110, -6}}, color={0, 0, 127}));
+  connect(rigging.pad_force, pad_force)
+    annotation(Line(points={{62, -60}, {95, -60}, {95, -19}, {110, -19}}, color={0, 0, 127}));
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

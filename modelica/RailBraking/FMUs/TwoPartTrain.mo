@@ -3,18 +3,27 @@ block TwoPartTrain "Two-part train whose cylinders follow pressure commands"
   extends Vehicles.PartialTwoPartTrain;
   parameter Types.Time T_pressure(min=1e-4) = 0.02 "Time constant of the cylinder pressure"
     annotation(Dialog(group="Brake"));
-  Interfaces.RealInput pressure_command[4](each final unit="Pa", each start=0)
+  Interfaces.RealInput pressure_command[groups](each final unit="Pa", each start=0)
     "Pressure that the cylinders of each group shall have"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
-  Pneumatics.IdealCylinder cylinder[4](
+  Pneumatics.IdealCylinder cylinder[groups](
     each T=T_pressure, p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free) "Cylinders of each group"
-    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
+    annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
+  Pneumatics.Rigging rigging[groups](
+    each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring)
+    "Rigging of each group"
+    annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
 equation
-  for i in 1:4 loop
-    cylinder[i].command = pressure_command[i];
-    cylinder_pressure[i] = cylinder[i].pressure;
-    pad_force[i] = Pneumatics.padForce(cylinder_pressure[i], A_piston, i_rigging, eta_rigging, F_spring);
+  for i in 1:groups loop
+    connect(pressure_command[i], cylinder[i].command)
+      annotation(Line(points={{-110, 0}, {-90, 0}, {-90, -60}, {-62, -60}}, color={0, 0, 127}));
+    connect(cylinder[i].pressure, rigging[i].pressure)
+      annotation(Line(points={{-18, -50}, {0, -50}, {0, -60}, {18, -60}}, color={0, 0, 127}));
+    connect(cylinder[i].pressure, cylinder_pressure[i])
+      annotation(Line(points={{-18, -50}, {0, -50}, {0, -30}, {90, -30}, {90, 26}, {110, 26}}, color={0, 0, 127}));
+    connect(rigging[i].pad_force, pad_force[i])
+      annotation(Line(points={{62, -60}, {95, -60}, {95, 18}, {110, 18}}, color={0, 0, 127}));
   end for;
   air_flow = sum(cylinder.air_flow);
   annotation (

@@ -15,26 +15,31 @@ block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and
   parameter Types.Pressure p_reverse(min=1) = 1e4
     "Change of pressure in which the friction of the calipers turns around"
     annotation(Dialog(group="Brake"));
-  Interfaces.RealInput valve_command[4](each final unit="1", each start=0)
+  Interfaces.RealInput valve_command[groups](each final unit="1", each start=0)
     "Valves of each group: -1 vent, 0 hold, 1 fill"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 protected
-  Pneumatics.ValveCylinder cylinder[4](
+  Pneumatics.ValveCylinder cylinder[groups](
     p_max=p_max, p_start=p_start, V=V_group, each p_free=p_free, each T_fill=T_fill, each T_vent=T_vent,
     each dead_fill=dead_fill, each dead_vent=dead_vent, each rate_choked=rate_choked, each leak=leak)
     "Cylinders of each group"
-    annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
-  Pneumatics.HystereticRigging rigging[4](
+    annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
+  Pneumatics.HystereticRigging rigging[groups](
     each A_piston=A_piston, each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring,
     each hysteresis=hysteresis, each p_reverse=p_reverse) "Rigging of each group"
-    annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
+    annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
 equation
-  for i in 1:4 loop
-    cylinder[i].command = valve_command[i];
-    cylinder_pressure[i] = cylinder[i].pressure;
-    rigging[i].pressure = cylinder[i].pressure;
-    rigging[i].rate = cylinder[i].rate;
-    pad_force[i] = rigging[i].pad_force;
+  for i in 1:groups loop
+    connect(valve_command[i], cylinder[i].command)
+      annotation(Line(points={{-110, 0}, {-90, 0}, {-90, -60}, {-62, -60}}, color={0, 0, 127}));
+    connect(cylinder[i].pressure, rigging[i].pressure)
+      annotation(Line(points={{-18, -50}, {18, -50}}, color={0, 0, 127}));
+    connect(cylinder[i].rate, rigging[i].rate)
+      annotation(Line(points={{-18, -60}, {0, -60}, {0, -70}, {18, -70}}, color={0, 0, 127}));
+    connect(cylinder[i].pressure, cylinder_pressure[i])
+      annotation(Line(points={{-18, -50}, {0, -50}, {0, -30}, {90, -30}, {90, 26}, {110, 26}}, color={0, 0, 127}));
+    connect(rigging[i].pad_force, pad_force[i])
+      annotation(Line(points={{62, -60}, {95, -60}, {95, 18}, {110, 18}}, color={0, 0, 127}));
   end for;
   air_flow = sum(cylinder.air_flow);
   annotation (

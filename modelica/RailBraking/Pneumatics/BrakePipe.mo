@@ -67,9 +67,8 @@ of brakes have
 <h4>Limitations</h4>
 <p>
 The velocity head is neglected (air leaves at up to 100 m/s beside the valve), the friction factor is constant and
-estimated, and nothing
-accelerates the brake: distributors that vent some of the pipe themselves, as those for long trains do, are not in
-it. A front is smeared over some cells.
+estimated. Nothing accelerates the brake but an <a
+href=\"modelica://RailBraking.Pneumatics.Accelerator\">Accelerator</a> at a branch. A front is smeared over some cells.
 </p>
 </html>"));
 end BrakePipe;

@@ -20,13 +20,13 @@ class BuildingTrains "How to put a train together"
 <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a> has the parameters, inputs and outputs that
 the loop knows and the sums over the train. <a
 href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> adds any number of equal cars; <a
-href=\"modelica://RailBraking.Vehicles.PartialArticulatedTrain\">PartialArticulatedTrain</a> shows how bogies that
+href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> shows how bogies that
 differ are put under a body, a Jacobs bogie among them.
 </p>
 <h4>Who shares a valve</h4>
 <p>
-Cylinders belong to the train, not to the axle: connect the pressure of one cylinder with one group, with all groups
-of a bogie or with all of a car, and give it the volume of all of them.
+Cylinders and riggings belong to the train, not to the axle: connect the pressure of one cylinder with the rigging of
+one group, of all groups of a bogie or of all of a car, and give it the volume of all of them.
 </p>
 <h4>Other parts</h4>
 <p>

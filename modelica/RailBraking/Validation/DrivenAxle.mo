@@ -19,7 +19,7 @@ equation
   magnet.force = -4000;
   axle.load = {12e3*g};
   axle.mu0 = {0.3};
-  axle.pressure = 0;
+  axle.pad_force = 0;
   axle.standstill = false;
   body.track_force = 0;
   body.standstill = false;

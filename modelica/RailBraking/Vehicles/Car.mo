@@ -33,7 +33,6 @@ model Car "Car body on equal bogies"
   parameter Data.Suspension suspension "Frames and primary suspension";
   parameter Data.Creep creep "Contact";
   parameter Data.Resistance resistance "Bearings and rolling";
-  parameter Data.Rigging rigging "Levers of a brake unit";
   parameter Data.Pad pads "Pads";
   parameter Data.Disc discs "Discs";
   Interfaces.TranslationalFlange front "Front end"
@@ -47,8 +46,8 @@ model Car "Car body on equal bogies"
   Interfaces.RealInput mu0[bogies*axles](each final unit="1")
     "Maximum friction coefficient of the rail at each wheelset"
     annotation(Placement(transformation(extent={{-120, 61}, {-100, 81}})));
-  Interfaces.RealInput pressure[bogies*groups](each final unit="Pa")
-    "Pressure in the cylinders of each group"
+  Interfaces.RealInput pad_force[bogies*groups](each final unit="N")
+    "Normal force of both pads of one unit"
     annotation(Placement(transformation(extent={{-120, 14}, {-100, 34}})));
   Interfaces.RealInput track_force(final unit="N")
     "Force of gradient and curve on this car, forward"
@@ -83,9 +82,6 @@ model Car "Car body on equal bogies"
   Interfaces.RealOutput adhesion[bogies*groups](each final unit="1")
     "Adhesion used by each group"
     annotation(Placement(transformation(extent={{100, 14}, {110, 22}})));
-  Interfaces.RealOutput pad_force[bogies*groups](each final unit="N")
-    "Normal force of both pads of one unit"
-    annotation(Placement(transformation(extent={{100, 5}, {110, 13}})));
   Interfaces.RealOutput pad_friction[bogies*groups](each final unit="1")
     "Friction coefficient of the pads"
     annotation(Placement(transformation(extent={{100, -4}, {110, 4}})));
@@ -133,7 +129,7 @@ model Car "Car body on equal bogies"
     mu_b_start={{mu_b_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
     T_disc_start={{T_disc_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies}, each v_start=v_start,
     each tau_small=tau_small, each suspension=suspension, each creep=creep, each resistance=resistance,
-    each rigging=rigging, each pads=pads, each discs=discs) "Bogies"
+    each pads=pads, each discs=discs) "Bogies"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
 equation
   connect(front, body.front) annotation(Line(points={{-110, 0}, {-80, 0}, {-80, 40}, {-62, 40}}, color={0, 0, 127}));
@@ -152,13 +148,12 @@ equation
       deflection[axles*(b - 1) + i] = bogie[b].deflection[i];
     end for;
     for i in 1:groups loop
-      connect(pressure[groups*(b - 1) + i], bogie[b].pressure[i]);
+      connect(pad_force[groups*(b - 1) + i], bogie[b].pad_force[i]);
       connect(bogie[b].shaft[i], shaft[groups*(b - 1) + i]) annotation(
         Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
       w[groups*(b - 1) + i] = bogie[b].w[i];
       slip[groups*(b - 1) + i] = bogie[b].slip[i];
       adhesion[groups*(b - 1) + i] = bogie[b].adhesion[i];
-      pad_force[groups*(b - 1) + i] = bogie[b].pad_force[i];
       pad_friction[groups*(b - 1) + i] = bogie[b].pad_friction[i];
       disc_temperature[groups*(b - 1) + i] = bogie[b].disc_temperature[i];
       disc_surface_temperature[groups*(b - 1) + i] = bogie[b].disc_surface_temperature[i];
@@ -191,13 +186,13 @@ equation
     Documentation(info="<html>
 <p>
 A <a href=\"modelica://RailBraking.Components.CarBody\">CarBody</a> with its <a
-href=\"modelica://RailBraking.Components.Bogie\">Bogies</a>. Wheelsets and groups count from the front. The cylinders
-are the train's: one whose pressure goes to an axle, a bogie or a car.
+href=\"modelica://RailBraking.Components.Bogie\">Bogies</a>. Wheelsets and groups count from the front. Cylinders
+and riggings are the train's: a cylinder may be that of an axle, of a bogie or of a car.
 </p>
 <h4>Limitations</h4>
 <p>
 All bogies have the same numbers of wheelsets and groups; a car with others is a CarBody and Bogies of its own, as in
-<a href=\"modelica://RailBraking.Vehicles.PartialArticulatedTrain\">PartialArticulatedTrain</a>.
+<a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>.
 </p>
 </html>"));
 end Car;

@@ -175,6 +175,14 @@ the vehicle itself are not published. The second
 car is left out. Those of <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>: cones for
 wheels, a simple flange.
 </p>
+<h4>Implementation</h4>
+<p>
+Its parts are <a href=\"modelica://RailBraking.Components.GuidedWheelset\">GuidedWheelset</a>, <a
+href=\"modelica://RailBraking.Components.GuidedFrame\">GuidedFrame</a> and <a
+href=\"modelica://RailBraking.Components.GuidedBody\">GuidedBody</a>, not Axle, Bogie and CarBody: those share one speed
+along the track, have no lateral, yaw or roll motion and one contact for two wheels, and this car is all about these.
+Parts exchange positions and forces of six motions as signals; a flange has one.
+</p>
 <h4>Notes</h4>
 <p>
 k_A, k_S, A_falling and B_falling hold for the whole run, <code>mu0</code> may change along the track. Below 1 Hz and

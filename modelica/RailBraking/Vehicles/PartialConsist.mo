@@ -43,7 +43,7 @@ protected
     mu_b_start={{mu_b_start[groups_of_car*(c - 1) + i] for i in 1:groups_of_car} for c in 1:cars},
     T_disc_start={{T_disc_start[groups_of_car*(c - 1) + i] for i in 1:groups_of_car} for c in 1:cars},
     each v_start=speed_start, each tau_small=tau_small, each drag=drag, each suspension=suspension, each creep=creep,
-    each resistance=resistance, each rigging=rigging, each pads=pads, each discs=discs) "Cars"
+    each resistance=resistance, each pads=pads, each discs=discs) "Cars"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
   Components.Coupler coupler[couplers](each k=k_coupler, each c=c_coupler, each slack=slack_coupler)
     "Couplers behind all cars but the last"
@@ -54,7 +54,7 @@ equation
     car[c].track_force = track_force*car[c].mass/m_train;
     v[c] = car[c].v;
     a[c] = car[c].a;
-    m_car[c] = car[c].mass;
+    m_body[c] = car[c].mass;
     for i in 1:wheelsets_of_car loop
       car[c].mu0[i] = mu0[wheelsets_of_car*(c - 1) + i];
       F[wheelsets_of_car*(c - 1) + i] = car[c].F[i];
@@ -62,11 +62,10 @@ equation
       deflection[wheelsets_of_car*(c - 1) + i] = car[c].deflection[i];
     end for;
     for i in 1:groups_of_car loop
-      car[c].pressure[i] = cylinder_pressure[groups_of_car*(c - 1) + i];
       wheelset_speed[groups_of_car*(c - 1) + i] = car[c].w[i];
       slip[groups_of_car*(c - 1) + i] = car[c].slip[i];
       group_adhesion[groups_of_car*(c - 1) + i] = car[c].adhesion[i];
-      pad_force[groups_of_car*(c - 1) + i] = car[c].pad_force[i];
+      car[c].pad_force[i] = pad_force[groups_of_car*(c - 1) + i];
       pad_friction[groups_of_car*(c - 1) + i] = car[c].pad_friction[i];
       disc_temperature[groups_of_car*(c - 1) + i] = car[c].disc_temperature[i];
       disc_surface_temperature[groups_of_car*(c - 1) + i] = car[c].disc_surface_temperature[i];

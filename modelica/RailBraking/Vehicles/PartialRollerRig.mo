@@ -61,7 +61,7 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
   parameter Types.Density rho_air = 1.2 "Density of the air" annotation(Dialog(group="Resistance"));
 
   Interfaces.RealInput mu0(final unit="1", start=0) "Maximum friction coefficient between wheel and roller"
-    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
+    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
 
   Interfaces.RealOutput distance(final unit="m") "Distance that the wagon would have travelled"
     annotation(Placement(transformation(extent={{105, 89}, {115, 99}})));
@@ -97,51 +97,51 @@ partial block PartialRollerRig "Braked wheelset on a roller that imitates a wago
   Interfaces.BooleanOutput standstill "= true, if the roller stands"
     annotation(Placement(transformation(extent={{105, -99}, {115, -89}})));
 protected
-  Components.TrainBody body(m=m_imitated, c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_start=speed_start)
-    "Roller and drive: the wagon"
-    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
-  Components.Wheelsets wheelset(
-    final n=1, J=J, r=r_wheel, r_rail=r_rail, curvature_rail=1/r_roller, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S,
-    A=A_falling,
-    B=B_falling, v_small=v_small, mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling,
-    w_start=speed_start/r_wheel)
-    "Wheelset on the roller"
-    annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
-  Components.GroupBrake brake(
-    n_units=n_units, r_friction=r_friction,
-    pad(
-      mu_nominal=mu_b_nominal, mu_start=mu_b_start, speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal,
-      temperature_effect=temperature_effect, force_effect=force_effect, pad_force_nominal=pad_force_nominal,
-      E_settle=E_settle, T_settle=T_settle),
-    disc(T_start=T_disc_start)) "Brake units"
-    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
+  final parameter Data.Creep creep = Data.Creep(
+    k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, curvature_rail=1/r_roller, E=E_steel, nu=nu_steel,
+    v_small=v_small) "Contact of wheel and roller";
+  final parameter Data.Resistance resistance = Data.Resistance(
+    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling) "Bearings and rolling";
+  final parameter Data.Pad pads = Data.Pad(
+    speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
+    force_effect=force_effect, pad_force_nominal=pad_force_nominal, E_settle=E_settle, T_settle=T_settle) "Pads";
+  final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
+  Components.CarBody body(m=m_imitated, v_start=speed_start, drag=drag) "Roller and drive: the wagon"
+    annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
+  Components.Rest rest(final n=1) "When the roller is at rest"
+    annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
+  Components.Axle wheelset(
+    final n=1, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
+    mu_b_start=mu_b_start, T_disc_start=T_disc_start, v_start=speed_start, creep=creep, resistance=resistance,
+    pads=pads) "Wheelset on the roller"
+    annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
+  Types.Length s(start=0, fixed=true) "Distance that the surface has travelled";
 equation
-  brake.pad_force = pad_force;
-  brake.w = wheelset_speed;
-  brake.speed = speed;
-  pad_friction = brake.pad.mu;
-  disc_temperature = brake.disc.temperature;
-
+  connect(wheelset.box, body.pivot) annotation(Line(points={{0, 22}, {0, 38}}, color={0, 0, 127}));
   wheelset_load = load*(1 + load_ripple*sin(distance/r_roller));
-  wheelset.v = speed;
   wheelset.load = {wheelset_load};
   wheelset.mu0 = {mu0};
-  wheelset.brake_torque = brake.torque;
+  wheelset.pad_force = pad_force;
   wheelset.standstill = standstill;
   wheelset_speed = wheelset.w;
-  slip = wheelset.contact[1].slip;
+  slip = wheelset.slip;
   contact_force = wheelset.F[1];
-  adhesion = contact_force/wheelset_load;
-  brake_torque = wheelset.torque;
+  adhesion = wheelset.adhesion;
+  pad_friction = wheelset.pad_friction;
+  disc_temperature = wheelset.disc_temperature;
+  brake_torque = wheelset.brake_torque;
   locked = wheelset.locked;
 
-  body.F = contact_force;
   body.track_force = 0;
-  body.capacity = wheelset.capacity;
-  distance = body.s;
+  body.standstill = standstill;
+  rest.v = {body.v};
+  rest.track_force = 0;
+  rest.capacity = wheelset.capacity;
+  der(s) = speed;
+  distance = s;
   speed = body.v;
   acceleration = body.a;
-  standstill = body.standstill;
+  standstill = rest.standstill;
   drive_torque = J_roller*acceleration/r_roller + r_roller*contact_force;
   annotation (
     Icon(

@@ -35,8 +35,6 @@ partial block PartialUniformTrain "Train with bogies, riggings and pads of one k
   parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released"
     annotation(Dialog(group="Pads"));
 protected
-  final parameter Data.Rigging rigging = Data.Rigging(
-    A_piston=A_piston, i_rigging=i_rigging, eta_rigging=eta_rigging, F_spring=F_spring) "Levers of a brake unit";
   final parameter Data.Pad pads = Data.Pad(
     speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
     temperature_nominal=temperature_nominal, temperature_range=temperature_range, force_effect=force_effect,

@@ -101,63 +101,64 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
   Interfaces.BooleanOutput standstill "= true, if the wagon stands"
     annotation(Placement(transformation(extent={{104, -99}, {116, -87}})));
 protected
-  Components.TrainBody body(m=m, c_drag=c_drag, A_drag=A_drag, rho_air=rho_air, v_start=speed_start)
-    "Mass along the track"
-    annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
-  Components.Wheelsets front(
-    final n=1, J=J[1], r=r_wheel[1], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling,
-    B=B_falling, v_small=v_small,
-    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[1]) "Front wheelset"
-    annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
-  Components.Wheelsets rear(
-    final n=1, J=J[2], r=r_wheel[2], r_rail=r_rail, E=E_steel, nu=nu_steel, k_A=k_A, k_S=k_S, A=A_falling,
-    B=B_falling, v_small=v_small,
-    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling, w_start=speed_start/r_wheel[2]) "Rear wheelset"
-    annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
-  Components.GroupBrake brake[2](
-    each n_units=n_units, each r_friction=r_friction,
-    pad(
-      mu_nominal=mu_b_nominal, mu_start=mu_b_start, each speed_effect=speed_effect,
-      each pad_speed_nominal=pad_speed_nominal,
-      each temperature_effect=temperature_effect, each force_effect=force_effect,
-      each pad_force_nominal=pad_force_nominal,
-      each E_settle=E_settle, each T_settle=T_settle),
-    disc(each T_start=T_disc_start)) "Brake units of each wheelset"
-    annotation(Placement(transformation(extent={{20, -60}, {60, -20}})));
+  final parameter Data.Creep creep = Data.Creep(
+    k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
+  final parameter Data.Resistance resistance = Data.Resistance(
+    mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling) "Bearings and rolling";
+  final parameter Data.Pad pads = Data.Pad(
+    speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
+    force_effect=force_effect, pad_force_nominal=pad_force_nominal, E_settle=E_settle, T_settle=T_settle) "Pads";
+  final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
+  Components.CarBody body(m=m, v_start=speed_start, drag=drag) "Wagon"
+    annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
+  Components.Rest rest(final n=1) "When the wagon is at rest"
+    annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
+  Components.Axle front(
+    final n=1, J=J[1], r_wheel=r_wheel[1], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[1],
+    mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, resistance=resistance,
+    pads=pads) "Front wheelset"
+    annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
+  Components.Axle rear(
+    final n=1, J=J[2], r_wheel=r_wheel[2], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[2],
+    mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, resistance=resistance,
+    pads=pads) "Rear wheelset"
+    annotation(Placement(transformation(extent={{40, -20}, {80, 20}})));
+  Types.Length s(start=0, fixed=true) "Distance travelled";
   Types.Force transfer(start=0, fixed=true) "Load that has moved from the rear to the front wheelset";
 equation
   T_pitch*der(transfer) = -h_mass/wheelbase*m*acceleration - transfer;
   wheelset_load = {m*g/2 + transfer, m*g/2 - transfer};
-  for i in 1:2 loop
-    brake[i].pad_force = pad_force[i];
-    brake[i].w = wheelset_speed[i];
-    brake[i].speed = speed;
-    pad_friction[i] = brake[i].pad.mu;
-    disc_temperature[i] = brake[i].disc.temperature;
-  end for;
-  front.v = speed;
+  connect(front.box, body.pivot)
+    annotation(Line(points={{-60, 22}, {-60, 30}, {0, 30}, {0, 38}}, color={0, 0, 127}));
+  connect(rear.box, body.pivot)
+    annotation(Line(points={{60, 22}, {60, 30}, {0, 30}, {0, 38}}, color={0, 0, 127}));
   front.load = {wheelset_load[1]};
   front.mu0 = {mu0[1]};
-  front.brake_torque = brake[1].torque;
+  front.pad_force = pad_force[1];
   front.standstill = standstill;
-  rear.v = speed;
   rear.load = {wheelset_load[2]};
   rear.mu0 = {mu0[2]};
-  rear.brake_torque = brake[2].torque;
+  rear.pad_force = pad_force[2];
   rear.standstill = standstill;
   wheelset_speed = {front.w, rear.w};
-  slip = {front.contact[1].slip, rear.contact[1].slip};
-  adhesion = {front.F[1]/wheelset_load[1], rear.F[1]/wheelset_load[2]};
-  resistance_torque = {(r_wheel[1]*front.f_bearing + e_rolling)*wheelset_load[1],
-    (r_wheel[2]*rear.f_bearing + e_rolling)*wheelset_load[2]};
+  slip = {front.slip, rear.slip};
+  adhesion = {front.adhesion, rear.adhesion};
+  pad_friction = {front.pad_friction, rear.pad_friction};
+  disc_temperature = {front.disc_temperature, rear.disc_temperature};
+  resistance_torque = {
+    (r_wheel[1]*front.wheels.f_bearing + e_rolling)*wheelset_load[1],
+    (r_wheel[2]*rear.wheels.f_bearing + e_rolling)*wheelset_load[2]};
   locked = {front.locked, rear.locked};
-  body.F = front.F[1] + rear.F[1];
   body.track_force = track_force;
-  body.capacity = front.capacity + rear.capacity;
-  distance = body.s;
+  body.standstill = standstill;
+  rest.v = {body.v};
+  rest.track_force = track_force;
+  rest.capacity = front.capacity + rear.capacity;
+  der(s) = speed;
+  distance = s;
   speed = body.v;
   acceleration = body.a;
-  standstill = body.standstill;
+  standstill = rest.standstill;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -171,9 +172,10 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-The generic wagon of Schwarz and Keck (2020, figure 1) with Polach's contact under each wheelset. In braking the
-front wheelset gains
--m der(v) h_mass/wheelbase, with the lag <code>T_pitch</code> of a suspension.
+The generic wagon of Schwarz and Keck (2020, figure 1): two <a
+href=\"modelica://RailBraking.Components.Axle\">Axles</a> under one <a
+href=\"modelica://RailBraking.Components.CarBody\">CarBody</a>, without bogies. In braking the front wheelset gains -m
+der(v) h_mass/wheelbase, with the lag <code>T_pitch</code> of a suspension.
 </p>
 <h4>Limitations</h4>
 <p>
