@@ -25,6 +25,7 @@ class Quantity:
         unit: SI, "1" for ratios.
         description: One line.
         start: Of a state: before the first call.
+        shown: Of a state: whether it says what the function does and why, to whoever reads a recording.
         minimum, maximum: Of a parameter or output: beyond them it means nothing; None where there is no such limit.
     """
 
@@ -32,6 +33,7 @@ class Quantity:
     unit: str
     description: str
     start: float = 0.0
+    shown: bool = False
     minimum: float | None = None
     maximum: float | None = None
 
@@ -86,6 +88,11 @@ class Draft:
     def state(self, name: str, unit: str, description: str, start: float = 0.0) -> Expression:
         """Return the symbol of a new state, its value before the call."""
         return self._symbol("state", Quantity(name=name, unit=unit, description=description, start=start))
+
+    def show(self, name: str, unit: str, description: str, value: Expression) -> None:
+        """Keep a value only to be shown."""
+        symbol = Quantity(name=name, unit=unit, description=description, shown=True)
+        self.keep(self._symbol("state", symbol), value)
 
     def keep(self, state: Expression, value: Expression) -> None:
         """Say what a state is after the call."""
@@ -169,6 +176,13 @@ class Sampled:
         for place, values in enumerate((self._following, self._result)):
             if values.size:
                 self._buffer.set_res(place, values.data)
+
+    @property
+    def shown(self) -> tuple[tuple[int, Quantity], ...]:
+        """Places in `state` of what says what the function does, and what it is; elements of an array together."""
+        shown = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.shown]
+        names = [quantity.name.partition("[")[0] for _, quantity in shown]
+        return tuple(one for _, one in sorted(zip(names, shown, strict=True), key=lambda pair: names.index(pair[0])))
 
     @property
     def step(self) -> ca.Function:

@@ -31,6 +31,7 @@ class SlopeTuning(Tuning):
 
     period: float
     filter_time: float
+    pressure_lag: float
     washout_time: float
     window: float
     correlation_time: float
@@ -60,6 +61,7 @@ class SlopeTuning(Tuning):
         {
             "period": ("s", "between two decisions"),
             "filter_time": ("s", "time constant of the filters of slip and adhesion"),
+            "pressure_lag": ("s", "of the reading of the pressure"),
             "washout_time": ("s", "time constant beyond which changes count as the rail's, not the slip's"),
             "window": ("s", "time constant of forgetting in the regression"),
             "correlation_time": ("s", "between two residuals of the regression that are independent"),
@@ -88,8 +90,10 @@ class SlopeTuning(Tuning):
             "speed_min": ("m/s", "train speed below which the brake is simply applied"),
         }
     )
-    POSITIVE: ClassVar[frozenset[str]] = frozenset(name for name, (unit, _) in MEANINGS.items() if unit == "s")
-    FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
+    POSITIVE: ClassVar[frozenset[str]] = frozenset(
+        name for name, (unit, _) in MEANINGS.items() if unit == "s" and name != "pressure_lag"
+    )
+    FIXED: ClassVar[frozenset[str]] = frozenset({"period", "pressure_lag", "adhesion_max"})
 
     def __post_init__(self) -> None:
         """Refuse what would run and mean nothing.
@@ -108,20 +112,22 @@ class SlopeTuning(Tuning):
 class SlopeSeeking(Law):
     """Slip control with a set point on the slope of adhesion over slip.
 
-    Per group, with s the slip less that of a rolling wheel and a = α̂; ⟨·⟩ is a mean over the sliding groups, weighted
-    by what each holds, and E one over `window`:
+    Per group, with s the slip less that of a rolling wheel and a = α̂. Neighbouring groups are dithered half a period
+    apart; Δ is half the difference between the sliding groups of odd and of even number, ⟨·⟩ a mean over such groups,
+    weighted by what each holds, and E one over `window`:
 
-        x, y = ⟨ln s⟩, ln⟨a⟩, filtered, less what is slower than `washout_time`
+        x, y = Δ⟨ln s⟩, Δ ln⟨a⟩, filtered, less what is slower than `washout_time`
         e = E(xy)/(E(x²) + log_slip_noise²), its variance from the residual of the regression
         w = spread²/(spread² + var e)                          how far e is believed: 1 known, 0 unknown
         d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·ln(s_usual/s_set))
         s_usual = slip_usual + creep_usual/v
-        s* = s_set·exp(dither·sin φ)
+        s* = s_set·exp(±dither·sin φ)
         T = a F_z r − J (1−s) v̇/r + (J v/r)(ṡ* + gain (s* − s))  leads s to s* at `gain`
         p = p(T), with the estimated pad friction
 
-    All groups share one set point and one dither: the sum of their adhesions is what the train's retardation tells, far
-    better known than the adhesion of one, and it is the noise of y that decides how soon a slope is significant.
+    All groups share one set point. What a changing rail does to wheels alike cancels in the difference: of one group,
+    or of the train's sum, a loss of friction makes slip rise as adhesion falls, which looks like the far side of a peak
+    and is none. A train of one group has nothing to compare with, and takes x and y of that.
 
     A wheel that is not braked yet rolls, and the slip it shows then is an error of radius or speed: it is averaged and
     taken from all that follows. Wheels worn by 3 % and a radar off by 1 % would else look like slides. The same holds
@@ -167,6 +173,9 @@ _DOUBTED = 0.5  # s, after which a wheel whose speed cannot be true is believed 
 _FOLLOWED = 0.7
 """Share of the others' adhesion that is asked of a wheel whose speed is not known: with more it locks, unseen."""
 
+_ROLLING, _SEEKING, _VENTING, _FOLLOWING = range(4)
+_MODES = "what rules the group: 0 rolls, 1 seeks slip, 2 vented, 3 its speed is unknown, follows the others"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Wheels:
@@ -202,12 +211,13 @@ def slope_seeking(groups: int) -> Formula:
         started = draft.state("started", "1", "1 once there is a sample before this one")
         draft.keep(started, 1.0)
         train: list[_Wheels] = []
-        target: list[Expression] = []  # and its rate
+        targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
 
         def demand(draft: Draft, seen: GroupObservation) -> Expression:
             if not train:
                 train.extend(_wheels(draft, each, t, started) for each in seen.train)
-                target.extend(_target(draft, train, t))
+                targets.extend(_targets(draft, train, t))
+            target = targets[seen.index - 1]
             own, brake, radius, speed = train[seen.index - 1], seen.brake, seen.brake["wheel_radius"], seen.speed
             inertia = brake["inertia"]
             rolling = either(ca.logic_not(own.sliding), speed < t["speed_min"])
@@ -225,14 +235,18 @@ def slope_seeking(groups: int) -> Formula:
             controlled = choose(venting, 0.0, pressure_for(torque, seen.pad_friction, brake))
             # A wheel whose speed is not known is given the adhesion of the others.
             others = [each for each in train if each is not own]
+            compared = either(0.0, *(each.known for each in others))
+            following = every(ca.logic_not(own.known), compared, speed >= t["speed_min"])
+            mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
+            draft.show(seen.named("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
+            draft.show(seen.named("slip_target"), "1", "slip that is sought, dither included", target[0])
             if not others:
                 return controlled
             loads = [each.seen.brake["load"] for each in others]
             share = _mean([(each.known, each.adhesion) for each in others], loads)
             rubbing = _mean([(each.known, each.seen.pad_friction) for each in others], loads)
             followed = pressure_for(_FOLLOWED * share * held, rubbing, brake)
-            alone = every(*(ca.logic_not(each.known) for each in others))
-            return choose(either(own.known, alone, speed < t["speed_min"]), controlled, followed)
+            return choose(following, followed, controlled)
 
         return demand
 
@@ -260,7 +274,7 @@ def _wheels(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], s
         return choose(started, before, now), now
 
     slip_before, slip_now = filtered("filtered_slip", slip)
-    adhesion_before, adhesion_now = filtered("filtered_adhesion", seen.adhesion)
+    adhesion_before, adhesion_now = filtered("filtered_adhesion", _without_lag(draft, seen, t, started))
 
     # A wheel that slides is turned by the rail, however little, once its brake is off.
     loads = sum(each.brake["load"] for each in seen.train)
@@ -287,17 +301,53 @@ def _wheels(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], s
     )
 
 
-def _target(draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]) -> tuple[Expression, Expression]:
-    """Return the slip that is sought, dither included, and its rate."""
+def _without_lag(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Expression:
+    """Return the estimated adhesion without the error that the lag of the pressure reading leaves in it.
+
+    What turns a wheel is adhesion less brake torque; a torque known too late leaves the lag times its rate in the
+    adhesion. A slip that swings needs a torque that swings with its second derivative, so that the error is in phase
+    with the slip, and looks like a slope.
+    """
+    brake = seen.brake
+    force = ca.fmax(seen.pressure * brake["piston_area"] - brake["spring_force"], 0.0)
+    torque = brake["units"] * seen.pad_friction * brake["friction_radius"] * brake["rigging"] * force
+    before = draft.state(seen.named("torque"), "N.m", "brake torque at the last sample")
+    draft.keep(before, torque)
+    rate = choose(started, (torque - before) / t["period"], 0.0)
+    return seen.adhesion + t["pressure_lag"] * rate / (brake["load"] * brake["wheel_radius"])
+
+
+def _targets(
+    draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]
+) -> list[tuple[Expression, Expression]]:
+    """Return the slip that is sought of each group, dither included, and its rate."""
     period, speed = t["period"], train[0].seen.speed
     loads = [each.seen.brake["load"] for each in train]
     # Weighted by what each holds: the sum is what the train's retardation tells, and far better known than its parts.
     forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
-    slip_change = _mean([(each.sliding, each.slip_change) for each in train], forces)
-    adhesion = _mean([(each.sliding, each.adhesion) for each in train], loads)
-    adhesion_change = _mean([(each.sliding, each.adhesion_change) for each in train], loads)
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
-    elasticity, weight = _regression(draft, t, (slip_change, adhesion_change / ca.fmax(adhesion, 1e-3)), rolling)
+
+    def changes(groups: Sequence[int]) -> tuple[Expression, Expression]:
+        """Return those of ln s and ln a since the last sample, of the sliding ones of some groups."""
+
+        def mean(values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
+            return _mean([(train[g].sliding, values[g]) for g in groups], [weights[g] for g in groups])
+
+        adhesion = mean([each.adhesion for each in train], loads)
+        change = mean([each.adhesion_change for each in train], loads)
+        return mean([each.slip_change for each in train], forces), change / ca.fmax(adhesion, 1e-3)
+
+    signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
+    parts = [[g for g, other in enumerate(signs) if other == sign] for sign in sorted(set(signs), reverse=True)]
+    excited = every(*(either(*(train[g].sliding for g in part)) for part in parts))
+    apart = [ca.vertcat(*changes(part)) for part in parts]
+    difference = apart[0] if len(parts) == 1 else 0.5 * (apart[0] - apart[1])
+    difference = [choose(excited, difference[i], 0.0) for i in range(2)]
+    elasticity, variance = _regression(draft, t, (difference[0], difference[1]), rolling)
+    spread = t["elasticity_spread"] ** 2
+    weight = spread / (spread + variance)
+    draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
+    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight)
 
     usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
     kept = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
@@ -312,8 +362,11 @@ def _target(draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression])
     phase = draft.state("phase", "1", "periods of the dither since the start")
     draft.keep(phase, phase + period / t["dither_time"])
     angle = 2.0 * pi * phase
-    target = ca.exp(set_point + t["dither"] * ca.sin(angle))
-    return target, target * t["dither"] * 2.0 * pi / t["dither_time"] * ca.cos(angle)
+    targets: list[tuple[Expression, Expression]] = []
+    for sign in signs:
+        target = ca.exp(set_point + sign * t["dither"] * ca.sin(angle))
+        targets.append((target, sign * target * t["dither"] * 2.0 * pi / t["dither_time"] * ca.cos(angle)))
+    return targets
 
 
 def _corrected(draft: Draft, seen: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
@@ -340,7 +393,7 @@ def _corrected(draft: Draft, seen: GroupObservation, pads_off: Expression, perio
 def _regression(
     draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
 ) -> tuple[Expression, Expression]:
-    """Return the elasticity d(ln α)/d(ln s), and from 0 to 1 how far it is to be believed.
+    """Return the elasticity d(ln α)/d(ln s), and its variance.
 
     Args:
         draft: Keeps the moments.
@@ -365,5 +418,4 @@ def _regression(
     residual = ca.fmax(yy - xy * xy / ca.fmax(xx, 1e-12), 0.0)
     independent = ca.fmax(t["window"] / t["correlation_time"], 1.0)
     variance = residual / (excited * independent)
-    spread = t["elasticity_spread"] ** 2
-    return elasticity, spread / (spread + variance)
+    return elasticity, variance

@@ -34,12 +34,12 @@ FIXED: Mapping[str, Mapping[str, float]] = {
     "slope_seeking": {
         "period": 10e-3,
         "filter_time": 0.03,
+        "pressure_lag": 0.0,
         "correlation_time": 0.1,
         "log_slip_noise": 0.03,
-        "rise_rate": 1.5,
-        "fall_rate": 2.0,
+        "rise_rate": 1.2,
+        "fall_rate": 1.2,
         "slip_most": 0.42,
-        "dither_time": 1.0,
         "gain": 5.0,
         "share_added": 0.3,
         "slip_small": 0.006,
@@ -82,7 +82,7 @@ PEAK_SEEKING = {"ideal": _peak_seeking("ideal", 1e-3), "pneumatic": _peak_seekin
 """Adhesion-based control; `period` and `adhesion_max` are replaced by the scenario's."""
 
 SLOPE = SlopeTuning(**of("slope_seeking", "pneumatic", "estimated"))
-"""Slope-seeking control, one set for every actuation; `period` and `adhesion_max` are replaced by the scenario's."""
+"""Slope-seeking control, one set for every actuation; `period`, `pressure_lag`, `adhesion_max` are the scenario's."""
 
 VALVE_BANDS = {"slope_seeking": 20e3}
 """Half width [Pa] of the valves' band under laws that want another than `VALVE_BAND`.

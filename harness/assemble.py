@@ -28,6 +28,7 @@ from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeeki
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.law import Law, Tuning
+from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.slope_seeking import SlopeSeeking
 from railgrip.controllers.train_level import with_redistribution, with_shared_valves
@@ -56,7 +57,7 @@ from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ended import Clock, Ended, implausible
-from railgrip.loop.ports import Actuation, Controller, Filter, Plant
+from railgrip.loop.ports import Actuation, Controller, Filter, LawStates, Plant
 from railgrip.loop.rail import Field, SandedRail, Sander, TabulatedRail
 from railgrip.loop.watch import StateEstimator
 from railgrip.prediction import consist_of, data_of, radius_of, release_pressure, start_of, units_of_predictions
@@ -72,10 +73,22 @@ from railgrip.scenario.parties import Law as ParametricLaw
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
-from railgrip.scenario.sensors import sampled_every
+from railgrip.scenario.sensors import ServiceSensors, sampled_every
 from railgrip.scenario.track import STEEPEST, TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable, Nudge, Vehicle
-from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, EXTRA, PLANT, REFERENCE, TRACTION, Layout, layout_of, sent
+from railgrip.signals import (
+    DEMANDED,
+    DRIVEN,
+    ESTIMATES,
+    EXTRA,
+    PLANT,
+    REFERENCE,
+    TRACTION,
+    Layout,
+    layout_of,
+    of_law,
+    sent,
+)
 from railgrip.trace.adhesion_use import over_the_rail
 from railgrip.trace.bound import Brake, with_bound
 from railgrip.trace.contact import Contact
@@ -298,11 +311,13 @@ def assembled(
                 f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
                 "commands the valves; leave out [demand], or let it give demand [Pa]"
             )
+        law_states = _law_states(controller)
         signals = (
             *layout.plant_signals,
             *sent(pneumatic=scenario.actuation.kind == "pneumatic"),
             *layout.reading_signals,
             *(() if commands_valves else DEMANDED),
+            *(() if law_states is None else law_states.signals),
             *(DRIVEN if scenario.demand is not None else ()),
             *(TRACTION if scenario.demand is not None and scenario.demand.has_traction else ()),
             *(REFERENCE if isinstance(state_estimator, StateEstimator) and state_estimator.free_wheel else ()),
@@ -326,6 +341,7 @@ def assembled(
                     valves=scenario.actuation.kind == "pneumatic",
                 ),
                 "wheel_radius": radius,
+                "law": law_states,
                 "clock": Clock(
                     period=scenario.periods.communication,
                     estimator=scenario.periods.every("estimator"),
@@ -343,6 +359,16 @@ def assembled(
             fmus=fmus,
             classes=classes,
         )
+
+
+def _law_states(controller: Controller) -> LawStates | None:
+    """Return what a controller shows of its states; None where it shows none."""
+    shown = controller.shown if isinstance(controller, Sampled) else ()
+    if not shown:
+        return None
+    places = np.array([place for place, _ in shown], dtype=np.longlong)
+    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in shown)
+    return LawStates(columns, controller.state, places)
 
 
 def _rail(scenario: Scenario, plant_file: Description, layout: Layout) -> TabulatedRail:
@@ -1273,7 +1299,8 @@ def _law_of(
         seeker = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
         return seeker, tuning.PEAK_SEEKING[actuation], period | {"adhesion_max": scenario.limits.alpha_max}
     if kind == "slope_seeking":
-        return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max}
+        lag = scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0
+        return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max, "pressure_lag": lag}
     law, parameters = {
         "wheel_reference": (WheelReference, WheelReferenceTuning),
         "constant_slip": (ConstantSlip, ConstantSlipTuning),

@@ -90,6 +90,18 @@ DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the co
 """What the controller decided; absent from the trace of a stop whose controller commands valves itself."""
 
 
+def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
+    """Return the signals of a law's states that are shown; `states` are name, `x[1]` of a group, unit and meaning.
+
+    Groups stand one after the other for each name.
+    """
+    named = {name.partition("[")[0]: (name, unit, meaning) for name, unit, meaning in states}
+    return tuple(
+        Signal(f"law_{base}", "group" if name.endswith("]") else "train", unit, meaning)
+        for base, (name, unit, meaning) in named.items()
+    )
+
+
 DRIVEN = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver demands"),)
 """The most that could be sent; absent from the trace of a stop whose scenario has no [demand]."""
 

@@ -61,15 +61,16 @@ RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
     },
     "slope_seeking": {
         ("pneumatic", "estimated"): {
-            "window": (0.2, 0.6),
+            "window": (0.3, 0.7),
             "washout_time": (0.2, 1.0),
             "elasticity_spread": (0.05, 0.5),
-            "elasticity_bias": (0.01, 0.2),
+            "elasticity_bias": (0.005, 0.2),
             "pull": (0.03, 0.5),
-            "climb_rate": (2.0, 3.0),
-            "slip_usual": (0.05, 0.15),
+            "climb_rate": (2.0, 6.0),
+            "slip_usual": (0.03, 0.15),
             "creep_usual": (0.1, 2.0),
-            "dither": (0.1, 0.4),
+            "dither": (0.08, 0.4),
+            "dither_time": (0.7, 2.0),
             "creep_small": (0.03, 0.2),
         }
     },

@@ -51,7 +51,7 @@ def type_test(
     judging, ours = limits_of(limits), entrants()
     selected = ours if controller is None else chosen(controller, ours)
     # What others are measured with is run, too; what they are compared with comes from earlier runs.
-    running = {name for name, one in ours.items() if one.role == "reference"} | selected.keys()
+    running = {name for name, one in ours.items() if one.role in {"reference", "bound"}} | selected.keys()
     if case:
         drawn = tuple(case_named(name) for name in case)
     else:

@@ -16,7 +16,7 @@ from railgrip.loop.ended import Clock, Ended, diverged, implausible, still_movin
 from railgrip.loop.faults import Faults
 from railgrip.loop.library import compiled, kernel
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, Plant, Sensors
+from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, LawStates, Plant, Sensors
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, StateEstimator, complete
@@ -106,7 +106,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in ("service", "read_of", "gain", "bias", "noise")),
             *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
-            *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "radius")),
+            *((name, ctypes.c_void_p) for name in ("seen_of", "believed_of", "law_of", "radius")),
             *((name, _Formula) for name in ("law", "valves", "free_wheel")),
             *((name, ctypes.c_void_p) for name in ("plausibility", "rail", "driver", "full", "faults")),
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
@@ -118,10 +118,8 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
                 for name in ("seen_count", "sensors_every", "estimator_every", "controller_every", "row")
             ),
             *((name, ctypes.c_longlong) for name in ("true_at", "sent_at", "read_at", "believed_at", "spread_at")),
-            *(
-                (name, ctypes.c_longlong)
-                for name in ("innovation_at", "demand_at", "driver_at", "traction_at", "reference_at")
-            ),
+            *((name, ctypes.c_longlong) for name in ("innovation_at", "demand_at", "driver_at", "traction_at")),
+            *((name, ctypes.c_longlong) for name in ("reference_at", "law_at", "law_count")),
             *(
                 (name, ctypes.c_longlong)
                 for name in ("any", "news", "crossed", "sample", "written", "failure", "moved")
@@ -173,6 +171,7 @@ def run(
     driver: Driver,
     faults: Faults | None = None,
     wheel_radius: tuple[float, ...],
+    law: LawStates | None = None,
     clock: Clock,
     start_speed: float,
     stop_speed: float,
@@ -206,6 +205,7 @@ def run(
         driver,
         faults,
         wheel_radius,
+        law,
         recorder,
     )
     its = parts.struct
@@ -258,6 +258,7 @@ class _Parts:
         driver: Driver,
         faults: Faults | None,
         wheel_radius: tuple[float, ...],
+        law: LawStates | None,
         recorder: Recorder,
     ) -> None:
         self._keep: list[Any] = [plant, rail, sensors, state_estimator, controller, actuation, driver, faults, recorder]
@@ -279,6 +280,9 @@ class _Parts:
         )  # fmt: skip
         its = self.struct
         its.reference[0] = math.nan
+        if law is not None:
+            its.law_of, its.law_count = self._places(law.places), law.places.size
+            its.law_at = recorder.block(law.signals).start
         if isinstance(sensors, WhiteSensors):
             its.gain, its.bias, its.noise = (self._at(part) for part in (sensors.gain, sensors.bias, sensors.noise))
         self._filter = filter_ = state_estimator.filter if isinstance(state_estimator, StateEstimator) else None

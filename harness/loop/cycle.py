@@ -22,7 +22,7 @@ from railgrip.loop.ended import (
 )
 from railgrip.loop.faults import Faults
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Plant, Rail, Sensors
+from railgrip.loop.ports import Actuation, Controller, DirectEstimator, LawStates, Plant, Rail, Sensors
 from railgrip.loop.watch import StateEstimator, watch_of
 from railgrip.signals import SENT, Layout
 from railgrip.trace.recorder import Recorder
@@ -55,6 +55,7 @@ def decisions(
     driver: Driver,
     faults: Faults | None = None,
     wheel_radius: tuple[float, ...],
+    law: LawStates | None = None,
     clock: Clock,
     start_speed: float,
     stop_speed: float,
@@ -83,6 +84,7 @@ def decisions(
         driver: The most that may be demanded, and traction.
         faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
         wheel_radius: Nominal radii for a slip from readings [m].
+        law: What of the controller's states is kept, if any is.
         clock: Periods and horizon.
         start_speed: That the plant was asked to start with [m/s].
         stop_speed: The train stands below this speed [m/s]; one that starts at rest, once it has been faster or brakes
@@ -107,6 +109,7 @@ def decisions(
     rail.meet(truth)
     watch = watch_of(layout, state_estimator, wheel_radius, recorder, driver.pressure)
     demand_columns = recorder.columns.get("demand")
+    law_columns = recorder.block(law.signals) if law is not None else None
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
     traction_columns = recorder.columns.get("traction")
     demands = driver_demands = command = (0.0,) * layout.formation.groups
@@ -133,6 +136,8 @@ def decisions(
             row[read] = reading
             if demand_columns is not None:
                 row[demand_columns] = demands
+            if law is not None:
+                row[law_columns] = law.values[law.places]
             if driver_columns is not None:
                 row[driver_columns] = driver_demands
                 if traction_columns is not None:

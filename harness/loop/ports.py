@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.controllers.observation import Observation
+from railgrip.signals import Signal
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -128,6 +129,21 @@ class Controller(Protocol):
     def decide(self, observation: Observation) -> Sequence[float]:
         """Return the demanded brake cylinder pressure of each group [Pa]; ControllerFailed ends the stop."""
         ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LawStates:
+    """What a law says of itself: it is kept beside what it demanded.
+
+    Attributes:
+        signals: Their columns.
+        values: The law's states, where they stand.
+        places: Of those that are shown, in the order of `signals`.
+    """
+
+    signals: tuple[Signal, ...]
+    values: Vector
+    places: NDArray[np.longlong]
 
 
 @runtime_checkable

@@ -5,8 +5,11 @@ arithmetic may do to the number: little to a mean over thousands of samples, one
 largest of many errors. A changed law moves it further.
 """
 
+import math
 from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
 
 from railgrip.errors import EstimationError
 from railgrip.report.baseline import Finding, Findings
@@ -176,11 +179,29 @@ def _stopped(distance: float | None, what: str) -> float:
     return distance
 
 
+def type_test(tell: Tell) -> list[Finding]:
+    """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set."""
+    from railgrip.assemble import braking_distance
+    from railgrip.studies.type_test.entrants import campaign_of, entrants, train_of, training_cases
+
+    taking_part = {name: entrants()[name] for name in ("constant_slip", "extremum_seeking", "slope_seeking")}
+    ratios: list[float] = []
+    for case in training_cases(6):
+        tell(f"type test, {case.name}")
+        stops = campaign_of([case], taking_part, train_of(None)).stops
+        # What does not stop is endlessly long; a baseline that does not is none to compare with.
+        distances = [braking_distance(stop.scenario) or math.inf for stop in stops]
+        ratios.append(distances[-1] / min(distances[:-1]))
+    who = "slope seeking, distance over that of the better tuned baseline"
+    return [_mean(f"{who}: median of 6", float(np.median(ratios))), _mean(f"{who}: worst of 6", max(ratios))]
+
+
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
     "estimate": (rig, field, monitor),
     "lateral": (lateral,),
     "learn": (learn,),
     "trains": (trains,),
+    "type_test": (type_test,),
 }
 
 

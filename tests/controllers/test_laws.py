@@ -145,6 +145,26 @@ def test_the_set_point_climbs_to_the_peak_wherever_it_lies(peak_slip):
     assert adhesion[5000:].mean() > 0.85 * 0.06
 
 
+def test_a_rail_that_changes_is_no_slope():
+    """Friction that swings by 20 % in 0.7 s under both wheelsets, on a curve whose peak is far beyond.
+
+    Slip rises as friction falls: seen from one wheelset that is a falling curve, and it brakes too little. The
+    difference of two does not know of the rail.
+    """
+
+    def swinging(time):
+        return 0.06 * (1 + 0.2 * np.sin(2 * np.pi * time / 0.7))
+
+    def used(groups):
+        law = SlopeSeeking([GROUP] * groups, replace(SLOPE, period=1e-2))
+        slips, _ = simulate(law, 8.0, peak_slip=0.3, peak=swinging, groups=groups)
+        slip = slips[5000:].reshape(3000, -1)
+        return (2 * 0.3 * slip / (0.3**2 + slip**2)).mean()
+
+    assert used(2) > 0.9
+    assert used(1) < 0.8
+
+
 @pytest.mark.parametrize("error", [-0.03, 0.03])
 def test_a_worn_wheel_is_no_slide(error):
     """A radius wrong by 3 % shows as 3 % of slip at once; the law measures it before the brake is on."""

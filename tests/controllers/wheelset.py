@@ -26,24 +26,27 @@ def shown(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
     return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure, full)
 
 
-def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad_friction=0.35, lag=0.02):
-    """Return slip and adhesion over time of one braked wheelset at constant speed.
+def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad_friction=0.35, lag=0.02, groups=1):
+    """Return slip and adhesion over time of braked wheelsets at constant speed, one column for each if there are more.
 
     α = 2 α* s* s/(s*² + s²), with its only maximum α* at s*; ω̇ from the torque balance; pressure follows the demand
     with a first-order lag. Explicit steps of 0.1 ms: the contact's time constant at the origin is some 3 ms.
     """
-    omega, pressure, slips, adhesions = SPEED / 0.38, 0.0, [], []
-    for k in range(round(seconds / 1e-3)):
+    omega, pressure, slips, adhesions = np.full(groups, SPEED / 0.38), np.zeros(groups), [], []
+
+    def contact(time):
         slip = 1 - 0.38 * omega / SPEED
-        adhesion = 2 * peak(k * 1e-3) * peak_slip * slip / (peak_slip**2 + slip**2)
-        observation = shown(k * 1e-3, SPEED, 0.0, (slip,), (adhesion,), (pad_friction,), (pressure,))
-        (demand,) = controller.decide(observation)
+        return slip, 2 * peak(time) * peak_slip * slip / (peak_slip**2 + slip**2)
+
+    for k in range(round(seconds / 1e-3)):
+        slip, adhesion = contact(k * 1e-3)
+        observation = shown(k * 1e-3, SPEED, 0.0, slip, tuple(adhesion), (pad_friction,) * groups, tuple(pressure))
+        demands = np.array(controller.decide(observation))
         for _ in range(10):
-            slip = 1 - 0.38 * omega / SPEED
-            adhesion = 2 * peak(k * 1e-3) * peak_slip * slip / (peak_slip**2 + slip**2)
-            pressure += (demand - pressure) * 1e-4 / lag
-            torque = 2 * pad_friction * 5.7 * max(pressure * 0.0324 - 1200, 0) * 0.22
-            omega = max(omega + 1e-4 * (adhesion * GROUP.load * 0.38 - torque) / 209.0, 0.0)
+            _, now = contact(k * 1e-3)
+            pressure = pressure + (demands - pressure) * 1e-4 / lag
+            torque = 2 * pad_friction * 5.7 * np.maximum(pressure * 0.0324 - 1200, 0) * 0.22
+            omega = np.maximum(omega + 1e-4 * (now * GROUP.load * 0.38 - torque) / 209.0, 0.0)
         slips.append(slip)
         adhesions.append(adhesion)
-    return np.array(slips), np.array(adhesions)
+    return np.squeeze(slips), np.squeeze(adhesions)

@@ -96,7 +96,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
 
 
 def test_wheels_that_stand_in_for_a_silent_radar():
-    """On a falling track, which the filter does not know: what it takes for its speed drifts by a metre in 5 s."""
+    """On a falling track, which the filter does not know: what it takes for its speed drifts."""
     (question,) = (
         stop.scenario
         for stop in load_campaign(CAMPAIGNS / "table1.toml").stops
@@ -106,11 +106,11 @@ def test_wheels_that_stand_in_for_a_silent_radar():
         "estimator": {"model": "TrainPredictionDisturbed"},
         "faults": [
             {"part": "radar", "kind": "dead", "begin": "1 s"},
-            {"part": "accelerometer", "kind": "biased", "value": "-0.2 m/s**2"},
+            {"part": "accelerometer", "kind": "biased", "value": "0.3 m/s**2"},
         ],
         "truth": {"gradient": -0.01},
         "adhesion": {"kind": "constant", "polach": "low_steep", "mu0": 0.04},
-        "limits": {"horizon": "25 s"},
+        "limits": {"horizon": "30 s"},
     }
     alone = Scenario.model_validate(merged(question.resolved(), changes))
     helped = Scenario.model_validate(merged(alone.resolved(), {"estimator": {"free_wheels": True}}))
@@ -120,9 +120,10 @@ def test_wheels_that_stand_in_for_a_silent_radar():
     def error(stop):
         return np.abs(stop.trace["estimate_speed"] - stop.trace["speed"]).values[-5000:].max()
 
-    # Between two releases 5 s apart a bias of 0.2 m/s² makes 1 m/s; the filter that nobody helps is lost.
-    assert error(one) < 1.5
-    assert error(run_stop(alone)) > 3.0
+    # Between two releases 5 s apart 0.3 m/s² make 1.5 m/s at first, less once the filter knows the bias from them; the
+    # filter that nobody helps is lost.
+    assert error(one) < 0.5
+    assert error(run_stop(alone)) > 2.0
     trace = one.trace.sel(time=slice(2.0, None))
     released = trace["test_release"].values > 0.0
     assert np.all(released.sum(axis=1) <= 1)  # never more than one group

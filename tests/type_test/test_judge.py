@@ -20,7 +20,7 @@ LIMITS = limits_of()
 TAKING_PART = {
     name: Entrant.model_validate({"description": name, "role": role, "tuned": tuned})
     for name, role, tuned in (
-        ("dry", "reference", False), ("ideal_bound", "reference", False), ("slip_three_state", "baseline", False),
+        ("dry", "reference", False), ("ideal_bound", "bound", False), ("slip_three_state", "baseline", False),
         ("tuned", "baseline", True), ("second", "baseline", True), ("mine", "entrant", False),
     )
 }  # fmt: skip
@@ -105,7 +105,8 @@ def test_the_leaderboard_has_the_quantiles_of_the_ratios():
     assert own.over_bound == pytest.approx(285 / 270)
     assert (own.air, own.strokes) == pytest.approx((0.5, 1.5))
     assert board["tuned"].worst == 1.0
-    assert list(board) == ["mine", "tuned", "second", "slip_three_state"]
+    assert list(board) == ["ideal_bound", "mine", "tuned", "second", "slip_three_state"]
+    assert board["ideal_bound"].median == pytest.approx(270 / 300)  # what there is to win
     assert own.k_wet_low <= own.k_wet <= own.k_wet_high
 
 

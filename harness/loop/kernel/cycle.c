@@ -43,6 +43,7 @@ typedef struct {
     double *block, *held, *seen;
     const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading in it */
     const long long *seen_of, *believed_of;      /* places in a reading; among the states */
+    const long long *law_of;                     /* places among the law's states of those that are kept */
     const double *radius;
     Formula law, valves, free_wheel;
     Plausibility *plausibility;
@@ -57,7 +58,7 @@ typedef struct {
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
     long long present_count, width, seen_count;
     long long sensors_every, estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
-    long long demand_at, driver_at, traction_at, reference_at; /* -1: it is not kept */
+    long long demand_at, driver_at, traction_at, reference_at, law_at, law_count; /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
     long long crossed, sample, written, failure; /* steps of the plant that succeeded */
     long long moved;                             /* whether the train has been faster than stop_speed */
@@ -225,6 +226,8 @@ EXPORT int cycle(Cycle *c, long long until)
         copy(row + c->sent_at, c->inputs, INPUTS);
         if (c->demand_at >= 0)
             copy(row + c->demand_at, c->demand, GROUPS);
+        for (long long i = 0; i < c->law_count; i++)
+            row[c->law_at + i] = c->law.state[c->law_of[i]];
         if (c->driver) {
             copy(row + c->driver_at, c->driver_demand, GROUPS);
             if (c->traction_at >= 0)

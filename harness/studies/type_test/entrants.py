@@ -20,8 +20,8 @@ from railgrip.units import cut
 
 LIBRARY = Path(__file__).parent / "library"
 _SCENARIOS = Path(__file__).parents[2] / "scenario"
-_FILTER = {"model": "TrainPredictionDisturbed"}
-"""Of our train, the same for everyone who wants estimates: one that was told of no gradient."""
+_FILTER = {"model": "TrainPredictionDisturbed", "free_wheels": True}
+"""Of our train, the same for everyone who wants estimates: one that knows of no gradient, and of radars that fail."""
 _OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
 
 
@@ -31,7 +31,7 @@ class Entrant(Table):
     model_config = ConfigDict(frozen=True, extra="allow")
 
     description: str
-    role: Literal["reference", "baseline", "entrant"]
+    role: Literal["reference", "bound", "baseline", "entrant"]
     tuned: StrictBool = Field(default=False, description="whether its parameters were searched on the training rails")
 
     @property
@@ -104,7 +104,7 @@ def train_of(written: str | None) -> dict[str, Any]:
         own = read_toml(named)
         if "cars" in own:
             own_file = str(named.resolve()) if named == path else written
-            filtering = {"kind": "decentralised", "noise": "service"}
+            filtering = {"kind": "decentralised", "noise": "service", "free_wheels": True}
             return table | {"vehicle": {"train": own_file}, "estimator": filtering}
         vehicle = dict(own.get("vehicle", {}))
         for key in ("plant", "library"):
@@ -124,18 +124,22 @@ _TRAINING_SPEED = 60 / 3.6
 """m/s. Fastest start of a stop that controllers are tuned on: what a law does shows in a short one as well."""
 
 
+def training_cases(count: int) -> list[Case]:
+    """Return so many short cases of the set that controllers are tuned on."""
+    return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases(count, TRAINING_SEED)]
+
+
 def training(count: int) -> tuple[PlannedStop, ...]:
     """Return so many stops of our train to tune controllers on, of a set of cases of their own.
 
     The axis `rail` names the case.
     """
-    slow = [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases(count, TRAINING_SEED)]
     tuned = {"tuned": _own("what is tuned", {"controller": {"kind": "full_brake"}})}
     return tuple(
         replace(
             stop, variants={"rail": ", ".join(value for key, value in stop.variants.items() if key != "controller")}
         )
-        for stop in campaign_of(slow, tuned, train_of(None)).stops
+        for stop in campaign_of(training_cases(count), tuned, train_of(None)).stops
     )
 
 

@@ -249,7 +249,7 @@ class Summary:
 
     controller: str
     description: str
-    role: Literal["reference", "baseline", "entrant"]
+    role: Literal["reference", "bound", "baseline", "entrant"]
     tuned: bool
     cases: int
     stops: float
