@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray
 
     from railgrip.assemble import OwnParties
-    from railgrip.by_hand import Bench
+    from railgrip.assemble.by_hand import Bench
     from railgrip.campaign.sweep import Sweep
     from railgrip.custom import Controller, Estimator, Plant, Sensors
     from railgrip.trace.stop import Stop
@@ -122,7 +122,7 @@ def open(
     import_from: Iterable[str | Path] = (),
 ) -> "Bench":
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
-    from railgrip.by_hand import Bench
+    from railgrip.assemble.by_hand import Bench
 
     return Bench(_scenario_of(scenario, plant), _own(None, estimator, sensors, plant, import_from))
 

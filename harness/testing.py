@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from railgrip.assemble import NEEDED
+from railgrip.assemble.plant import NEEDED
+from railgrip.assemble.trial import findings, tried
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
 from railgrip.custom import (
@@ -30,7 +31,6 @@ from railgrip.custom import (
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Formation
 from railgrip.signals import layout_of
-from railgrip.trial import findings, tried
 
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
 _PERIOD = 1e-2  # s

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.assemble import contact_of, formation_of, plant_description
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.formation import Formation
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.report.style import BLUE, GREEN, VERMILION, figure
@@ -45,11 +45,11 @@ def adhesion_over_slip(
 def curves(name: str, mu0: float, slips: np.ndarray, speed: float = 80 / 3.6) -> tuple[np.ndarray, np.ndarray]:
     """Return adhesion on a rail that stays as it lies, (slips,), and where slip cleans it, (slips, wheelsets)."""
     scenario = load(Path("plain"), [f"adhesion.polach={name}"])
-    plant = plant_description(scenario)
-    contact, laid = contact_of(scenario, plant), scenario.adhesion.polach
+    vehicle = VehicleData(scenario)
+    contact, laid = vehicle.contact, scenario.adhesion.polach
     same = np.ones(slips.size)
     as_it_lies = contact(slips, speed * same, LOAD * same, mu0 * same)
-    cleaned = adhesion_over_slip(formation_of(scenario, plant), contact, laid, mu0, slips, speed, CLEAN)
+    cleaned = adhesion_over_slip(vehicle.formation, contact, laid, mu0, slips, speed, CLEAN)
     return as_it_lies, cleaned
 
 

@@ -12,7 +12,9 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from railgrip.assemble import braking_distance, lowered, run_stop
+from railgrip.assemble import braking_distance, run_stop
+from railgrip.assemble.files import lowered
+from railgrip.assemble.prediction import consist_of, start_of
 from railgrip.cache import VARIABLE
 from railgrip.engine import Engine
 from railgrip.estimators.compiled import CompiledFilter
@@ -21,7 +23,6 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.formation import Formation
-from railgrip.prediction import consist_of, start_of
 from railgrip.scenario.load import load
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"

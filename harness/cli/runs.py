@@ -69,7 +69,7 @@ def export(
     place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
     make_folder(place.parent, place.name)
     # CasADi and the compiler come after the questions that need neither.
-    from railgrip.export import controller_fmu
+    from railgrip.assemble.export import controller_fmu
     from railgrip.fmus.native.package import pack
 
     made = pack(controller_fmu(scenario), place)
@@ -87,13 +87,15 @@ def map_(
     period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of it [s].")] = 1e-3,
 ) -> None:
     """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
-    from railgrip.assemble import catalogue_brakes, catalogue_counts, counts_of, parameters_of, plant_signals
+    from railgrip.assemble.files import parameters_of
+    from railgrip.assemble.plant import plant_signals
+    from railgrip.assemble.trial import findings, tried
+    from railgrip.assemble.vehicle import catalogue_brakes, catalogue_counts, counts_of
     from railgrip.draft import drafted
     from railgrip.errors import PlantFailed
     from railgrip.fmu import bind, describe, open_plant
     from railgrip.formation import Formation
     from railgrip.signals import layout_of
-    from railgrip.trial import findings, tried
 
     description = describe(file)
     formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or catalogue_counts()))

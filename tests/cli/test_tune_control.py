@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from one_process import Here
 
-from railgrip.assemble import controlled_formation, controller_of
+from railgrip.assemble.controller import controller_of
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.campaign.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
 from railgrip.controllers.adhesion_based import PeakSeekingTuning
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
@@ -60,7 +61,7 @@ def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_sl
     def levels(tuning: str):
         variant = merged(table, {"controller": {"tuning": tuning}})
         scenario = scenario_of(variant, directory=CAMPAIGNS, origin="plain.toml")
-        controller = controller_of(scenario, controlled_formation(scenario).brakes)
+        controller = controller_of(VehicleData(scenario))
         assert isinstance(controller, SlipBased)
         names = [quantity.name for quantity in controller.formula.parameters]
         return {name: controller.parameters[names.index(name)] for name in ("low", "high", "hold")}

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from railgrip.assemble.prediction import consist_of, start_of
 from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
@@ -22,7 +23,6 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
 from railgrip.formation import Formation
-from railgrip.prediction import consist_of, start_of
 
 PERIOD, RUNS, STEPS = 1e-3, 40, 400
 INSTANTS = (20, 100, 250, 400)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu, quick_stop
 
-from railgrip import assemble
+from railgrip.assemble import plant
 from railgrip.cli.main import main
 from railgrip.fmu import IsolatedCoSimulation, open_plant
 from railgrip.trace.stop import read_stop
@@ -132,7 +132,7 @@ def test_a_plant_that_hangs_or_crashes_does_not_take_the_program_along(
     railgrip: Railgrip, foundry: Path, monkeypatch: pytest.MonkeyPatch, misbehaviour: str, sentence: str
 ):
     if misbehaviour == "NEVER_RETURNS":
-        monkeypatch.setattr(assemble, "open_plant", short_of_patience)
+        monkeypatch.setattr(plant, "open_plant", short_of_patience)
     result = railgrip(faulty_fmu(foundry, misbehaviour), trust=False)
     assert result.code == 3
     assert sentence in result.err

@@ -17,8 +17,8 @@ from scipy.io import savemat
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
 import railgrip.scenario
+from railgrip.assemble.sensors import sensors_of
 from railgrip.errors import ScenarioError
-from railgrip.instruments import sensors_of
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of, validated
 from railgrip.scenario.merge import merged

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from railgrip import assemble
+from railgrip.assemble.vehicle import DESCRIPTIVE
 from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 
@@ -76,7 +76,7 @@ def test_the_course_sees_lock_release_rest_and_departure(ideal: tuple[Descriptio
 
 def test_every_parameter_of_the_train_decides_something(ideal: tuple[Description, Binding]) -> None:
     # Which wheelsets turn as one and where they are describes the train to the harness; it is no value to change.
-    names = [name for name in numbers(ideal[0]) if name.partition("[")[0] not in assemble._FORMATION]
+    names = [name for name in numbers(ideal[0]) if name.partition("[")[0] not in DESCRIPTIVE]
     assert len(names) > 100
     start = {"speed_start": 10.0}
     base = course(ideal, start)

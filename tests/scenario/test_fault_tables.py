@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from synthetic import LIBRARY
 
 import railgrip as rg
-from railgrip import assemble
+from railgrip.assemble.faults import faults_of, missing_teeth
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
-from railgrip.faults import faults_of, missing_teeth
 from railgrip.scenario.faults import KINDS, READ_BY, Fault, Truth
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
@@ -28,17 +28,15 @@ def asked(*faults, edge="service", **tables):
 
 def parts(scenario):
     """What the faults of a scenario become, all but of the plant."""
-    plant = assemble.plant_description(scenario)
-    formation = assemble.controlled_formation(scenario)
-    layout = assemble.layout_of_plant(scenario, plant, formation)
-    missing_teeth(scenario, formation)
-    shown, valves = assemble.shown_by(scenario, plant), scenario.actuation.kind == "pneumatic"
-    return faults_of(scenario, layout, formation.brakes, shown=shown, valves=valves)
+    vehicle = VehicleData(scenario)
+    missing_teeth(scenario, vehicle.controlled)
+    valves = scenario.actuation.kind == "pneumatic"
+    return faults_of(scenario, vehicle.layout, vehicle.controlled.brakes, shown=vehicle.shown, valves=valves)
 
 
 def plant_of(scenario):
-    description = assemble.plant_description(scenario)
-    return assemble.plant_parameters(scenario, description), assemble.force_on(scenario, description).at(10.0)
+    vehicle = VehicleData(scenario)
+    return vehicle.changes, vehicle.track_force.at(10.0)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +168,7 @@ def test_nobody_is_told_the_truth():
         "efficiency": 0.9,
         "gradient": 0.01,
     }
-    assert assemble.controlled_formation(asked(truth=truth)) == assemble.controlled_formation(asked())
+    assert VehicleData(asked(truth=truth)).controlled == VehicleData(asked()).controlled
     assert plant_of(asked(truth=truth))[0].keys() >= {"J[1]", "mu_b_nominal[4]", "mu_b_start[1]", "m_wheelset[6]"}
 
 
@@ -190,8 +188,7 @@ def test_isolated_units_are_parameters_of_the_plant_and_bound_the_ideal():
     assert plant_of(some)[0] == {"n_units[1]": 1.0}
     whole = asked({"part": "brake", "kind": "isolated", "group": 2})
     assert plant_of(whole)[0] == {}
-    brake = assemble.true_brake(whole, assemble.plant_description(whole))
-    assert brake.n_units.tolist() == [3.0, 0.0, 2.0, 3.0]
+    assert VehicleData(whole).brake.n_units.tolist() == [3.0, 0.0, 2.0, 3.0]
 
 
 def test_the_page_names_every_kind_and_key():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
+from railgrip.assemble.sensors import readings_of, sensors_of
 from railgrip.errors import ScenarioError, SensorsFailed
-from railgrip.instruments import readings_of, sensors_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.sensors import sampled_every

@@ -9,10 +9,11 @@ import xarray
 from PIL import Image
 
 from railgrip.__main__ import main
-from railgrip.assemble import assembled, controlled_formation, run_stop
+from railgrip.assemble import assembled, run_stop
+from railgrip.assemble.export import controller_fmu
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
-from railgrip.export import controller_fmu
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.loop import compiled_cycle
@@ -129,9 +130,13 @@ def _sensible(metrics: Metrics, groups: int) -> None:
 
 def test_one_value_for_all_is_overridden_by_that_of_a_group():
     """Also where the plant, as the wagon does, has one number of brake units for both wheelsets."""
-    groups = controlled_formation(load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"])).brakes
+    groups = VehicleData(
+        load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"])
+    ).controlled.brakes
     assert [group.units for group in groups] == [2.0, 1.0]
-    alike = controlled_formation(load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"])).brakes
+    alike = VehicleData(
+        load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"])
+    ).controlled.brakes
     assert [group.friction_radius for group in alike] == [0.2] * 4
 
 
@@ -183,16 +188,16 @@ def test_how_a_plant_is_made_cannot_be_set(name):
 
 def test_the_train_says_where_its_wheelsets_are_and_what_they_carry():
     """Geometry of the bogies, 15.05 + 1.9/2 m from the middle of the Jacobs bogie, and the masses, by hand."""
-    formation = controlled_formation(load(LIBRARY / "trapezoid.toml"))
+    formation = VehicleData(load(LIBRARY / "trapezoid.toml")).controlled
     ahead = [16.95, 15.05, 1.325, -1.325, -15.05, -16.95]
     assert formation.position == pytest.approx(16.95 - np.array(ahead), abs=1e-12)
     assert formation.load == pytest.approx(9.81 * np.array([13400, 14100, 14500, 14500, 14100, 13400]))
     assert formation.car_of_wheelset.tolist() == [0, 0, 0, 1, 1, 1]
     assert [brake.load for brake in formation.brakes] == pytest.approx(formation.summed(formation.load))
-    wagon = controlled_formation(load(LIBRARY / "wagon.toml"))
+    wagon = VehicleData(load(LIBRARY / "wagon.toml")).controlled
     assert (wagon.cars, wagon.position.tolist()) == (1, [0.0, 9.0])
     assert wagon.load == pytest.approx([40e3 * 9.81 / 2] * 2)
-    believed = controlled_formation(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"]))
+    believed = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).controlled
     assert believed.load == pytest.approx([98100.0] * 6)
 
 
@@ -226,7 +231,7 @@ def foreign(tmp_path_factory) -> Path:
 
 def test_a_foreign_plant_is_what_its_formation_table_says(foreign):
     """Also to a rail over distance, where the last wheelset meets what the first one has left."""
-    formation = controlled_formation(load(foreign))
+    formation = VehicleData(load(foreign)).controlled
     assert formation.position.tolist() == [0.0, 2.5, 9.0]
     assert formation.load == pytest.approx([70e3, 70e3, 90e3])
     assert (formation.cars, formation.pressure_max.tolist()) == (2, [3e5, 3e5])

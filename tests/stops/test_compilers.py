@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip import assemble
+from railgrip.assemble import files, run_stop
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import is_there
 from railgrip.fmus.build import fmu
@@ -37,7 +37,7 @@ def from_openmodelica(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
                 theirs.writestr(member, content)
         return file
 
-    monkeypatch.setattr(assemble, "recipe_file", relabelled)
+    monkeypatch.setattr(files, "recipe_file", relabelled)
 
 
 @pytest.mark.usefixtures("from_openmodelica")
@@ -50,7 +50,7 @@ def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_resul
     ]
     scenario = load(TRAPEZOID, short)
     out = tmp_path / "stop"
-    run(scenario, out, assemble.run_stop)
+    run(scenario, out, run_stop)
     content = json.loads((out / "stop.json").read_text())
     assert content["versions"]["TwoPartTrain.fmu"] == THEIRS
     assert content["versions"]["TrainPredictionReduced.fmu"] == THEIRS
@@ -65,6 +65,6 @@ def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_resul
 
 def test_our_own_fmus_are_named_too(tmp_path):
     short = ["limits.horizon=0.1 s", "estimator.kind=none", "controller.kind=full_brake"]
-    run(load(TRAPEZOID, short), tmp_path, assemble.run_stop)
+    run(load(TRAPEZOID, short), tmp_path, run_stop)
     versions = read_stop(tmp_path).versions
-    assert versions["TwoPartTrain.fmu"] == assemble.description_of(assemble.recipe_file("TwoPartTrain")).generator
+    assert versions["TwoPartTrain.fmu"] == files.description_of(files.recipe_file("TwoPartTrain")).generator

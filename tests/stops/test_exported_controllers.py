@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from railgrip.assemble import controlled_formation, run_stop
+from railgrip.assemble import run_stop
+from railgrip.assemble.export import controller_fmu
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
-from railgrip.export import controller_fmu
 from railgrip.fmu import CoSimulation, Signal, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.campaign import load_campaign
@@ -35,7 +36,7 @@ def shown(scenario, trace):
     believed = "estimate_adhesion" in trace
     prefix = "estimate" if believed else "reading"
     speed, wheel = trace[f"{prefix}_speed"].values, trace[f"{prefix}_wheelset_speed"].values
-    radius = np.array([group.wheel_radius for group in controlled_formation(scenario).brakes])
+    radius = np.array([group.wheel_radius for group in VehicleData(scenario).controlled.brakes])
     with np.errstate(invalid="ignore"):
         slip = 1.0 - radius * wheel / speed[:, None]
     unknown = np.zeros_like(slip)
@@ -47,7 +48,7 @@ def shown(scenario, trace):
             trace["estimate_adhesion"].values if believed else unknown,
             trace["estimate_pad_friction"].values if believed else unknown,
             wheel,
-            np.full_like(slip, [group.pressure_max for group in controlled_formation(scenario).brakes]),
+            np.full_like(slip, [group.pressure_max for group in VehicleData(scenario).controlled.brakes]),
             trace["reading_cylinder_pressure"].values,
         ]
     )

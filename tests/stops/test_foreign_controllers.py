@@ -7,8 +7,8 @@ import casadi as ca
 import pytest
 
 from railgrip.assemble import run_stop
+from railgrip.assemble.export import controller_fmu
 from railgrip.errors import FmuError, ScenarioError
-from railgrip.export import controller_fmu
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources

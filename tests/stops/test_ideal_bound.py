@@ -6,7 +6,7 @@ import pytest
 
 import railgrip.scenario
 from railgrip.assemble import run_stop
-from railgrip.ideal import ideal_stop
+from railgrip.assemble.ideal import ideal_stop
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
 

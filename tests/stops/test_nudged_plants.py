@@ -2,17 +2,18 @@
 
 import numpy as np
 
-from railgrip import assemble
+from railgrip.assemble.files import description_of, parameters_of, recipe_file
+from railgrip.assemble.plant import nudged
 from railgrip.scenario.vehicle import Nudge
 
 
 def test_every_real_parameter_is_moved_by_less_than_was_asked_and_the_same_seed_moves_it_the_same():
-    plant = assemble.description_of(assemble.recipe_file("TwoPartTrain"))
+    plant = description_of(recipe_file("TwoPartTrain"))
     given = {"k_A": 1.0, "k_primary": 2e6}  # k_A is at its largest: dry rail
-    moved, again, other = (assemble._nudged(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))
+    moved, again, other = (nudged(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))
     assert moved == again
     assert moved != other
-    held = assemble.parameters_of(plant) | given
+    held = parameters_of(plant) | given
     names = [name for name in moved if held[name] != 0]
     shares = np.array([moved[name] / held[name] - 1 for name in names])
     assert len(names) > 90

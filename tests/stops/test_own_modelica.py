@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 import railgrip
-from railgrip.assemble import is_trusted, plant_description, run_stop
+from railgrip.assemble import run_stop
+from railgrip.assemble.files import is_trusted, plant_description
 from railgrip.errors import InputError, ScenarioError
 from railgrip.fmus.build import build_class
 from railgrip.scenario.load import load, scenario_of

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import braking_distance, formation_of, plant_description, run_stop
+from railgrip.assemble import braking_distance, run_stop
+from railgrip.assemble.files import plant_description
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
@@ -50,7 +52,7 @@ def test_a_named_train_stops_as_calculated_by_hand(actuation):
 
 def test_its_formation_is_that_of_the_file():
     scenario = dry({"train": "tram"}, "50 km/h")
-    formation = formation_of(scenario, plant_description(scenario))
+    formation = VehicleData(scenario).formation
     assert formation.wheelsets_per_group == (1, 1, 1, 1)
     assert formation.wheelset_position == pytest.approx((0, 1.9, 6.4, 8.3))
 

@@ -11,10 +11,10 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.assemble.vehicle import GRAVITY, brake_of, masses_of
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
-from railgrip.train import GRAVITY, brake_of, masses_of
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from railgrip.assemble import plant_description, versions
+from railgrip.assemble.files import plant_description
+from railgrip.assemble.parties import versions
 from railgrip.atomic import write_text
 from railgrip.report.page import write_page
 from railgrip.report.style import dress, figure, lead_to_trail, save

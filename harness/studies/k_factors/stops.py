@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 
-from railgrip.assemble import braking_distance, plant_description
+from railgrip.assemble import braking_distance
+from railgrip.assemble.files import plant_description
 from railgrip.campaign import workers as processes
 from railgrip.errors import RailgripError
 from railgrip.scenario.schema import Scenario

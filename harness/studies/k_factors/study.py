@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble import braking_distance, formation_of, parameters_of, plant_description, plant_parameters
+from railgrip.assemble import braking_distance
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
@@ -133,10 +134,9 @@ def brake_of_scenario(specification: Specification, scenario: Scenario) -> Quasi
         )
     if scenario.demand is not None:
         raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
-    plant = plant_description(scenario)
-    parameters = parameters_of(plant) | plant_parameters(scenario, plant)
+    vehicle = VehicleData(scenario)
     speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
-    return QuasiStaticBrake(parameters, formation_of(scenario, plant), specification.dispersion, speeds)
+    return QuasiStaticBrake(vehicle.true_parameters, vehicle.formation, specification.dispersion, speeds)
 
 
 def quasi_static(specification: Specification, brake: QuasiStaticBrake, tell: Tell = lambda what: None) -> QuasiStatic:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import railgrip.scenario
-from railgrip.assemble import assembled, plant_description
+from railgrip.assemble import assembled
+from railgrip.assemble.files import plant_description
 from railgrip.errors import ScenarioError
 from railgrip.fmu.comparison import seconds_in_c
 from railgrip.fmu.mapping import Signal, bind

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field, StrictBool
 
-from railgrip.assemble import formation_of, plant_description
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -152,7 +152,7 @@ def campaign_of(
         ScenarioError: A combination is no scenario.
     """
     bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
-    groups = formation_of(bare, plant_description(bare)).groups
+    groups = VehicleData(bare).formation.groups
     stops: list[PlannedStop] = []
     for case in stopped:
         of_case = merged(train, {"name": "type-test"} | case.tables(groups))

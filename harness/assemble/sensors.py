@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.assemble.faults import missing_teeth
 from railgrip.errors import ScenarioError, SensorsFailed
-from railgrip.faults import missing_teeth
 from railgrip.loop.ports import Sensors
 from railgrip.loop.sensors import Course, IdealSensors, RoughRail, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.scenario.custom import Custom

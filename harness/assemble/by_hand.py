@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.assemble import Assembled, OwnParties, assembled
+from railgrip.assemble.parties import Assembled, OwnParties, assembled
 from railgrip.controllers.observation import Observation
 from railgrip.custom import problem_with
 from railgrip.errors import PlantFailed, ScenarioError

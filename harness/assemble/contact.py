@@ -12,7 +12,7 @@ from railgrip.fmus.native import Model
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.trace.contact import Array, Contact
 
-KERNEL = files("railgrip") / "kernel" / "contact.c"
+KERNEL = files("railgrip.assemble") / "kernel" / "contact.c"
 
 _ORDER = ("slip", "speed", "load", "mu0")
 

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip import assemble
+from railgrip.assemble.parties import assembled, judged
+from railgrip.assemble.vehicle import GRAVITY, VehicleData, masses_of
 from railgrip.controllers.observation import Observation
-from railgrip.errors import PlantFailed, ScenarioError
-from railgrip.loop import cycle
+from railgrip.errors import ScenarioError
 from railgrip.loop.ended import Ended
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
@@ -31,7 +31,6 @@ from railgrip.trace.contact import peak
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 from railgrip.trace.stop import Stop
-from railgrip.train import GRAVITY, masses_of
 
 Array = NDArray[np.float64]
 
@@ -56,9 +55,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
             f"{table} what a wheelset finds depends on how those ahead have run over it: leave one of them out"
         )
-    plant = assemble.plant_description(scenario)
-    parameters = assemble.parameters_of(plant) | assemble.plant_parameters(scenario, plant)
-    reference = assemble.run_stop(_full_brake(scenario), progress)
+    vehicle = VehicleData(scenario)
+    with assembled(_full_brake(scenario)) as parts:
+        reference = parts.stop(parts.run(progress))
     period = scenario.periods.communication
     known = reference.trace.isel(time=slice(round(_BUILD_UP / period), None))
     if reference.outcome is not Outcome.STANDSTILL or known.sizes["time"] < 2:
@@ -69,17 +68,16 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     order = np.argsort(known["speed"].values)
     speeds = known["speed"].values[order]
     friction = known["pad_friction"].values[order]
-    formation = assemble.formation_of(scenario, plant)
-    masses = masses_of(parameters, formation)
+    formation = vehicle.formation
+    masses = masses_of(vehicle.true_parameters, formation)
     mass = sum(masses.tolist())
     drawn = np.sum(known["adhesion"].values * known["wheelset_load"].values, axis=1)
     resistance = (-mass * known["acceleration"].values - drawn)[order]
 
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
-    profile, force = profile_of(scenario, formation), assemble.force_on(scenario, plant)
+    profile, force = profile_of(scenario, formation), vehicle.track_force
     load = masses * GRAVITY
-    contact, brake = assemble.contact_of(scenario, plant), assemble.true_brake(scenario, plant)
     recorder = Recorder((*PLANT, *SENT), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
@@ -95,7 +93,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:, at["pad_friction"]] = pad
         end = _end(speed, scenario.limits.stop_speed)
         moving = end or count
-        bound = with_bound(recorder.trace(moving, period), contact, brake, scenario.limits.alpha_max)
+        bound = with_bound(recorder.trace(moving, period), vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
         ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
         slowing = (np.sum(share * load, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
         slowing -= np.array([force.at(place) for place in distance[:moving]]) / mass
@@ -125,7 +123,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         else f"Still rolls with {speed[samples - 1]:.2f} m/s after {place} at best.",
         samples=samples,
     )
-    return assemble.judged(scenario, recorder, ended, plant, {plant.file.name: plant})
+    return judged(vehicle, recorder, ended, {vehicle.file.file.name: vehicle.file})
 
 
 class _Tracking:
@@ -140,12 +138,11 @@ class _Tracking:
     much; one that anticipated the whole rail could still do a little better.
     """
 
-    def __init__(self, scenario: Scenario, recorder: Recorder) -> None:
+    def __init__(self, vehicle: VehicleData, recorder: Recorder) -> None:
         """Control the stop that a recorder is written of."""
-        plant = assemble.plant_description(scenario)
-        self._formation = assemble.formation_of(scenario, plant)
+        scenario, self._formation = vehicle.scenario, vehicle.formation
         self._profile = profile_of(scenario, self._formation)
-        self._contact, self._brake = assemble.contact_of(scenario, plant), assemble.true_brake(scenario, plant)
+        self._contact, self._brake = vehicle.contact, vehicle.brake
         self._recorder, self._period = recorder, scenario.periods.communication
         self._limit, self._ahead = scenario.limits.alpha_max, 0.0
         if scenario.actuation.kind == "pneumatic":
@@ -208,12 +205,10 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
         "faults": [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY],
     }
     table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
-    with assemble.assembled(Scenario.model_validate(table)) as parts:
-        controller = _Tracking(scenario, parts.recorder)
-        try:
-            ended = cycle.run(controller=controller, progress=progress, **parts.parties)
-        except PlantFailed as failed:
-            ended = parts.failed(failed)
+    with assembled(Scenario.model_validate(table)) as parts:
+        controller = _Tracking(VehicleData(scenario), parts.recorder)
+        parts = replace(parts, controller=controller, obstacle="it is shown the truth")
+        ended = parts.run(progress)
     return replace(parts.stop(ended), scenario=scenario)
 
 

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
-from railgrip.assemble import actuation_of, controlled_formation, controller_of
+from railgrip.assemble.controller import actuation_of, controller_of
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.sampled import Quantity, Sampled
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
@@ -28,8 +29,9 @@ def controller_fmu(scenario: Scenario) -> Source:
     Raises:
         ScenarioError: The controller is no law of ours, such as the ideal bound.
     """
-    groups = controlled_formation(scenario).brakes
-    law, actuation = controller_of(scenario, groups), actuation_of(scenario, groups)
+    vehicle = VehicleData(scenario)
+    groups = vehicle.controlled.brakes
+    law, actuation = controller_of(vehicle), actuation_of(scenario, groups)
     assert isinstance(law, Sampled)
     valves = actuation if isinstance(actuation, Sampled) else None
     assert valves is not None or isinstance(actuation, Direct)

@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.assemble.vehicle import GRAVITY
 from railgrip.errors import ScenarioError
 from railgrip.estimators.consist import Consist, Part
 from railgrip.fmus.native import Model, Variable, lower
 from railgrip.formation import Formation
-from railgrip.train import GRAVITY
 
 _PACKAGE = "RailBraking.Vehicles"
 _OF_WHEELSETS = frozenset({"m_wheelset", "m_unsprung"})

@@ -1,0 +1,171 @@
+"""The controller of a scenario and what its commands go through: laws, valves, FMUs of one's own."""
+
+from collections.abc import Callable, Collection, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from railgrip.assemble.files import description_of, parameters_of, recipe_file, units_of
+from railgrip.assemble.foreign_controller import foreign_controller
+from railgrip.assemble.vehicle import VehicleData, units_of_nominal_data
+from railgrip.controllers import tuning
+from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.controllers.constant_slip import ConstantSlip, ConstantSlipTuning
+from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
+from railgrip.controllers.full_brake import FullBrake
+from railgrip.controllers.law import Law, Tuning
+from railgrip.controllers.sampled import Sampled
+from railgrip.controllers.slip_based import SlipBased
+from railgrip.controllers.slope_seeking import SlopeSeeking
+from railgrip.controllers.train_level import with_redistribution, with_shared_valves
+from railgrip.controllers.valves import ValveLogic, ValveModel
+from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
+from railgrip.errors import ScenarioError
+from railgrip.fmu import Description
+from railgrip.loop.actuation import Direct
+from railgrip.loop.ports import Actuation, Controller, LawStates
+from railgrip.scenario.custom import Custom
+from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
+from railgrip.scenario.parties import Law as ParametricLaw
+from railgrip.scenario.quantity import in_units
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.sensors import ServiceSensors
+from railgrip.signals import of_law
+
+
+def controlling(
+    vehicle: VehicleData,
+    estimates: Collection[str],
+    fmus: dict[str, Description],
+    tell: Callable[[str], None],
+    stack: ExitStack,
+) -> tuple[Controller, bool]:
+    """Open the controller of a scenario; return also whether it commands the valves itself.
+
+    An FMU that takes part adds itself to `fmus`.
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller asks for something that is not there.
+        FmuError: An FMU does not fit.
+    """
+    scenario, table = vehicle.scenario, vehicle.scenario.controller
+    if not isinstance(table, ControllerFmu):
+        return controller_of(vehicle), False
+    description = description_of(table.file.path, scenario.limits.fmu.limits())
+    name = description.file.name
+    fmus[f"controller: {name}" if name in fmus else name] = description
+    values = in_units("[controller.parameters]", table.parameters, units_of(description))
+    groups = vehicle.formation.groups
+    return stack.enter_context(foreign_controller(scenario, table, description, values, groups, estimates, tell))
+
+
+def controller_of(vehicle: VehicleData) -> Controller:
+    """Return the control law of a scenario with what is decided for the whole train.
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+    """
+    scenario, groups = vehicle.scenario, vehicle.controlled.brakes
+    law, table = _group_law(vehicle), scenario.controller
+    assert isinstance(table, ParametricLaw | SlipLaw)
+    valves = vehicle.formation.groups_per_valve
+    if table.redistribute:
+        if valves and max(valves) > 1:
+            raise ScenarioError(
+                f"{scenario.name}: [controller] redistribute asks single groups for more, groups_per_valve is "
+                f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
+            )
+        if scenario.demand is None:
+            raise ScenarioError(
+                f"{scenario.name}: [controller] redistribute has nothing to give where full brake is asked of every "
+                "group; write a [demand] below it"
+            )
+        law = with_redistribution(
+            law, groups, period=scenario.periods.controller, adhesion_max=scenario.limits.alpha_max
+        )
+    return with_shared_valves(law, groups, valves, table.shared_valve) if valves and max(valves) > 1 else law
+
+
+def _group_law(vehicle: VehicleData) -> Law:
+    """Return the law for single groups, its named set changed by [controller.parameters].
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+    """
+    scenario, groups = vehicle.scenario, vehicle.controlled.brakes
+    table = scenario.controller
+    if isinstance(table, ControllerFmu | Custom) or table.kind in ("ideal_bound", "ideal_tracking"):
+        raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
+    train = units_of_nominal_data(vehicle.formation)
+    own = {name: value for name, value in table.parameters.items() if name not in train}
+    where = "[controller.parameters]"
+    if table.kind == "full_brake":
+        in_units(where, own, {})
+        return FullBrake(groups)
+    if isinstance(table, SlipLaw):
+        values = in_units(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
+        levels = replace(tuning.PAPER_LEVELS, hold=table.kind == "slip_three_state")
+        if table.tuning == "searched":
+            slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
+            levels = replace(levels, **tuning.searched(table.kind, scenario.actuation.kind, slip))
+        try:
+            return SlipBased(groups, replace(levels, **values))
+        except ValueError as problem:
+            raise ScenarioError(f"{where}: {problem}") from problem
+    law, base, given = _law_of(scenario, table.kind)
+    values = in_units(where, own, type(base).units())
+    try:
+        return law(groups, replace(base, **given, **values))
+    except ValueError as problem:
+        raise ScenarioError(f"{where}: {problem}") from problem
+
+
+def _law_of(
+    scenario: Scenario, kind: str
+) -> tuple[Callable[[Sequence[BrakeGroup], Any], Law], Tuning, dict[str, float]]:
+    """Return a law, its parameters, and those of them that other tables of a scenario set."""
+    actuation, period = scenario.actuation.kind, {"period": scenario.periods.controller}
+    if kind in ("adhesion_based", "adhesion_literal"):
+        seeker = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
+        return seeker, tuning.PEAK_SEEKING[actuation], period | {"adhesion_max": scenario.limits.alpha_max}
+    if kind == "slope_seeking":
+        lag = scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0
+        return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max, "pressure_lag": lag}
+    law, parameters = {
+        "wheel_reference": (WheelReference, WheelReferenceTuning),
+        "constant_slip": (ConstantSlip, ConstantSlipTuning),
+        "extremum_seeking": (ExtremumSeeking, ExtremumSeekingTuning),
+    }[kind]
+    slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
+    return law, parameters(**period, **tuning.of(kind, actuation, slip)), period
+
+
+def law_states(controller: Controller) -> LawStates | None:
+    """Return what a controller shows of its states; None where it shows none."""
+    shown = controller.shown if isinstance(controller, Sampled) else ()
+    if not shown:
+        return None
+    places = np.array([place for place, _ in shown], dtype=np.longlong)
+    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in shown)
+    return LawStates(columns, controller.state, places)
+
+
+def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
+    """Return what turns demanded pressures into what the plant takes."""
+    if scenario.actuation.kind == "ideal":
+        return Direct()
+    nominal = parameters_of(description_of(recipe_file("TwoPartTrainPneumatic")))
+    return ValveLogic(
+        [group.pressure_max for group in groups],
+        ValveModel(
+            period=scenario.periods.controller,
+            dead_time=0.5 * (nominal["dead_fill"] + nominal["dead_vent"]),
+            fill_time=nominal["T_fill"],
+            vent_time=nominal["T_vent"],
+            band=tuning.VALVE_BANDS.get(scenario.controller.kind, tuning.VALVE_BAND),
+            pulse_min=tuning.VALVE_PULSE_MIN,
+        ),
+    )

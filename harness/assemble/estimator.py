@@ -1,0 +1,232 @@
+"""The Kalman filter of a scenario, over a prediction of this project, of a Modelica class or of nominal data."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.assemble.files import lowered, prediction_description
+from railgrip.assemble.prediction import (
+    consist_of,
+    data_of,
+    radius_of,
+    release_pressure,
+    start_of,
+    units_of_predictions,
+)
+from railgrip.assemble.vehicle import VehicleData
+from railgrip.controllers.free_wheel import FreeWheel
+from railgrip.errors import ScenarioError
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.consist import Consist
+from railgrip.estimators.decentralised import DecentralisedFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.gate import Gate
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.running import Running
+from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
+from railgrip.fmu import Description, FmuPrediction
+from railgrip.fmus.native import Model, lower
+from railgrip.fmus.native.library import library_of
+from railgrip.loop.ports import Filter
+from railgrip.loop.watch import StateEstimator
+from railgrip.scenario.parties import KalmanFilter
+from railgrip.scenario.quantity import in_units
+from railgrip.signals import Layout
+
+Vector = NDArray[np.float64]
+
+RELEASED_PADS = 1500.0
+"""Normal force of both pads of a unit [N] below which nothing is learned of their friction; see `pad_gate`."""
+
+_PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
+_NOISE_PREFIX = {
+    "TrainPrediction": "train",
+    "TrainPredictionDisturbed": "disturbed",
+    "TrainPredictionReduced": "reduced",
+}
+
+
+def state_estimator(
+    vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
+) -> StateEstimator:
+    """Return the estimator of a scenario, which holds its first belief; an FMU that takes part adds itself to `fmus`.
+
+    Raises:
+        ScenarioError: There is no such noise set or parameter, or the prediction is for another vehicle.
+    """
+    layout, period = vehicle.layout, vehicle.scenario.periods.estimator
+    noise, groups = _noise(table), range(1, layout.formation.groups + 1)
+    consist = None
+    if table.model is None:
+        consist, gate, mean, radius = _of_nominal_data(vehicle, table)
+        states, outputs = consist.states, consist.outputs
+        prediction = None if table.kind == "decentralised" else consist.prediction
+    else:
+        prediction, gate, mean, radius = _of_class(vehicle, table, table.model, fmus, stack)
+        states, outputs = prediction.states, prediction.outputs
+    noises = noise.process_noise(states), noise.reading_noise(outputs)
+    first = mean, noise.start_covariance(states)
+    if prediction is not None:
+        filter_ = _central(table, prediction, *noises, period, gate, first)
+    else:
+        assert consist is not None
+        if table.outlier_limit:
+            raise ScenarioError(
+                "[estimator] outlier_limit is for kind compiled, python or fmu; decentralised uses every reading"
+            )
+        filter_ = DecentralisedFilter(consist, *noises, period, gate)
+        filter_.start(*first)
+
+    def places(name: str) -> NDArray[np.intp]:
+        return np.array([states.index(f"{name}[{g}]") for g in groups])
+
+    readings = [layout.reading[name.partition("[")[0]].start + _element(name) for name in outputs]
+    return StateEstimator(
+        filter=filter_,
+        seen=np.array(readings, dtype=np.intp),
+        speed=states.index("v"),
+        wheelset_speed=places("w"),
+        adhesion=places("alpha"),
+        pad_friction=places("mu_b"),
+        wheel_radius=radius,
+        free_wheel=FreeWheel(layout.formation.brakes, period) if table.free_wheels else None,
+    )
+
+
+def _of_nominal_data(vehicle: VehicleData, table: KalmanFilter) -> tuple[Consist, Gate, Vector, tuple[float, ...]]:
+    """Return the prediction from the vehicle's nominal data, with its gate, mean at the start and wheel radii."""
+    formation = vehicle.controlled
+    groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
+    units = units_of_predictions()
+    each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
+    own = in_units("[estimator.parameters]", table.parameters, units | each)
+    data = data_of(vehicle.nominal, formation)
+    data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
+    consist = consist_of(formation, data)
+    gate = Gate(
+        states=tuple(f"mu_b[{g + 1}]" for g in groups),
+        inputs=tuple(f"cylinder_pressure[{g + 1}]" for g in groups),
+        threshold=max(release_pressure(data, g, RELEASED_PADS) for g in groups),
+    )
+    mean = start_of(consist, formation, data, vehicle.scenario.start.speed)
+    return consist, gate, mean, tuple(radius_of(data, g) for g in groups)
+
+
+def _of_class(
+    vehicle: VehicleData, table: KalmanFilter, name: str, fmus: dict[str, Description], stack: ExitStack
+) -> tuple[CasadiPrediction | FmuPrediction, Gate, Vector, tuple[float, ...]]:
+    """Return the prediction of a Modelica class, with its gate, mean at the start and wheel radii."""
+    model, groups = _predicted(table, name, vehicle.layout), vehicle.layout.formation.groups
+    own = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
+    parameters = {v.name: v.start for v in model.parameters} | own
+    if table.kind == "fmu":
+        description = prediction_description(table)
+        fmus[description.file.name] = description
+        prediction = stack.enter_context(
+            FmuPrediction(
+                description,
+                parameters=parameters,
+                states=[v.name for v in model.states],
+                inputs=[v.name for v in model.inputs],
+                outputs=[v.name for v in model.outputs],
+            )
+        )
+    else:
+        prediction = CasadiPrediction(model, parameters)
+    rigging = {key: parameters[key] for key in _PREDICTION_DATA if key != "r_wheel"}
+    gate = pad_gate(pad_force=RELEASED_PADS, **rigging, groups=groups)
+    radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
+    start = {"v": speed} | {f"w[{g + 1}]": speed / radius for g in range(groups)}
+    start |= {
+        f"{state}[{g + 1}]": parameters[f"{state}_start[{g + 1}]"] for state in ("mu_b", "alpha") for g in range(groups)
+    }
+    mean = np.array([start.get(state, 0.0) for state in prediction.states])
+    return prediction, gate, mean, (radius,) * groups
+
+
+def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
+    """Return the model inside a filter, one of ours or of the user's own.
+
+    Raises:
+        ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
+    """
+    own = table.library
+    model = lowered(f"RailBraking.FMUs.{name}") if own is None else lower(name, library_of(own.path))
+    where = f"[estimator] model '{name}'"
+    states, groups = [variable.name for variable in model.states], layout.formation.groups
+    predicted = sum(name.startswith("w[") for name in states)
+    if predicted != groups:
+        raise ScenarioError(f"{where} is for {predicted} groups, the vehicle has {groups}")
+    each = [f"{name}[{g + 1}]" for name in ("w", "mu_b", "alpha") for g in range(groups)]
+    wanted = {
+        "state": (["v", *each], states),
+        "parameter": (
+            [*_PREDICTION_DATA, *(f"{name}_start[{g + 1}]" for name in ("mu_b", "alpha") for g in range(groups))],
+            [variable.name for variable in model.parameters],
+        ),
+    }
+    for kind, (names, offered) in wanted.items():
+        if missing := [name for name in names if name not in offered]:
+            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(offered)}")
+    pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
+    if inputs[:groups] != pressures:
+        raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
+    if unread := [variable.name for variable in model.outputs if variable.name.partition("[")[0] not in layout.reading]:
+        raise ScenarioError(
+            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(layout.reading))}"
+        )
+    return model
+
+
+def _central(
+    table: KalmanFilter,
+    prediction: CasadiPrediction | FmuPrediction,
+    process: Vector,
+    reading: Vector,
+    period: float,
+    gate: Gate,
+    first: tuple[Vector, Vector],
+) -> Filter:
+    """Return a filter of all states together that holds its first belief."""
+    limits = _outlier_limits(table, prediction.outputs)
+    if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
+        compiled = CompiledFilter(prediction, process, reading, period, gate, limits)
+        compiled.start(*first)
+        return compiled
+    plain = ExtendedKalmanFilter(prediction, process, reading, period, gate, limits)
+    return Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(prediction.outputs))
+
+
+def _outlier_limits(table: KalmanFilter, outputs: Sequence[str]) -> list[float]:
+    """Return from how many standard deviations on each reading of a filter is left out.
+
+    Raises:
+        ScenarioError: The filter has no such reading.
+    """
+    read = [name.partition("[")[0] for name in outputs]
+    if other := sorted(table.outlier_limit.keys() - read):
+        known = ", ".join(dict.fromkeys(read))
+        raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {known}")
+    return [table.outlier_limit.get(name, inf) for name in read]
+
+
+def _element(name: str) -> int:
+    """Return the zero-based index of `name[i]`, 0 for a scalar."""
+    index = name.partition("[")[2]
+    return int(index[:-1]) - 1 if index else 0
+
+
+def _noise(table: KalmanFilter) -> NoiseSet:
+    model = table.model or "TrainPrediction"
+    prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(model, model)}_"
+    wanted = f"{prefix}{table.noise}"
+    if wanted not in NOISE_SETS:
+        raise ScenarioError(
+            f"[estimator] has no noise set '{table.noise}' for model '{model}'; there are "
+            + ", ".join(sorted(NOISE_SETS))
+            + " (model_noise)."
+        )
+    return NOISE_SETS[wanted]

@@ -1,0 +1,111 @@
+"""The FMUs and Modelica classes that a scenario names, found or built, each once in a process."""
+
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Literal
+
+from railgrip.cache import keep
+from railgrip.fmu import Description, describe
+from railgrip.fmus.build import build_class, choose, fmu
+from railgrip.fmus.native import Model, lower
+from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.modelica import class_name, class_text
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.parties import KalmanFilter
+from railgrip.scenario.schema import Scenario
+from railgrip.units import Unit
+
+
+@cache
+def _described(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
+    return describe(path, limits)
+
+
+def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
+    """Return the description of an FMU, read once for each version of the file."""
+    status = path.stat() if path.exists() else None
+    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
+
+
+@cache
+def recipe_file(name: str) -> Path:
+    """Return the FMU of a recipe, built when it is not up to date; asked once in a process."""
+    return fmu(name)
+
+
+@cache
+def _class_file(class_name: str, library: Path, digest: str, interface: Literal["me", "cs"]) -> Path:  # pyright: ignore[reportUnusedParameter]
+    return build_class(class_name, library, interface).path
+
+
+@cache
+def _train_file(path: Path, digest: str, pneumatic: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+    train = load_train(path)
+    name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic).encode()
+    source = keep("modelica", sha256(text).hexdigest(), f"{name}.mo", text)
+    return build_class(name, source).path
+
+
+@cache
+def lowered(class_name: str) -> Model:
+    """Return a class as CasADi functions; compiled once in a process."""
+    return lower(class_name)
+
+
+def plant_description(scenario: Scenario) -> Description:
+    """Return the description of the plant FMU of a scenario; of a plant in Python, which has none, an empty one.
+
+    Raises:
+        ScenarioError: [vehicle] train names a file that is no train.
+    """
+    vehicle = scenario.vehicle
+    if vehicle.own_class is not None:
+        return Description(
+            file=Path(vehicle.own_class), digest="", model=vehicle.own_class, guid="", generator="", variables={},
+            states=(), derivatives=(), event_indicators=0, log_categories=(), co_simulation=None, model_exchange=None,
+            blemishes="",
+        )  # fmt: skip
+    if vehicle.model is not None and vehicle.library is not None:
+        return description_of(_class_file(vehicle.model, vehicle.library.path, vehicle.library.digest(), "cs"))
+    if (train := vehicle.train) is not None:
+        return description_of(_train_file(train.path, train.digest(), scenario.actuation.kind == "pneumatic"))
+    if isinstance(vehicle.plant, NamedFile):
+        return description_of(vehicle.plant.path, scenario.limits.fmu.limits())
+    assert vehicle.plant is not None  # or there is a model
+    return description_of(recipe_file(vehicle.plant))
+
+
+def prediction_description(table: KalmanFilter) -> Description:
+    """Return the description of the FMU that an estimator predicts with."""
+    model, library = table.model, table.library
+    assert model is not None
+    return description_of(
+        recipe_file(model) if library is None else _class_file(model, library.path, library.digest(), "me")
+    )
+
+
+def is_trusted(scenario: Scenario) -> bool:
+    """Say whether the plant may be loaded into this process.
+
+    What the built-in compiler makes calls nothing from outside, for it refuses external functions; what OpenModelica
+    makes may.
+    """
+    vehicle = scenario.vehicle
+    compiled = vehicle.model is not None or vehicle.train is not None
+    return vehicle.recipe is not None or (compiled and choose("auto") == "native") or vehicle.trust
+
+
+def parameters_of(description: Description) -> dict[str, float]:
+    """Return the start values of an FMU's numeric parameters."""
+    return {
+        variable.name: float(variable.start)
+        for variable in description.variables.values()
+        if variable.causality == "parameter" and variable.kind in ("Real", "Integer") and variable.start is not None
+    }
+
+
+def units_of(description: Description) -> dict[str, Unit | str]:
+    """Return the units of an FMU's parameters."""
+    return {v.name: v.unit or v.unit_name for v in description.variables.values() if v.causality == "parameter"}

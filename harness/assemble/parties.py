@@ -1,0 +1,290 @@
+"""The parties of a scenario's stop, open and ready for a loop."""
+
+import platform
+from collections.abc import Callable, Collection, Generator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railgrip import custom
+from railgrip.assemble.controller import actuation_of, controlling, law_states
+from railgrip.assemble.estimator import state_estimator
+from railgrip.assemble.faults import faults_of
+from railgrip.assemble.importing import Origin, origin_of, party_of, table_of
+from railgrip.assemble.plant import fmu_plant, python_plant
+from railgrip.assemble.rail import driver_of, rail_of
+from railgrip.assemble.sensors import sensors_of
+from railgrip.assemble.vehicle import VehicleData
+from railgrip.engine import Engine
+from railgrip.errors import PlantFailed, ScenarioError
+from railgrip.fmu import Description
+from railgrip.loop import compiled_cycle, cycle
+from railgrip.loop.actuation import Direct
+from railgrip.loop.ended import Clock, Ended, implausible
+from railgrip.loop.ports import Controller
+from railgrip.loop.watch import StateEstimator
+from railgrip.scenario.custom import Custom, Role
+from railgrip.scenario.parties import KalmanFilter
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import sampled_every
+from railgrip.scenario.vehicle import Vehicle
+from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, sent
+from railgrip.trace.adhesion_use import over_the_rail
+from railgrip.trace.bound import with_bound
+from railgrip.trace.metrics import measure
+from railgrip.trace.outcome import Outcome
+from railgrip.trace.recorder import Recorder
+from railgrip.trace.stop import Stop
+
+_MOST_OF_THE_RAIL = 1.005
+"""Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
+
+_PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnParties:
+    """Objects of the user's own that take the place of what a scenario names; see `railgrip.custom`.
+
+    Attributes:
+        controller, estimator, sensors, plant: None leaves it to the scenario.
+        folders: Where modules that a scenario names are looked for, beside the installed environment.
+    """
+
+    controller: custom.Controller | None = None
+    estimator: custom.Estimator | None = None
+    sensors: custom.Sensors | None = None
+    plant: custom.Plant | None = None
+    folders: tuple[Path, ...] = ()
+
+    def standing_for(self, scenario: Scenario) -> Scenario:
+        """Return the scenario that names these objects' classes, as the results of a stop with them must."""
+        objects = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
+        tables: dict[str, Any] = {name: table_of(own) for name, own in objects.items() if own is not None}
+        if self.plant is not None:
+            vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
+            tables["vehicle"] = Vehicle.model_validate(vehicle)
+        return scenario.model_copy(update=tables)
+
+
+SCENARIOS_OWN = OwnParties()
+"""None but those that the scenario names."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assembled:
+    """The parties of a stop, open.
+
+    Attributes:
+        vehicle: What is known of the scenario's.
+        parties: Arguments of the loops, but for the controller.
+        controller: Of the scenario.
+        obstacle: Why C cannot run it; None if it can.
+        fmus: Those that take part, by name.
+        classes: Of the user's own that take part, by party.
+    """
+
+    vehicle: VehicleData
+    parties: Mapping[str, Any]
+    controller: Controller
+    obstacle: str | None
+    fmus: Mapping[str, Description]
+    classes: Mapping[str, Origin]
+
+    @property
+    def recorder(self) -> Recorder:
+        """What the loop writes into."""
+        return self.parties["recorder"]
+
+    def run(self, progress: Callable[[float], None] | None = None, engine: Engine = Engine.AUTO) -> Ended:
+        """Run the stop to its end, once.
+
+        Args:
+            progress: Called with the train speed [m/s] now and then.
+            engine: What steps the parties; the stop is the same.
+
+        Raises:
+            ScenarioError: C is asked for, and cannot run it.
+        """
+        if self.obstacle and engine is Engine.COMPILED:
+            raise ScenarioError(
+                f"{self.vehicle.scenario.name}: the compiled engine cannot run it: {self.obstacle}; take 'auto'."
+            )
+        loop = cycle.run if self.obstacle or engine is Engine.PYTHON else compiled_cycle.run
+        try:
+            return loop(controller=self.controller, progress=progress, **self.parties)
+        except PlantFailed as problem:
+            return self.failed(problem)
+
+    def failed(self, problem: PlantFailed) -> Ended:
+        """Return the end of a run whose plant failed."""
+        return Ended(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
+
+    def stop(self, ended: Ended) -> Stop:
+        """Return the stop that a run of the loop gave."""
+        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+        self.recorder.rows[self.recorder.written : 1] = np.nan
+        stop = judged(self.vehicle, self.recorder, ended, self.fmus)
+        return replace(stop, classes={name: origin.to_plain() for name, origin in self.classes.items()})
+
+
+@contextmanager
+def assembled(
+    scenario: Scenario, tell: Callable[[str], None] = lambda sentence: None, own: OwnParties = SCENARIOS_OWN
+) -> Generator[Assembled]:
+    """Open the parties of a scenario's stop; they are closed when the block ends.
+
+    Args:
+        scenario: Whose parties.
+        tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
+        own: Objects in place of what the scenario names.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parties cannot do.
+        FmuError: An FMU does not fit.
+    """
+    scenario = own.standing_for(scenario)
+    vehicle = VehicleData(scenario)
+    fmus = {} if scenario.vehicle.own_class else {vehicle.file.file.name: vehicle.file}
+    formation, layout, demand = vehicle.controlled, vehicle.layout, scenario.demand
+    radius = tuple(group.wheel_radius for group in formation.brakes)
+    pneumatic, period = scenario.actuation.kind == "pneumatic", scenario.periods.communication
+    samples = round(scenario.limits.horizon / period)
+    classes: dict[str, Origin] = {}
+
+    def party(role: Role, table: object, instance: object) -> Any:
+        """Return the object of the user's own that plays a part, if one does."""
+        if not isinstance(table, Custom):
+            return None
+        player = party_of(table, role, own.folders) if instance is None else instance
+        classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
+        return player
+
+    with ExitStack() as stack:
+        if (name := scenario.vehicle.own_class) is not None:
+            arguments = {key: value.written for key, value in scenario.vehicle.parameters.items()}
+            table = Custom(kind=name, parameters=arguments) if own.plant is None else table_of(own.plant)
+            plant = python_plant(vehicle, party("plants", table, own.plant))
+        else:
+            plant = fmu_plant(vehicle, tell, stack)
+        filter_: StateEstimator | custom.CustomEstimator | None = None
+        estimates = frozenset[str]()
+        if (estimator := party("estimators", scenario.estimator, own.estimator)) is not None:
+            filter_ = custom.CustomEstimator(estimator, formation)
+            estimates = frozenset(filter_.provides)
+        elif isinstance(scenario.estimator, KalmanFilter):
+            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack)
+            estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
+        if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
+            noise = generator(scenario.seed, "sensors.custom")
+            sensors = custom.CustomSensors(instruments, layout, formation, period, noise)
+        else:
+            sensors = sensors_of(scenario, layout, radius[0])
+        commands_valves = False
+        if (own_law := party("controllers", scenario.controller, own.controller)) is not None:
+            controller = custom.CustomController(own_law, formation)
+        else:
+            controller, commands_valves = controlling(vehicle, estimates, fmus, tell, stack)
+        actuation = Direct() if commands_valves else actuation_of(scenario, formation.brakes)
+        _demand_estimates(scenario, controller, estimates)
+        if commands_valves and demand is not None:
+            raise ScenarioError(
+                f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
+                "commands the valves; leave out [demand], or let it give demand [Pa]"
+            )
+        law = law_states(controller)
+        signals = (
+            *layout.plant_signals,
+            *sent(pneumatic=pneumatic),
+            *layout.reading_signals,
+            *(() if commands_valves else DEMANDED),
+            *(() if law is None else law.signals),
+            *(DRIVEN if demand is not None else ()),
+            *(TRACTION if demand is not None and demand.has_traction else ()),
+            *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
+            *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
+        )
+        yield Assembled(
+            vehicle=vehicle,
+            parties={
+                "layout": layout,
+                "plant": plant,
+                "rail": rail_of(vehicle),
+                "sensors": sensors,
+                "state_estimator": filter_,
+                "actuation": actuation,
+                "driver": driver_of(vehicle),
+                "faults": faults_of(scenario, layout, formation.brakes, shown=vehicle.shown, valves=pneumatic),
+                "wheel_radius": radius,
+                "law": law,
+                "clock": Clock(
+                    period=period,
+                    estimator=scenario.periods.every("estimator"),
+                    controller=scenario.periods.every("controller"),
+                    samples=samples,
+                    sensors=sampled_every(scenario.sensors, period),
+                ),
+                "start_speed": scenario.start.speed,
+                "stop_speed": scenario.limits.stop_speed,
+                "recorder": Recorder(signals, formation, samples + 1),
+            },
+            controller=controller,
+            obstacle=compiled_cycle.obstacle(layout, plant, sensors, filter_, controller, actuation),
+            fmus=fmus,
+            classes=classes,
+        )
+
+
+def _demand_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
+    """Refuse a law that needs what nobody estimates.
+
+    Raises:
+        ScenarioError: It says what is missing.
+    """
+    missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
+    if missing:
+        provided = ", ".join(sorted(estimates)) or "nothing"
+        raise ScenarioError(
+            f"{scenario.name}: [controller] '{scenario.controller.kind}' needs estimates of {' and '.join(missing)}, "
+            f"[estimator] '{scenario.estimator.kind}' provides {provided}"
+        )
+
+
+def judged(vehicle: VehicleData, recorder: Recorder, ended: Ended, fmus: Mapping[str, Description]) -> Stop:
+    """Return the stop that a run of the loop gave, with bound and figures."""
+    scenario = vehicle.scenario
+    trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
+    # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
+    # that does not show its brakes has none; the figures that need it are empty.
+    with suppress(ScenarioError):
+        trace = with_bound(trace, vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
+    share = over_the_rail(trace)
+    if ended.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+        ended = implausible(
+            f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot be: "
+            "its contact is not that of [adhesion] polach.",
+            ended.samples,
+        )
+    metrics = measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind)
+    since = "" if scenario.demand is None else f" {metrics.distance:.2f} m of that since the first brake demand."
+    return Stop(
+        scenario=scenario,
+        outcome=ended.outcome,
+        reason=ended.reason + since,
+        trace=trace,
+        metrics=metrics,
+        versions=versions() | {name: description.generator for name, description in fmus.items()},
+        fmus={name: description.digest for name, description in fmus.items()},
+    )
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of what takes part in a stop."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}

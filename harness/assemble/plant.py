@@ -1,0 +1,194 @@
+"""The plant of a scenario, bound to the vectors of the loop."""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, suppress
+from functools import partial
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip import custom
+from railgrip.assemble.files import is_trusted
+from railgrip.assemble.trial import findings, tried
+from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
+from railgrip.errors import PlantFailed, ScenarioError
+from railgrip.fmu import Description, Signal, bind, open_plant
+from railgrip.loop.ports import Plant
+from railgrip.scenario.seed import generator
+from railgrip.scenario.track import STEEPEST
+from railgrip.scenario.vehicle import Nudge
+from railgrip.signals import Layout
+
+Vector = NDArray[np.float64]
+
+NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
+"""Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
+
+
+def plant_signals(
+    layout: Layout, *, pneumatic: bool, track_force: bool
+) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
+    """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
+
+    Args:
+        layout: Of the vectors that it exchanges.
+        pneumatic: It takes positions of valves, else pressures.
+        track_force: It has to take a force of the track.
+    """
+    formation = layout.formation
+    name, unit = ("valve_command", "1") if pneumatic else ("pressure_command", "Pa")
+    inputs = (
+        Signal(name=name, unit=unit, size=formation.groups, needed=True),
+        Signal(name="mu0", unit="1", size=formation.wheelsets, needed=True),
+        Signal(name="track_force", unit="N", size=0, needed=track_force),
+    )
+    outputs = tuple(
+        Signal(
+            name=s.name,
+            unit=s.unit,
+            size=0 if s.extent == "train" else formation.width(s.extent),
+            needed=s.name in NEEDED,
+        )
+        for s in layout.plant_signals
+    )
+    return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
+
+
+def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStack) -> Plant:
+    """Open the plant of a scenario that is an FMU; one from outside makes a short run before.
+
+    Raises:
+        ScenarioError: The short run shows what no train is, or the track is none for this one.
+        FmuError: It does not fit.
+    """
+    scenario, description, layout = vehicle.scenario, vehicle.file, vehicle.layout
+    table = scenario.vehicle
+    _refuse_steep_track(vehicle)
+    own = table.recipe is not None
+    inputs, outputs, start = plant_signals(
+        layout,
+        pneumatic=scenario.actuation.kind == "pneumatic",
+        track_force=bool(np.any(vehicle.track_force.forces))
+        or (scenario.demand is not None and scenario.demand.has_traction),
+    )
+    binding = bind(
+        description,
+        inputs=inputs,
+        outputs=outputs,
+        parameters=(start,),
+        table=table.map,
+        where=f"{scenario.name}: [vehicle.map]",
+    )
+    surface = scenario.adhesion.polach.plant_parameters()
+    shape = {name: value for name, value in surface.items() if own or name in description.variables}
+    values = binding.translated({"speed_start": scenario.start.speed}) | shape | vehicle.changes
+    opening = partial(
+        open_plant,
+        description,
+        binding,
+        period=scenario.periods.communication,
+        parameters=values if table.nudge is None else values | nudged(values, description, table.nudge),
+        trusted=is_trusted(scenario),
+        limits=scenario.limits.fmu.limits(),
+    )
+    if not own:
+        # The stop itself will say how it failed.
+        with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
+            _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, first)
+    plant = stack.enter_context(opening(tell=tell))
+    return _WithSlip(plant, layout) if "slip" in binding.outputs.absent else plant
+
+
+def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
+    """Return a plant in Python, after a short run of it.
+
+    Raises:
+        ScenarioError: It is no plant, or the short run shows what no train is.
+    """
+    scenario, layout = vehicle.scenario, vehicle.layout
+    _refuse_steep_track(vehicle)
+    command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
+    speed, period = scenario.start.speed, scenario.periods.communication
+    plant = _WithSlip(
+        custom.CustomPlant(own, layout, speed=speed, period=period, needed=NEEDED, command=command), layout
+    )
+    with suppress(PlantFailed):  # the stop itself will say how it failed
+        _refuse_unfit(f"{scenario.name}: the plant {type(own).__name__} is none", vehicle, plant)
+    return plant
+
+
+def _refuse_steep_track(vehicle: VehicleData) -> None:
+    """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass.
+
+    Raises:
+        ScenarioError: The force is more than that of the steepest gradient.
+    """
+    mass = vehicle.mass or 0.0
+    most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
+    if mass and abs(force) > most:
+        raise ScenarioError(
+            f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {STEEPEST:.0%} only "
+            f"{most:.6g} N; correct force, gradient, curve or train_mass."
+        )
+
+
+def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
+    """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own.
+
+    One at the end of what it may be stays there where it would be moved beyond. What only describes the vehicle is not
+    drawn for; the counts of groups, which are as little to the plant, keep their place among the draws of old results.
+    """
+    idle = DESCRIPTIVE.keys() - {COUNTS}
+    real = [
+        v
+        for v in description.variables.values()
+        if v.causality == "parameter" and v.kind == "Real" and v.name.partition("[")[0] not in idle
+    ]
+    shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(real))
+    moved: dict[str, float] = {}
+    for variable, share in zip(real, shares, strict=True):
+        value = values.get(variable.name, variable.start)
+        if value is not None:
+            least, most = variable.minimum, variable.maximum
+            free = float(value) * (1.0 + float(share))
+            moved[variable.name] = min(max(free, -inf if least is None else least), inf if most is None else most)
+    return moved
+
+
+def _refuse_unfit(who: str, vehicle: VehicleData, plant: Plant) -> None:
+    """Refuse a plant from outside that is no train in a short run before its stop."""
+    scenario, brakes = vehicle.scenario, vehicle.controlled.brakes
+    pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
+    ideal = scenario.actuation.kind == "ideal"
+    vent, fill = -1.0, 1.0
+    trial = tried(
+        vehicle.layout,
+        plant,
+        period=scenario.periods.communication,
+        release=(0.0 if ideal else vent,) * len(brakes),
+        brake=pressure if ideal else (fill,) * len(brakes),
+    )
+    results = findings(trial, speed=scenario.start.speed, radius=radius, pressure=pressure)
+    wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]
+    if wrong:
+        raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")
+
+
+class _WithSlip:
+    """A plant that may not show slip: it follows from the speeds it shows and the nominal radii."""
+
+    def __init__(self, plant: Plant, layout: Layout) -> None:
+        self._plant, self._at, self._radius = plant, layout.output, layout.formation.wheel_radius
+
+    def start(self, inputs: Vector) -> Vector:
+        return self._whole(self._plant.start(inputs))
+
+    def step(self, inputs: Vector) -> Vector:
+        return self._whole(self._plant.step(inputs))
+
+    def _whole(self, truth: Vector) -> Vector:
+        if np.isnan(truth[self._at["slip"]]).any():
+            speed = max(float(truth[self._at["speed"]][0]), 1e-3)
+            truth[self._at["slip"]] = 1.0 - self._radius * truth[self._at["wheelset_speed"]] / speed
+        return truth
