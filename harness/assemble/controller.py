@@ -145,8 +145,7 @@ def _law_of(
 
 def law_states(controller: Controller) -> LawStates | None:
     """Return what a controller shows of its states; None where it shows none."""
-    shown = controller.shown if isinstance(controller, Sampled) else ()
-    if not shown:
+    if not isinstance(controller, Sampled) or not (shown := controller.shown):
         return None
     places = np.array([place for place, _ in shown], dtype=np.longlong)
     columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in shown)

@@ -5,10 +5,12 @@ Source: EN 14531-1, stopping distance by steps of time from instantaneous forces
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from math import expm1, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
 
 from railgrip.rolling_stock.schema import GRAVITY, TrackBrake, Train
 from railgrip.scenario.table import Table
@@ -35,6 +37,8 @@ class HandCalculation:
         brake_force: At the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N].
         rotating_mass: Added by what turns [kg].
         coupler_force: Largest in each joint of two cars, compression positive, shape (cars - 1,) [N].
+        car_force: What brakes each car in the middle of each step, shape (steps, cars) [N].
+        car_mass: With what turns, shape (cars,) [kg].
     """
 
     distance: float
@@ -45,6 +49,8 @@ class HandCalculation:
     brake_force: Vector
     rotating_mass: float
     coupler_force: Vector
+    car_force: Vector
+    car_mass: Vector
 
 
 def by_hand(train: Train, speed: float) -> HandCalculation:
@@ -94,6 +100,8 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     v, s, t = speed, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
     developed: list[float] = []
+    history: list[Vector] = []
+    car_mass = cars @ (mass + turning)
     while v > 0:
         now = t + _STEP / 2  # forces of the middle of a step
         if command is None:
@@ -108,9 +116,10 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
         # What a joint takes is what the cars before it brake more, or less, than the common deceleration wants.
-        of_cars = cars @ (braking + drag * mass / mass.sum() - (mass + turning) * deceleration)
+        of_cars = cars @ braking + drag / len(train.cars)
         np.add.at(of_cars, magnetic_car, magnets)
-        surplus = np.cumsum(of_cars)[:-1]
+        history.append(of_cars)
+        surplus = np.cumsum(of_cars - car_mass * deceleration)[:-1]
         joints = np.where(np.abs(surplus) > np.abs(joints), surplus, joints)
         if t > developed_at:
             developed.append(deceleration)
@@ -131,7 +140,40 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         brake_force=brakes.lever * brakes.pad_friction * brakes.pad_force(brakes.pressure_max),
         rotating_mass=float(turning.sum()),
         coupler_force=joints,
+        car_force=np.array(history),
+        car_mass=car_mass,
     )
+
+
+def chain_forces(train: Train, stop: HandCalculation) -> Vector:
+    """Return the largest force in each coupler of a chain of cars that swing, shape (couplers,) [N].
+
+    The cars are rigid masses on the springs, dampers and slacks of their couplers, under the forces of the calculation
+    by hand. A step of force makes one spring overshoot its static force by 1 + exp(-π ζ/√(1 - ζ²)), at most twice; a
+    force that turns round while the chain still swings adds to it.
+    """
+    body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
+    couplers = [train.couplers[car.coupler] for car in train.cars if car.coupler]
+    count = len(couplers)
+    if not count:
+        return np.zeros(0)
+    of_body = np.array([[float(own == body) for own in body_of_car] for body in range(count + 1)])
+    mass, force = of_body @ stop.car_mass, stop.car_force @ of_body.T
+    stiffness, damping, slack = (_each(couplers, name) for name in ("stiffness", "damping", "slack"))
+
+    def tension(state: Vector) -> Vector:
+        stretch = np.sign(state[:count]) * np.maximum(np.abs(state[:count]) - slack / 2, 0.0)
+        return stiffness * stretch - damping * np.diff(state[count:]) * ((stretch != 0) | (slack == 0))
+
+    def rate(time: float, state: Vector) -> Vector:
+        own = tension(state)
+        braking = force[min(int(time / _STEP), len(force) - 1)]
+        pull = np.append(0.0, own) - np.append(own, 0.0)
+        return np.concatenate((-np.diff(state[count:]), (pull - braking) / mass))
+
+    begin = np.zeros(2 * count + 1)
+    solution = solve_ivp(rate, (0.0, len(force) * _STEP), begin, rtol=1e-6, atol=1e-7, max_step=_STEP)
+    return np.abs(np.apply_along_axis(tension, 0, solution.y)).max(axis=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

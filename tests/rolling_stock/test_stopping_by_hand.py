@@ -9,7 +9,7 @@ from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.files import NAMED, load_train, train_of
 from railgrip.rolling_stock.modelica import class_text
 from railgrip.rolling_stock.schema import GRAVITY
-from railgrip.rolling_stock.stopping import by_hand
+from railgrip.rolling_stock.stopping import by_hand, chain_forces
 
 
 def bare(tables):
@@ -17,6 +17,14 @@ def bare(tables):
     tables["resistance"] |= {"drag_coefficient": 1e-9, "bearing_friction": 1e-9, "rolling_arm": 0}
     tables["pads"]["organic"] |= {"speed_effect": 0, "force_effect": 0}
     del tables["command"]
+    return tables
+
+
+def weak_behind(tables):
+    """A bare train whose second car brakes half as hard."""
+    bare(tables)["bogies"]["weak"] = dict(tables["bogies"]["trailer"], units=[1])
+    for placed in tables["cars"][1]["bogies"]:
+        placed["kind"] = "weak"
     return tables
 
 
@@ -62,14 +70,39 @@ def test_a_brake_pipe_brakes_the_rear_later(tables):
 
 def test_a_coupler_takes_what_one_car_brakes_more_than_its_mass_wants(tables):
     """Two equal bodies, one braked twice as hard: a quarter of the sum goes through the coupler."""
-    bare(tables)
-    weak = dict(tables["bogies"]["trailer"], units=[1])
-    tables["bogies"]["weak"] = weak
-    for placed in tables["cars"][1]["bogies"]:
-        placed["kind"] = "weak"
-    stop = by_hand(train_of(tables, "ours.toml"), 20.0)
+    stop = by_hand(train_of(weak_behind(tables), "ours.toml"), 20.0)
     front, rear = stop.brake_force[:4].sum(), stop.brake_force[4:].sum()
     assert stop.coupler_force == pytest.approx([(front - rear) / 2], rel=1e-5)
+
+
+def test_two_cars_on_a_spring_overshoot_the_static_force_by_the_closed_form(tables):
+    """A step makes a damped spring overshoot by exp(-π ζ/√(1 - ζ²)); with no damper it is twice the static force."""
+    (coupler,) = weak_behind(tables)["couplers"].values()
+    for damping in (0.0, 3e4):
+        coupler |= {"stiffness": "2 MN/m", "damping": damping, "slack": 0}
+        train = train_of(tables, "ours.toml")
+        stop = by_hand(train, 20.0)
+        reduced = stop.car_mass.prod() / stop.car_mass.sum()
+        zeta = damping / (2 * np.sqrt(2e6 * reduced))
+        # The damper takes a part at the peak of the force as well: tension is k x + c dx/dt.
+        time = np.linspace(0.0, 5.0, 200001)
+        own = np.sqrt(2e6 / reduced)
+        swing = own * np.sqrt(1 - zeta**2)
+        decay = np.exp(-zeta * own * time)
+        x = 1 - decay * (np.cos(swing * time) + zeta * own / swing * np.sin(swing * time))
+        force = x + 2 * zeta / own * np.gradient(x, time)
+        assert chain_forces(train, stop) == pytest.approx(stop.coupler_force * force.max(), rel=1e-3)
+
+
+def test_slack_lets_cars_run_into_each_other(tables):
+    """From the middle of it a step F comes to F (1 + √(1 + k slack/F)): the energy of slack and spring, no damper."""
+    (coupler,) = weak_behind(tables)["couplers"].values()
+    coupler |= {"stiffness": "2 MN/m", "damping": 0, "slack": "40 mm"}
+    train = train_of(tables, "ours.toml")
+    stop = by_hand(train, 20.0)
+    static = float(stop.coupler_force[0])
+    expected = static * (1 + np.sqrt(1 + 2e6 * 0.04 / static))
+    assert chain_forces(train, stop) == pytest.approx([expected], rel=1e-3)
 
 
 @pytest.mark.parametrize("name", NAMED)

@@ -57,7 +57,8 @@ def stop_of(train, **changes):
     """A stop that nobody ran."""
     values = {
         "train": train, "speed": 30.0, "distance": 400.0, "hand": by_hand(train, 30.0), "states": 9, "build_s": 2.5,
-        "plant_step_us": 3.0, "cycle_us": 5.0, "coupler_force": np.zeros(len(train.couplers)), "filling": None,
+        "plant_step_us": 3.0, "cycle_us": 5.0, "coupler_force": np.zeros(len(train.couplers)),
+        "chain": np.zeros(len(train.couplers)), "filling": None,
     }  # fmt: skip
     return DryStop(**values | changes)
 

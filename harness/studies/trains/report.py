@@ -38,6 +38,7 @@ def row_of(stop: DryStop) -> dict[str, object]:
         ],
         "coupler_force_N": stop.coupler_force.tolist(),
         "coupler_bound_N": np.abs(stop.hand.coupler_force).tolist() if stop.coupler_force.size else [],
+        "coupler_chain_N": stop.chain.tolist(),
         "filling_s": None if stop.filling is None else stop.filling.filling.tolist(),
         "propagation_m_s": None if stop.filling is None else stop.filling.propagation,
     }
@@ -189,12 +190,15 @@ def _forces(stops: Sequence[DryStop]) -> Table:
             "train": stop.train.name,
             "largest in a coupler": stop.coupler_force.max() / 1e3,
             "quasi-static": np.abs(stop.hand.coupler_force).max() / 1e3,
+            "chain": stop.chain.max() / 1e3,
             "strength": min(coupler.strength for coupler in stop.train.couplers.values()) / 1e3,
         }
         for stop in stops
         if stop.coupler_force.size
     ]
-    return Table(rows, dict.fromkeys(("largest in a coupler", "quasi-static", "strength"), "{:.1f} kN"), ("train",))
+    return Table(
+        rows, dict.fromkeys(("largest in a coupler", "quasi-static", "chain", "strength"), "{:.1f} kN"), ("train",)
+    )
 
 
 def _costs(stops: Sequence[DryStop]) -> Table:

@@ -21,7 +21,7 @@ from railgrip.loop import compiled_cycle, cycle
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import BrakePipe, Train
-from railgrip.rolling_stock.stopping import HandCalculation, by_hand
+from railgrip.rolling_stock.stopping import HandCalculation, by_hand, chain_forces
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
@@ -65,7 +65,7 @@ class DryStop:
         plant_step_us: A communication step of 1 ms of the plant in C, full brake [µs].
         cycle_us: A cycle of the loop, sensors and controller included [µs].
         coupler_force: Largest in each coupler, push positive, shape (couplers,) [N].
-        bound: Quasi-static, shape (joints of cars,) [N].
+        chain: The same of masses and springs under the forces of the calculation by hand, shape (couplers,) [N].
     """
 
     train: Train
@@ -77,6 +77,7 @@ class DryStop:
     plant_step_us: float
     cycle_us: float
     coupler_force: Vector
+    chain: Vector
     filling: Filling | None
 
 
@@ -109,16 +110,18 @@ def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
     trace = parts.recorder.trace(ended.samples, scenario.periods.communication)
     force = trace["coupler_force"].values if "coupler_force" in trace else np.zeros((1, 0))
     push, pull = (-force).max(axis=0, initial=0.0), force.max(axis=0, initial=0.0)
+    hand = by_hand(data, from_speed)
     return DryStop(
         train=data,
         speed=from_speed,
         distance=float(trace["distance"].values[-1]),
-        hand=by_hand(data, from_speed),
+        hand=hand,
         states=len(plant_description(scenario).states),
         build_s=_build_seconds(data),
         plant_step_us=_step_cost(scenario),
         cycle_us=1e6 * seconds / ended.samples,
         coupler_force=np.maximum(push, pull),
+        chain=chain_forces(data, hand),
         filling=_filling(data, trace) if isinstance(data.command, BrakePipe) else None,
     )
 
