@@ -27,7 +27,8 @@ from railgrip.trace.stop import Stop, read_stop, write_stop
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"
 FREIGHT = str(ROOT / "docs" / "examples" / "freight_train.toml")
-SLOW = ("start.speed=25 km/h",)
+SPEED = 15  # km/h
+SLOW = (f"start.speed={SPEED} km/h",)
 
 TROLLEY = """
 name = "trolley"
@@ -122,7 +123,7 @@ def test_a_train_runs_to_metrics_and_figures_and_engines_agree_to_the_byte(tmp_p
 
 def _sensible(metrics: Metrics, groups: int) -> None:
     """Between the whole way sliding on 5 % and braking on 20 %, in time and distance of a constant retardation."""
-    speed = 25 / 3.6
+    speed = SPEED / 3.6
     assert speed**2 / 2 / (0.2 * 9.81) < metrics.distance < speed**2 / 2 / (0.04 * 9.81)
     assert speed / (0.2 * 9.81) < metrics.duration < speed / (0.04 * 9.81)
     assert len(metrics.longest_lock) == groups
