@@ -203,7 +203,7 @@ class Beliefs:
         its, fresh = self._filter, self._fresh
         if self._free_wheel is not None:
             wheels, pressures = self._latest[self._reading_wheels], self._latest[self._pressure]
-            self._reference = self._free_wheel.call([fresh[self._reading_speed], *wheels, *pressures])
+            self._reference = self._free_wheel.call([fresh[self._reading_speed], *wheels.tolist(), *pressures.tolist()])
             fresh = fresh.copy()
             fresh[self._reading_speed] = self._reference[0]
         its.seen[:] = fresh.take(self._seen)
