@@ -35,7 +35,7 @@ ALLOWED = {
     "railgrip.report": ("railgrip.report", "railgrip.trace", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
-                     "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction", "railgrip.loop.compiled.Calls",
+                     "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction",
                      "railgrip.loop.ports.Edge"),
 }  # fmt: skip
 

@@ -1,7 +1,7 @@
 """The other end of an isolated plant: owns the FMU and answers one request at a time.
 
 An FMU may write on the line whatever it likes, so that what comes back is never more than numbers and text: vectors of
-doubles, a snapshot's two numbers, a failure as JSON. What is sent to here comes from this program, and is pickled where
+doubles, a failure as JSON. What is sent to here comes from this program, and is pickled where
 it is a question once asked.
 """
 
@@ -10,42 +10,23 @@ import pickle
 import socket
 import struct
 from contextlib import ExitStack, suppress
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import asdict
 from typing import Final, Literal
 
 import numpy as np
 
 from railgrip.errors import FmuError, PlantFailed
-from railgrip.fmu.cosimulation import CoSimulation, Snapshot
-from railgrip.fmu.description import Description
-from railgrip.fmu.mapping import Binding
-from railgrip.fmu.parameters import Values
+from railgrip.fmu.cosimulation import CoSimulation
 
-Request = Literal["open", "start", "step", "snapshot", "restore"]
-_CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3, "snapshot": 4, "restore": 5}
+Request = Literal["open", "start", "step"]
+_CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3}
 _REQUESTS: Final = {code: request for request, code in _CODES.items()}
 ANSWER: Final = 0
 FAILED: Final = 255
 REFUSED: Final = 254
-SNAPSHOT: Final = struct.Struct("<qQ")
-"""Sample and handle."""
 _LONGEST: Final = 1 << 24  # bytes of a message
 _HEAD: Final = struct.Struct("<BI")
 _CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Opening:
-    """Everything a child needs to open a plant."""
-
-    description: Description
-    binding: Binding
-    period: float
-    parameters: Values
-    start_time: float
-    tolerance: float | None
-    folder: Path
 
 
 def send(line: socket.socket, kind: Request | int, payload: bytes) -> None:
@@ -82,7 +63,6 @@ def serve(line: socket.socket) -> None:
     """Answer requests until the line ends; then free the FMU."""
     with ExitStack() as stack:
         plant: CoSimulation | None = None
-        snapshots: dict[int, Snapshot] = {}
         while True:
             try:
                 code, payload = receive(line)
@@ -91,20 +71,13 @@ def serve(line: socket.socket) -> None:
             try:
                 request = _REQUESTS[code]
                 if request == "open":
-                    plant = stack.enter_context(_plant(pickle.loads(payload)))
+                    description, binding, options = pickle.loads(payload)
+                    plant = stack.enter_context(CoSimulation(description, binding, **options))
                     answer = b""
                 elif plant is None:
                     raise RuntimeError("the first request opens the plant")
-                elif request == "snapshot":
-                    state = plant.snapshot()
-                    snapshots[state.handle] = state
-                    answer = SNAPSHOT.pack(state.sample, state.handle)
-                elif request == "restore":
-                    answer = plant.restore(snapshots[SNAPSHOT.unpack(payload)[1]]).tobytes()
-                elif request == "start":
-                    answer = plant.start(np.frombuffer(payload)).tobytes()
                 else:
-                    answer = plant.step(np.frombuffer(payload)).tobytes()
+                    answer = getattr(plant, request)(np.frombuffer(payload)).tobytes()
             # Whatever it is belongs to the parent, which raises it where the question was asked.
             except PlantFailed as failed:
                 failure = failed.failure
@@ -116,18 +89,6 @@ def serve(line: socket.socket) -> None:
                 send(line, REFUSED, f"{type(error).__name__}: {error}".encode())
             else:
                 send(line, ANSWER, answer)
-
-
-def _plant(opening: Opening) -> CoSimulation:
-    return CoSimulation(
-        opening.description,
-        opening.binding,
-        period=opening.period,
-        parameters=opening.parameters,
-        start_time=opening.start_time,
-        tolerance=opening.tolerance,
-        folder=opening.folder,
-    )
 
 
 def serve_on(number: int) -> None:

@@ -127,8 +127,8 @@ def seconds_in_c(
     with unpacked(description) as folder:
         fmu = Instance(description, "co-simulation", folder, name="c")
         try:
-            fmu.enter_initialization(0.0, None)
-            fmu.exit_initialization(0.0)
+            fmu.enter_initialization()
+            fmu.exit_initialization()
             arguments = [
                 *(fmu.address(name) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
                 ctypes.c_void_p(fmu.component),

@@ -58,7 +58,6 @@ class Interface:
     """One of the two ways to run an FMU, and what it can do that way."""
 
     identifier: str
-    can_save_state: bool
     directional_derivatives: bool
 
 
@@ -294,6 +293,5 @@ def _interface(element: Any) -> Interface | None:
         return None
     return Interface(
         identifier=element.modelIdentifier,
-        can_save_state=bool(element.canGetAndSetFMUstate),
         directional_derivatives=bool(element.providesDirectionalDerivative),
     )

@@ -82,8 +82,8 @@ class ModelExchange:
             instance = Instance(self.description, "model exchange", folder, name="prediction")
             stack.callback(instance.close)
             instance.assign(self._assignments, 0.0)
-            instance.enter_initialization(0.0, None)
-            instance.exit_initialization(0.0)
+            instance.enter_initialization()
+            instance.exit_initialization()
             _settle(instance)
             self._instance = instance
             self._prepare(instance)

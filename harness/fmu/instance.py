@@ -281,15 +281,15 @@ class Instance:
             buffer = (types[a.carrier] * n)(*values)
             self.call(f"fmi2Set{a.carrier}", references, n, buffer, time=time, doing="setting parameters")
 
-    def enter_initialization(self, start: float, tolerance: float | None) -> None:
+    def enter_initialization(self) -> None:
         """Set the experiment up and enter initialisation mode."""
         with _without_solver_lines(self.description):
-            self.call("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, start, 0, 0.0, time=start)
-            self.call("fmi2EnterInitializationMode", time=start)
+            self.call("fmi2SetupExperiment", 0, 0.0, 0.0, 0, 0.0, time=0.0)
+            self.call("fmi2EnterInitializationMode", time=0.0)
 
-    def exit_initialization(self, start: float) -> None:
+    def exit_initialization(self) -> None:
         """Leave initialisation mode; the simulation runs."""
-        self.call("fmi2ExitInitializationMode", time=start)
+        self.call("fmi2ExitInitializationMode", time=0.0)
         self._running = True
 
     def close(self) -> None:

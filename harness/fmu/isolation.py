@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from railgrip.errors import Failure, FmuError, PlantFailed
-from railgrip.fmu.child import ANSWER, FAILED, REFUSED, SNAPSHOT, Opening, Request, receive, send
-from railgrip.fmu.cosimulation import CoSimulation, Snapshot
+from railgrip.fmu.child import ANSWER, FAILED, REFUSED, Request, receive, send
+from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description
 from railgrip.fmu.instance import unpacked
 from railgrip.fmu.keeper import REPORT
@@ -55,8 +55,6 @@ class IsolatedCoSimulation:
         *,
         period: float,
         parameters: Values,
-        start_time: float = 0.0,
-        tolerance: float | None = None,
         limits: FmuLimits = FMU_LIMITS,
         table: str = "[vehicle]",
     ) -> None:
@@ -67,8 +65,6 @@ class IsolatedCoSimulation:
             binding: Of our signals to its variables.
             period: Communication step [s].
             parameters: Values by FMU variable, in the FMU's units.
-            start_time: [s].
-            tolerance: Relative tolerance for the FMU's solver; None leaves it to the FMU.
             limits: Of its process and its patience.
             table: Of the scenario, where it can be trusted; for sentences.
 
@@ -85,8 +81,6 @@ class IsolatedCoSimulation:
         self._binding = binding
         self._period = period
         self._parameters = dict(parameters)
-        self._start_time = start_time
-        self._tolerance = tolerance
         self._limits = limits
         self._patience = limits.patience
         self._stack = ExitStack()
@@ -119,7 +113,8 @@ class IsolatedCoSimulation:
             self._line, self._life = ours, life
             stack.callback(self._end)
             self._receive("start a process for", _READY)
-            self._ask("open", pickle.dumps(self._opening(folder)))
+            options = {"period": self._period, "parameters": self._parameters, "folder": folder}
+            self._ask("open", pickle.dumps((self._description, self._binding, options)))
             self._stack = stack.pop_all()
         return self
 
@@ -127,17 +122,6 @@ class IsolatedCoSimulation:
         """Return limits, and where to import from: after Python's own folders this program's, never the current one."""
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         return json.dumps({"path": [*path, str(Path(__file__).parents[2])], "limits": asdict(self._limits)})
-
-    def _opening(self, folder: Path) -> Opening:
-        return Opening(
-            description=self._description,
-            binding=self._binding,
-            period=self._period,
-            parameters=self._parameters,
-            start_time=self._start_time,
-            tolerance=self._tolerance,
-            folder=folder,
-        )
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -172,7 +156,7 @@ class IsolatedCoSimulation:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self._start_time + max(self._sample, 0) * self._period
+        return max(self._sample, 0) * self._period
 
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time.
@@ -192,22 +176,6 @@ class IsolatedCoSimulation:
         """
         values = self._values(self._ask("step", _bytes(inputs)))
         self._sample += 1
-        return values
-
-    def snapshot(self) -> Snapshot:
-        """Return the present state, to `restore` later; as `CoSimulation.snapshot`."""
-        answer = self._ask("snapshot", b"")
-        if len(answer) != SNAPSHOT.size:
-            raise self._nonsense()
-        sample, handle = SNAPSHOT.unpack(answer)
-        return Snapshot(sample=sample, handle=handle, owner=id(self))
-
-    def restore(self, snapshot: Snapshot) -> Vector:
-        """Return to a snapshot of this plant, and return the outputs there."""
-        if snapshot.owner != id(self):
-            raise RuntimeError("this snapshot belongs to another plant or to one that is closed")
-        values = self._values(self._ask("restore", SNAPSHOT.pack(snapshot.sample, snapshot.handle)))
-        self._sample = snapshot.sample
         return values
 
     def _values(self, payload: bytes) -> Vector:
@@ -309,8 +277,6 @@ def open_plant(
     parameters: Values,
     trusted: bool,
     tell: Callable[[str], None],
-    start_time: float = 0.0,
-    tolerance: float | None = None,
     limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
 ) -> CoSimulation | IsolatedCoSimulation:
@@ -323,8 +289,6 @@ def open_plant(
         parameters: Values by FMU variable, in the FMU's units.
         trusted: This project built it, or the scenario vouches for it.
         tell: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
-        start_time: [s].
-        tolerance: Relative tolerance for the FMU's solver; None leaves it to the FMU.
         limits: For an FMU in isolation.
         table: Of the scenario, where it can be trusted; for sentences.
 
@@ -334,25 +298,9 @@ def open_plant(
     if description.blemishes:
         tell(f"{description.file.name}: {description.blemishes}; it runs all the same.")
     if trusted:
-        return CoSimulation(
-            description,
-            binding,
-            period=period,
-            parameters=parameters,
-            start_time=start_time,
-            tolerance=tolerance,
-        )
+        return CoSimulation(description, binding, period=period, parameters=parameters)
     tell(notice(description, table))
-    return IsolatedCoSimulation(
-        description,
-        binding,
-        period=period,
-        parameters=parameters,
-        start_time=start_time,
-        tolerance=tolerance,
-        limits=limits,
-        table=table,
-    )
+    return IsolatedCoSimulation(description, binding, period=period, parameters=parameters, limits=limits, table=table)
 
 
 def notice(description: Description, table: str) -> str:

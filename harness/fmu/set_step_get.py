@@ -39,7 +39,7 @@ class _SetStepGet(ctypes.Structure):
         *((name, ctypes.c_longlong) for name in ("n_senders", "n_receivers", "n_outputs")),
         *((name, ctypes.c_void_p) for name in ("inputs", "outputs")),
         ("period", ctypes.c_double),
-        *((name, ctypes.c_longlong) for name in ("looks_back", "status", "at")),
+        *((name, ctypes.c_longlong) for name in ("status", "at")),
     )
 
 
@@ -58,7 +58,7 @@ class SetStepGet:
         Raises:
             railgrip.errors.CompilerMissing: There is no C compiler.
         """
-        sending, receiving = binding.inputs, binding.outputs
+        self._binding, sending, receiving = binding, binding.inputs, binding.outputs
         self.present = np.sort(np.concatenate([[], *(c.positions for c in receiving.channels)])).astype(np.intp)
         self.inputs, self.outputs = np.zeros(sending.size), np.zeros(self.present.size)
         self._keep: list[Any] = [instance]
@@ -77,7 +77,6 @@ class SetStepGet:
             senders=ctypes.addressof(to), receivers=ctypes.addressof(of),
             n_senders=len(senders), n_receivers=len(receivers), n_outputs=self.outputs.size,
             inputs=self.inputs.ctypes.data, outputs=self.outputs.ctypes.data, period=period,
-            looks_back=1,  # fmi2True: no state before the current time will ever be restored
         )  # fmt: skip
         self._cross = _library().cross
         self._address = ctypes.c_void_p(ctypes.addressof(self._plan))
@@ -100,15 +99,6 @@ class SetStepGet:
             whole=whole,
         )
 
-    def keep_past(self) -> None:
-        """Promise the FMU no longer that earlier states will not be restored."""
-        self._plan.looks_back = 0
-
-    @property
-    def looks_back(self) -> bool:
-        """Whether that promise stands."""
-        return bool(self._plan.looks_back)
-
     @property
     def status(self) -> int:
         """fmi2Status of the call that ended the last communication step early."""
@@ -125,15 +115,18 @@ class SetStepGet:
             return "fmi2DoStep"
         return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
 
-    def edge(self, start: float) -> Edge:
-        """Return this communication step as C sees it, of a plant that started at a time [s]."""
+    def edge(self, sample: int) -> Edge:
+        """Return this communication step as C sees it, of a plant that is at a sample."""
         return Edge(
             cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
             plan=self._address.value or 0,
             inputs=self.inputs,
             outputs=self.outputs,
             present=self.present,
-            start=start,
+            input_names=self._binding.inputs.elements,
+            output_names=tuple(self._binding.outputs.elements[place] for place in self.present),
+            period=self._plan.period,
+            sample=sample,
         )
 
     def send(self) -> Outcome:

@@ -1,8 +1,8 @@
 """A plant and compiled filters stepped together in C, over tables of inputs and noise.
 
 For runs of many short steps without a controller: 10 s at 50 µs are 200 000 steps, and a loop in Python would spend
-most of its time between them. The plant is any co-simulation FMU whose signals are reals in our units; a filter is a
-`CompiledFilter` whose inputs come from the table, from the readings, or from integrals of its own states.
+most of its time between them. The plant is any co-simulation FMU; a filter is a `CompiledFilter` whose inputs come from
+the table or from integrals of its own states.
 """
 
 import ctypes
@@ -17,50 +17,22 @@ from numpy.typing import NDArray
 
 from railgrip.errors import LoopError
 from railgrip.fmus.native.toolchain import shared_library
+from railgrip.loop.ports import Edge
 
 Array = NDArray[np.float64]
 
 KERNEL = files("railgrip.loop") / "kernel" / "run.c"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Calls:
-    """A running co-simulation FMU as C sees it.
-
-    Attributes:
-        set_real: Address of fmi2SetReal; `do_step` and `get_real` likewise.
-        component: Of the instance.
-        inputs: Names, in the order of the rows of an input table; `outputs` likewise.
-        input_references: Value references of `inputs`, uint32; `output_references` likewise.
-        start: Time of sample 0 [s].
-        period: Communication step [s].
-        sample: Where it is.
-        looks_back: fmi2True as long as no earlier state may be restored.
-    """
-
-    set_real: int
-    do_step: int
-    get_real: int
-    component: int
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    input_references: NDArray[np.uint32]
-    output_references: NDArray[np.uint32]
-    start: float
-    period: float
-    sample: int
-    looks_back: bool
-
-
 class SteppedInC(Protocol):
-    """A plant that lets C step it and is told afterwards how far that went."""
+    """A plant that lets C step it and takes note of how far that went."""
 
-    def calls(self) -> Calls:
-        """Return its addresses and where it is."""
+    def edge(self) -> Edge:
+        """Return how, once started."""
         ...
 
-    def stepped(self, steps: int, status: int, call: str, outputs: Array) -> None:
-        """Take note of steps done in C, the status of the last call and the last outputs; raise if it failed."""
+    def crossed(self, steps: int, code: int) -> None:
+        """Take note of steps done by C and of the outcome that ended them early, if not 0; raise PlantFailed then."""
         ...
 
 
@@ -88,13 +60,12 @@ class Source:
     """Where an input of a filter comes from, at every step.
 
     Attributes:
-        kind: column: of the table of inputs; reading: a reading at the start of the step;
-            integral: the input itself, moved on by the period times a state of the filter (forward Euler), beginning at
-            what the filter's `held` contains.
-        name: Of the column, the reading, or the filter's state.
+        kind: column: of the table of inputs; integral: the input itself, moved on by the period times a state of the
+            filter (forward Euler), beginning at what the filter's `held` contains.
+        name: Of the column, or of the filter's state.
     """
 
-    kind: Literal["column", "reading", "integral"]
+    kind: Literal["column", "integral"]
     name: str
 
 
@@ -157,18 +128,16 @@ class _Filter(ctypes.Structure):
 
 class _Run(ctypes.Structure):
     _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("set", "get", "step", "fmu", "to", "of")),
+        *((name, ctypes.c_void_p) for name in ("cross", "plan", "to", "outputs")),
         *((name, ctypes.c_longlong) for name in ("n_inputs", "n_columns", "n_outputs", "n_readings", "n_filters")),
-        ("start", ctypes.c_double),
         ("period", ctypes.c_double),
-        *((name, ctypes.c_longlong) for name in ("count", "every", "looks_back")),
-        *((name, ctypes.c_void_p) for name in ("inputs", "noise", "shown", "outputs", "reading", "record", "filter")),
-        *((name, ctypes.c_longlong) for name in ("first", "done", "status", "where")),
+        *((name, ctypes.c_longlong) for name in ("count", "every")),
+        *((name, ctypes.c_void_p) for name in ("inputs", "noise", "shown", "record", "filter")),
+        *((name, ctypes.c_longlong) for name in ("first", "done")),
     )
 
 
-_KINDS = {"column": 0, "reading": 1, "integral": 2}
-_CALLS = ("", "fmi2SetReal", "fmi2DoStep", "fmi2GetReal", "not finite")
+_KINDS = {"column": 0, "integral": 1}
 
 
 def run(
@@ -180,7 +149,6 @@ def run(
     noise: Array,
     observers: Sequence[Observer] = (),
     every: int = 1,
-    first_reading: Array | None = None,
 ) -> Record:
     """Step a started plant and its observers through a table of inputs; call again to go on.
 
@@ -192,15 +160,14 @@ def run(
         noise: Added to the readings at the end of step k, shape (K, m).
         observers: Filters whose outputs are the readings, with the plant's period.
         every: Samples from one row of the record to the next.
-        first_reading: Readings at the first sample, shape (m,), wanted when a source is a reading.
 
     Raises:
         LoopError: Shapes, names or periods do not fit.
-        PlantFailed: Raised by the plant's `stepped`.
+        PlantFailed: Raised by the plant's `crossed`.
     """
-    calls = plant.calls()
-    table, added = (np.ascontiguousarray(given, dtype=np.float64) for given in (inputs, noise))
-    steps, columns = len(table), (*calls.inputs, *further)
+    edge = plant.edge()
+    table, added = (np.ascontiguousarray(values, dtype=np.float64) for values in (inputs, noise))
+    steps, columns = len(table), (*edge.input_names, *further)
     if table.shape != (steps, len(columns)) or added.shape != (steps, len(readings)):
         raise LoopError(
             f"run: wants inputs of shape (K, {len(columns)}) for {', '.join(columns)} and noise of "
@@ -210,32 +177,24 @@ def run(
         raise LoopError(f"run: every counts samples, 1 or more, got {every}.")
     if not np.all(np.isfinite(table)):
         raise LoopError("run: the table of inputs holds a value that is not a finite number.")
-    shown = np.array([_index("reading", name, calls.outputs) for name in readings], dtype=np.intc)
+    shown = np.array([_index("reading", name, edge.output_names) for name in readings], dtype=np.intc)
     rows = steps // every
-    kept = np.empty((rows, len(calls.outputs)))
-    last, reading = np.empty(len(calls.outputs)), np.full(len(readings), np.nan)
-    if first_reading is not None:
-        reading[:] = first_reading
-    beside = [
-        _Beside(observer, calls, columns, tuple(readings), rows, first_reading is not None) for observer in observers
-    ]
+    outputs = np.empty((rows, edge.outputs.size))
+    beside = [_Beside(observer, edge.period, columns, tuple(readings), rows) for observer in observers]
     filters = (_Filter * max(len(beside), 1))(*(one.struct for one in beside))
     plan = _Run(
-        set=calls.set_real, get=calls.get_real, step=calls.do_step, fmu=calls.component,
-        to=_at(calls.input_references), of=_at(calls.output_references),
-        n_inputs=len(calls.inputs), n_columns=len(columns), n_outputs=len(calls.outputs),
-        n_readings=len(readings), n_filters=len(beside),
-        start=calls.start, period=calls.period, count=steps, every=every, looks_back=int(calls.looks_back),
-        inputs=_at(table), noise=_at(added), shown=_at(shown), outputs=_at(last), reading=_at(reading),
-        record=_at(kept), filter=ctypes.addressof(filters), first=calls.sample,
+        cross=edge.cross, plan=edge.plan, to=_at(edge.inputs), outputs=_at(edge.outputs),
+        n_inputs=edge.inputs.size, n_columns=len(columns), n_outputs=edge.outputs.size,
+        n_readings=len(readings), n_filters=len(beside), period=edge.period, count=steps, every=every,
+        inputs=_at(table), noise=_at(added), shown=_at(shown),
+        record=_at(outputs), filter=ctypes.addressof(filters), first=edge.sample,
     )  # fmt: skip
-    _library().run(ctypes.byref(plan))
-    failed = plan.done < steps
-    plant.stepped(plan.done, plan.status if failed else 0, _CALLS[plan.where] if failed else "", last)
+    code = _library().run(ctypes.byref(plan))
+    plant.crossed(plan.done, code)
     return Record(
-        sample=calls.sample + every * np.arange(1, rows + 1),
-        outputs=kept,
-        beliefs={one.name: one.beliefs(filters[i], calls.sample) for i, one in enumerate(beside)},
+        sample=edge.sample + every * np.arange(1, rows + 1),
+        outputs=outputs,
+        beliefs={one.name: one.beliefs(filters[i], edge.sample) for i, one in enumerate(beside)},
     )
 
 
@@ -245,26 +204,23 @@ class _Beside:
     def __init__(
         self,
         observer: Observer,
-        calls: Calls,
+        period: float,
         columns: tuple[str, ...],
         readings: tuple[str, ...],
         rows: int,
-        reading_known: bool,
     ) -> None:
         of, design = observer.filter, observer.filter.design
         who = f"run: observer '{observer.name}'"
         if tuple(design.outputs) != readings:
             raise LoopError(f"{who} sees {', '.join(design.outputs)}, the readings are {', '.join(readings)}.")
-        if design.period != calls.period:
-            raise LoopError(f"{who} has a period of {design.period} s, the plant {calls.period} s; give both one.")
+        if design.period != period:
+            raise LoopError(f"{who} has a period of {design.period} s, the plant {period} s; give both one.")
         if set(observer.sources) != set(design.inputs):
             raise LoopError(
                 f"{who} wants a source for each of {', '.join(design.inputs)}; got {', '.join(observer.sources)}."
             )
-        names = {"column": columns, "reading": readings, "integral": tuple(design.states)}
+        names = {"column": columns, "integral": tuple(design.states)}
         sources = [observer.sources[name] for name in design.inputs]
-        if not reading_known and any(source.kind == "reading" for source in sources):
-            raise LoopError(f"{who} is fed by a reading; give first_reading for the first step.")
         n = len(design.states)
         self.name = observer.name
         self._kind = np.array([_KINDS[source.kind] for source in sources], dtype=np.intc)

@@ -102,7 +102,6 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
     class Cycle(ctypes.Structure):
         _fields_ = (
             *((name, ctypes.c_void_p) for name in ("cross", "set_step_get", "taken", "shown", "present")),
-            ("start", ctypes.c_double),
             *((name, ctypes.c_void_p) for name in ("service", "read_of", "gain", "bias", "noise")),
             *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
@@ -266,7 +265,7 @@ class _Parts:
         read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.shown)
         self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, set_step_get=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
-            present=self._places(plant.present), present_count=plant.present.size, start=plant.start,
+            present=self._places(plant.present), present_count=plant.present.size,
             service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             full=self._at(driver.pressure), faults=ctypes.addressof(faults.struct) if faults is not None else None,

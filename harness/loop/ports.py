@@ -24,7 +24,9 @@ class Edge:
         inputs: Read by it, shape (Layout.inputs,).
         outputs: Written by it: those that the plant has.
         present: Their places among all outputs.
-        start: Time at which the plant starts [s].
+        input_names, output_names: Of what is in `inputs` and `outputs`.
+        period: Of the step [s].
+        sample: At which the plant is.
     """
 
     cross: int
@@ -32,7 +34,10 @@ class Edge:
     inputs: Vector
     outputs: Vector
     present: NDArray[np.intp]
-    start: float
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    period: float
+    sample: int
 
 
 @runtime_checkable

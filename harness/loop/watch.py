@@ -204,7 +204,7 @@ class Beliefs:
         if self._free_wheel is not None:
             wheels, pressures = self._latest[self._reading_wheels], self._latest[self._pressure]
             self._reference = self._free_wheel.call(
-                (float(fresh[self._reading_speed]), *wheels.tolist(), *pressures.tolist())
+                [float(fresh[self._reading_speed]), *wheels.tolist(), *pressures.tolist()]
             )
             fresh = fresh.copy()
             fresh[self._reading_speed] = self._reference[0]

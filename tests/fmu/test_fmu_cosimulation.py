@@ -90,35 +90,6 @@ def test_it_is_a_plant(foundry: Path):
     assert isinstance(opened(tiny(foundry)), Plant)
 
 
-def test_a_replay_from_a_snapshot_is_the_same(foundry: Path):
-    with opened(tiny(foundry), allowed=10**6) as plant:
-        plant.start(np.zeros(1))
-        plant.step(np.ones(1))
-        state = plant.snapshot()
-        ahead = [plant.step(np.ones(1)) for _ in range(5)]
-        back = plant.restore(state)
-        assert plant.sample == 1
-        again = [plant.step(np.ones(1)) for _ in range(5)]
-    assert back[0] == pytest.approx(closed_form(PERIOD, 2.0, 3.0, 1.0), rel=1e-15)
-    np.testing.assert_array_equal(ahead, again)
-
-
-def test_snapshots_are_freed(foundry: Path, protests: Path):
-    with opened(tiny(foundry)) as plant:
-        plant.start(np.zeros(1))
-        plant.snapshot()
-        plant.snapshot()
-    assert protests.read_text().split("\n")[:3] == ["state freed", "state freed", "freed"]
-
-
-def test_an_fmu_that_cannot_save_its_state_says_so(foundry: Path):
-    text = xml().replace(' canGetAndSetFMUstate="true"', "")
-    with opened(tiny(foundry, description=text)) as plant:
-        plant.start(np.zeros(1))
-        with pytest.raises(FmuError, match="does not offer canGetAndSetFMUstate; replay the stop from its start"):
-            plant.snapshot()
-
-
 def test_a_wrong_number_of_inputs_is_refused(foundry: Path):
     with opened(tiny(foundry)) as plant, pytest.raises(ValueError, match=r"a vector of 1, got shape \(2,\)"):
         plant.start(np.zeros(2))
@@ -342,8 +313,8 @@ def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_o
     description = describe(faulty_fmu(foundry, "TALKS", tool=tool))
     with unpacked(description) as folder, closing(Instance(description, "co-simulation", folder, name="m")) as fmu:
         print("before")
-        fmu.enter_initialization(0.0, None)
-        fmu.exit_initialization(0.0)
+        fmu.enter_initialization()
+        fmu.exit_initialization()
         print("after")
     printed = capfd.readouterr().out
     assert ("LOG_SOLVER" in printed) is (tool == "another tool")

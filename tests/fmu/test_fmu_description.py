@@ -33,7 +33,6 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
     assert unit.factor == pytest.approx(1 / 3.6, rel=1e-15)
     assert unit.dimension == "m.s-1"
     assert description.co_simulation is not None
-    assert description.co_simulation.can_save_state
     assert description.model_exchange is not None
     assert description.model_exchange.directional_derivatives
 

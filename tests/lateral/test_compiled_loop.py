@@ -88,22 +88,11 @@ def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table):
     assert clean.name == "again"
 
 
-def test_a_reading_may_feed_a_filter(drawn, table):
-    """Fed the yaw rate in place of the speed, as nonsense, the filter holds the reading of the sample before."""
-    one = parties()[1]
-    sources = {"speed": one.observer.sources["speed"], "track": Source(kind="reading", name="yaw_rate")}
-    first = np.array([0.0, 3e-3])
-    in_c(table[:1], drawn.noise[:1], [Observer(name="fed", filter=one.filter, sources=sources)], ((0, 1),),
-         first_reading=first)  # fmt: skip
-    assert one.filter.held[one.filter.design.inputs.index("track")] == 3e-3
-
-
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
         (lambda s: {**s, "track": Source(kind="column", name="trakc")}, "no column 'trakc'"),
         (lambda s: {"speed": s["speed"]}, "wants a source for each of"),
-        (lambda s: {**s, "track": Source(kind="reading", name="yaw_rate")}, "give first_reading"),
     ],
 )
 def test_a_source_that_is_none_is_refused(drawn, table, change, sentence):

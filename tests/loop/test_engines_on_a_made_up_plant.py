@@ -95,7 +95,10 @@ class Plant:
 
     def edge(self):
         address = ctypes.cast(self._cross, ctypes.c_void_p).value
-        return Edge(cross=address, plan=0, inputs=self.taken, outputs=self.shown, present=self.present, start=0.0)
+        return Edge(
+            cross=address, plan=0, inputs=self.taken, outputs=self.shown, present=self.present,
+            input_names=(), output_names=(), period=1e-3, sample=0,
+        )  # fmt: skip
 
     def crossed(self, steps, ended):
         if ended:

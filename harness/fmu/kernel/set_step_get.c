@@ -35,7 +35,6 @@ typedef struct {
     const double *inputs;
     double *outputs;                                         /* those that the FMU has */
     double period;
-    long long looks_back;
     long long status, at;                                    /* of the call that ended it; its channel, or the output */
 } SetStepGet;
 
@@ -79,7 +78,7 @@ EXPORT int cross(SetStepGet *c, int what, double time)
             if (failed(c->status = send(c, c->senders + (c->at = k))))
                 return SETTING;
     if (what & STEP)
-        if (failed(c->status = c->step(c->fmu, time, c->period, (int)c->looks_back)))
+        if (failed(c->status = c->step(c->fmu, time, c->period, 1)))   /* no earlier state will ever be restored */
             return STEPPING;
     if (what & GET) {
         for (long long k = 0; k < c->n_receivers; k++)

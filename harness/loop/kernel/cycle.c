@@ -33,7 +33,6 @@ typedef struct {
     double *taken;
     const double *shown;
     const long long *present;                    /* places of what is shown among all outputs */
-    double start;                                /* time of sample 0 */
     /* instruments; null: the outputs themselves, with errors if there is noise */
     Service *service;
     const long long *read_of;
@@ -213,7 +212,7 @@ EXPORT int cycle(Cycle *c, long long until)
 
         if (k > 0) {
             copy(c->taken, c->inputs, INPUTS);
-            c->failure = c->cross(c->set_step_get, SET_STEP_GET, c->start + (double)(k - 1) * c->period);
+            c->failure = c->cross(c->set_step_get, SET_STEP_GET, (double)(k - 1) * c->period);
             if (c->failure)
                 return PLANT_FAILED;
             c->crossed++;

@@ -13,12 +13,11 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-typedef int Exchange(void *, const unsigned *, size_t, double *);
-typedef int DoStep(void *, double, double, int);
+typedef int Cross(void *, int, double);
 typedef int Advance(double *);
 
-enum { COLUMN, READING, INTEGRAL };                       /* where an input of a filter comes from */
-enum { FINE, SETTING, STEPPING, READING_OUTPUTS, NOT_FINITE };
+enum { SET_STEP_GET = 7 };
+enum { COLUMN, INTEGRAL };                               /* where an input of a filter comes from */
 
 typedef struct {
     Advance *advance;
@@ -31,27 +30,19 @@ typedef struct {
 } Filter;
 
 typedef struct {
-    Exchange *set, *get;
-    DoStep *step;
-    void *fmu;
-    const unsigned *to, *of;
+    Cross *cross;
+    void *plan;
+    double *to;                                          /* n_inputs: read by `cross` */
+    const double *outputs;                               /* n_outputs: written by it */
     long long n_inputs, n_columns, n_outputs, n_readings, n_filters;
-    double start, period;
-    long long count, every, looks_back;
+    double period;
+    long long count, every;
     const double *inputs, *noise;                        /* count x n_columns, the first n_inputs for the plant; count x n_readings */
     const int *shown;                                    /* the output that each reading shows */
-    double *outputs;                                     /* n_outputs: the last ones */
-    double *reading;                                     /* n_readings: the last ones */
     double *record;                                      /* rows of outputs */
     Filter *filter;
-    long long first, done, status, where;
+    long long first, done;
 } Run;
-
-/* Whether a status is neither fmi2OK nor fmi2Warning: a number that is no status at all is an error, too. */
-static int failed(long long status)
-{
-    return status != 0 && status != 1;
-}
 
 static void remember(const Filter *f, long long row)
 {
@@ -69,12 +60,12 @@ static void believe(Filter *f, const Run *run, const double *inputs)
     for (long long i = 0; i < f->inputs; i++)
         switch (f->kind[i]) {
         case COLUMN: f->held[i] = inputs[f->from[i]]; break;
-        case READING: f->held[i] = run->reading[f->from[i]]; break;
         /* Moved on before the step, so that what is expected at its end belongs to its end. */
         case INTEGRAL: f->held[i] += run->period * f->mean[f->from[i]]; break;
         }
 }
 
+/* Returns 0, or what `cross` ended with. */
 EXPORT int run(Run *run)
 {
     for (run->done = 0; run->done < run->count; run->done++) {
@@ -82,32 +73,20 @@ EXPORT int run(Run *run)
         const double *inputs = run->inputs + k * run->n_columns;
         const double *noise = run->noise + k * run->n_readings;
 
-        run->where = SETTING;
-        if (run->n_inputs && failed(run->status = run->set(run->fmu, run->to, run->n_inputs, (double *)inputs)))
-            return 1;
-        run->where = STEPPING;
-        if (failed(run->status = run->step(run->fmu, run->start + (run->first + k) * run->period, run->period, (int)run->looks_back)))
-            return 1;
-        run->where = READING_OUTPUTS;
-        if (failed(run->status = run->get(run->fmu, run->of, run->n_outputs, run->outputs)))
-            return 1;
-        run->where = NOT_FINITE;
-        for (long long i = 0; i < run->n_outputs; i++)
-            if (!isfinite(run->outputs[i])) {
-                run->status = i;
-                return 1;
-            }
-        for (long long f = 0; f < run->n_filters; f++)   /* on the readings at the start of the step */
+        for (long long i = 0; i < run->n_inputs; i++)
+            run->to[i] = inputs[i];
+        const int outcome = run->cross(run->plan, SET_STEP_GET, (double)(run->first + k) * run->period);
+        if (outcome)
+            return outcome;
+        for (long long f = 0; f < run->n_filters; f++)
             if (!run->filter[f].failed)
                 believe(run->filter + f, run, inputs);
-        for (long long i = 0; i < run->n_readings; i++)
-            run->reading[i] = run->outputs[run->shown[i]] + noise[i];
         for (long long f = 0; f < run->n_filters; f++) {
             Filter *filter = run->filter + f;
             if (filter->failed)
                 continue;
             for (long long i = 0; i < run->n_readings; i++)
-                filter->seen[i] = run->reading[i];
+                filter->seen[i] = run->outputs[run->shown[i]] + noise[i];
             filter->failed = filter->advance(filter->block);
             filter->failed_at = k;
         }
@@ -119,6 +98,5 @@ EXPORT int run(Run *run)
                 remember(run->filter + f, row);
         }
     }
-    run->status = 0;
     return 0;
 }
