@@ -3,12 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from itertools import accumulate
-from typing import Literal
+from typing import Literal, Protocol
 
 import casadi as ca
+import numpy as np
 
+from railgrip.controllers import law as laws
 from railgrip.controllers.brake import BrakeGroup, pressure_for
 from railgrip.controllers.law import Law
+from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
 
 Choice = Literal["lowest", "mean"]
@@ -19,6 +22,30 @@ PAD_FRICTION = 0.35
 
 T_REDISTRIBUTION = 0.3
 """Time constant [s] of what other groups are asked for: longer than a pulse of a slip controller."""
+
+
+class _Controller(Protocol):
+    def decide(self, observation: Observation) -> Sequence[float]: ...
+
+
+class OverTheTrain:
+    """A controller of any kind, with what is decided for the train as a whole over its demands."""
+
+    def __init__(self, controller: _Controller, over: Law) -> None:
+        """Take a controller of single groups, and `pass_through` with what is decided over it."""
+        self._controller, self._over = controller, over
+        self.needs: tuple[str, ...] = tuple(getattr(controller, "needs", ()))
+
+    def decide(self, observation: Observation) -> tuple[float, ...]:
+        """Return the demanded pressure of each group [Pa]."""
+        demands = np.array(self._controller.decide(observation))
+        return self._over.decide(observation._replace(pressure=demands))
+
+
+def pass_through(groups: Sequence[BrakeGroup]) -> Law:
+    """Return a law that demands of each group the pressure that it is shown as read."""
+    formula = laws.law("PassThrough", "Demands what it is shown", len(groups), lambda _: lambda _, seen: seen.pressure)
+    return Law(formula, groups, {})
 
 
 def with_shared_valves(law: Law, groups: Sequence[BrakeGroup], groups_per_valve: Sequence[int], choice: Choice) -> Law:

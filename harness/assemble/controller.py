@@ -20,7 +20,7 @@ from railgrip.controllers.law import Law, Tuning
 from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.slope_seeking import SlopeSeeking
-from railgrip.controllers.train_level import with_redistribution, with_shared_valves
+from railgrip.controllers.train_level import OverTheTrain, pass_through, with_redistribution, with_shared_valves
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
 from railgrip.errors import ScenarioError
@@ -29,7 +29,6 @@ from railgrip.loop.actuation import Direct
 from railgrip.loop.ports import Actuation, Controller, LawStates
 from railgrip.scenario.custom import Custom
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
-from railgrip.scenario.parties import Law as ParametricLaw
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import ServiceSensors
@@ -59,7 +58,16 @@ def controlling(
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, units_of(description))
     groups = vehicle.formation.groups
-    return stack.enter_context(foreign_controller(scenario, table, description, values, groups, estimates, tell))
+    opened = foreign_controller(scenario, table, description, values, groups, estimates, tell)
+    controller, commands_valves = stack.enter_context(opened)
+    if not commands_valves:
+        return over_the_train(vehicle, controller), False
+    if table.redistribute:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "
+            "leave it out, or let the FMU give demand [Pa]"
+        )
+    return controller, True
 
 
 def controller_of(vehicle: VehicleData) -> Controller:
@@ -68,9 +76,23 @@ def controller_of(vehicle: VehicleData) -> Controller:
     Raises:
         ScenarioError: A parameter is wrong, or the controller is no law of ours.
     """
-    scenario, groups = vehicle.scenario, vehicle.controlled.brakes
-    law, table = _group_law(vehicle), scenario.controller
-    assert isinstance(table, ParametricLaw | SlipLaw)
+    return _decided_over_the_train(vehicle, _group_law(vehicle))
+
+
+def over_the_train(vehicle: VehicleData, controller: Controller) -> Controller:
+    """Return a controller that is no law of ours with what is decided for the whole train, if anything is.
+
+    Raises:
+        ScenarioError: Redistribution has nothing to share out.
+    """
+    alone = pass_through(vehicle.controlled.brakes)
+    over = _decided_over_the_train(vehicle, alone)
+    return controller if over is alone else OverTheTrain(controller, over)
+
+
+def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
+    """Return a law with redistribution and shared valves as [controller] and the formation want them."""
+    scenario, groups, table = vehicle.scenario, vehicle.controlled.brakes, vehicle.scenario.controller
     valves = vehicle.formation.groups_per_valve
     if table.redistribute:
         if valves and max(valves) > 1:

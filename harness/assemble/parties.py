@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from railgrip import custom
-from railgrip.assemble.controller import actuation_of, controlling, law_states
+from railgrip.assemble.controller import actuation_of, controlling, law_states, over_the_train
 from railgrip.assemble.estimator import state_estimator
 from railgrip.assemble.faults import faults_of
 from railgrip.assemble.importing import Origin, origin_of, party_of, table_of
@@ -29,7 +29,7 @@ from railgrip.loop.ended import Clock, Ended, implausible
 from railgrip.loop.ports import Controller
 from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.custom import Custom, Role
-from railgrip.scenario.parties import KalmanFilter
+from railgrip.scenario.parties import KalmanFilter, OwnLaw
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import sampled_every
@@ -67,6 +67,9 @@ class OwnParties:
         """Return the scenario that names these objects' classes, as the results of a stop with them must."""
         objects = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
         tables: dict[str, Any] = {name: table_of(own) for name, own in objects.items() if own is not None}
+        if self.controller is not None:
+            over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
+            tables["controller"] = OwnLaw(**tables["controller"].model_dump(), **over)
         if self.plant is not None:
             vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
             tables["vehicle"] = Vehicle.model_validate(vehicle)
@@ -188,7 +191,7 @@ def assembled(
             sensors = sensors_of(scenario, layout, radius[0])
         commands_valves = False
         if (own_law := party("controllers", scenario.controller, own.controller)) is not None:
-            controller = custom.CustomController(own_law, formation)
+            controller = over_the_train(vehicle, custom.CustomController(own_law, formation))
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, tell, stack)
         actuation = Direct() if commands_valves else actuation_of(scenario, formation.brakes)

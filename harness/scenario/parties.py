@@ -78,7 +78,7 @@ Estimator = Annotated[
 
 
 class _OverTheTrain(Table):
-    """What groups have in common under any law of ours."""
+    """What groups have in common under any law."""
 
     redistribute: StrictBool = Field(
         default=False,
@@ -125,7 +125,7 @@ class SlipLaw(_OverTheTrain):
     _flat = field_validator("parameters", mode="before")(scalars)
 
 
-class ControllerFmu(Table):
+class ControllerFmu(_OverTheTrain):
     """A controller of one's own, as a co-simulation FMU 2.0.
 
     It may take speed, acceleration, wheelset_speed, slip, adhesion, pad_friction, pressure and driver_demand, and gives
@@ -146,11 +146,15 @@ class ControllerFmu(Table):
     _flat = field_validator("parameters", mode="before")(scalars)
 
 
+class OwnLaw(Custom, _OverTheTrain):
+    """A control law that is a class of the user's own."""
+
+
 _LAWS = frozenset(
     kind for table in (Law, SlipLaw, ControllerFmu) for kind in get_args(table.model_fields["kind"].annotation)
 )
 Controller = Annotated[
-    Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
+    Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)] | Annotated[OwnLaw, Tag(CUSTOM)],
     Discriminator(whose("controllers", _LAWS)),
 ]
 

@@ -10,7 +10,13 @@ from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
-from railgrip.controllers.train_level import PAD_FRICTION, with_redistribution, with_shared_valves
+from railgrip.controllers.train_level import (
+    PAD_FRICTION,
+    OverTheTrain,
+    pass_through,
+    with_redistribution,
+    with_shared_valves,
+)
 
 GROUP = BrakeGroup(
     load=140e3, inertia=120.0, wheel_radius=0.46, units=2.0, friction_radius=0.24, piston_area=0.0324, rigging=4.75,
@@ -94,3 +100,21 @@ def test_it_holds_for_a_law_without_memory():
     seen = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(FullBrake(GROUPS), GROUPS, period=1e-3, adhesion_max=0.3)
     assert settled(law, seen) == pytest.approx(seen.driver_demand)
+
+
+@pytest.mark.parametrize(
+    "over",
+    [
+        lambda law: with_shared_valves(law, GROUPS, (1, 2), "lowest"),
+        lambda law: with_shared_valves(law, GROUPS, (1, 2), "mean"),
+        lambda law: with_redistribution(law, GROUPS, period=1e-3, adhesion_max=0.15),
+    ],
+    ids=["lowest", "mean", "redistribution"],
+)
+def test_over_any_controller_it_is_what_it_is_inside_a_law(over):
+    """To the last bit: what is only asked for its demands may be a law, a class or an FMU."""
+    inside, outside = over(slip_based()), OverTheTrain(slip_based(), over(pass_through(GROUPS)))
+    random = np.random.default_rng(3)
+    for _ in range(200):
+        seen = observed(tuple(random.uniform(0.0, 0.2, 3)), random.uniform(0.1, 1.0))
+        assert outside.decide(seen) == inside.decide(seen)

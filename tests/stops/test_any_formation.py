@@ -9,7 +9,7 @@ import xarray
 from PIL import Image
 
 from railgrip.__main__ import main
-from railgrip.assemble import assembled, run_stop
+from railgrip.assemble import OwnParties, assembled, run_stop
 from railgrip.assemble.export import controller_fmu
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.engine import Engine
@@ -382,6 +382,37 @@ def test_wheelsets_of_a_valve_are_commanded_alike():
     assert np.array_equal(demand[:, ::2], demand[:, 1::2])
     assert demand.min() == 0.0
     assert shared.metrics.distance > alone.metrics.distance
+
+
+class Half:
+    """Vents wheelsets that slip by a tenth, and fills the others."""
+
+    def start(self, formation):
+        self.full = np.array([brake.pressure_max for brake in formation.brakes])
+
+    def decide(self, observation):
+        return np.where(observation.slip > 0.1, 0.0, self.full)
+
+
+def test_a_class_of_the_users_own_has_shared_valves_and_redistribution_too():
+    path = Path(FREIGHT)
+
+    def stop(change):
+        table = merged(merged(read_toml(path), change), {"estimator": {"kind": "none"}})
+        return (
+            run_stop(scenario_of(table, directory=path.parent, origin=path.name), own=OwnParties(controller=Half()))
+            .trace["demand"]
+            .values
+        )
+
+    valves = {"vehicle": {"formation": {"groups_per_valve": [2] * 8}}, "start": {"speed": "30 km/h"}}
+    shared = stop(valves)
+    assert np.array_equal(shared[:, ::2], shared[:, 1::2])
+    assert shared.min() == 0.0
+    # Redistribution holds the driver's demand: a group that need not give more is asked for just that.
+    together = stop(merged(PARTLY, {"start": {"speed": "30 km/h"}, "controller": {"redistribute": True}}))
+    assert np.isclose(together, 2.3e5, rtol=1e-9).any()
+    assert 2.3e5 < together.max() <= 3.2e5
 
 
 @pytest.mark.parametrize(
