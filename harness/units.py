@@ -15,8 +15,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import pint
-
 from railgrip.errors import UnitError
 
 _DEFINITIONS = """
@@ -271,6 +269,8 @@ def place(path: Path) -> str:
 
 @cache
 def _registry() -> Any:
+    import pint  # half of what the process of a plant from outside loads, and there every unit is known already
+
     without_defaults: Any = None
     registry = pint.UnitRegistry(without_defaults)
     registry.load_definitions(_DEFINITIONS.splitlines())

@@ -103,7 +103,7 @@ class Exact:
 
 
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory):
+def environment(wheel, tmp_path_factory):
     """A folder where the wheel is installed with another package that offers parties, and an empty user's cache."""
     site, tiny = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("tiny")
     for name, text in TINY.items():
@@ -116,9 +116,9 @@ def installed(wheel, tmp_path_factory):
     return site, tmp_path_factory.mktemp("cache")
 
 
-def alone(installed, here, *arguments):
+def alone(environment, here, *arguments):
     """Run Python in a folder with nothing but what is installed, and without a network."""
-    site, cache = installed
+    site, cache = environment
     nowhere = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     result = subprocess.run(
         [sys.executable, *arguments],
@@ -132,10 +132,10 @@ def alone(installed, here, *arguments):
     return result.stdout
 
 
-def test_it_runs_from_an_empty_folder_without_a_network(installed, tmp_path):
+def test_it_runs_from_an_empty_folder_without_a_network(environment, tmp_path):
     """Its own FMU, filter and loop are compiled on the way, into the user's cache and nowhere else."""
-    (site, cache), here = installed, tmp_path
-    printed = alone(installed, here, "-m", "railgrip", "run", "trapezoid")
+    (site, cache), here = environment, tmp_path
+    printed = alone(environment, here, "-m", "railgrip", "run", "trapezoid")
     assert "trapezoid: standstill, 293.72 m" in printed
     assert {path.name for path in here.iterdir()} == {"build"}
     assert [path.name for path in (here / "build").iterdir()] == ["runs"]
@@ -143,11 +143,11 @@ def test_it_runs_from_an_empty_folder_without_a_network(installed, tmp_path):
     assert not [path for path in site.rglob("*") if path.suffix in {".so", ".fmu", ".dll", ".dylib"}]
 
 
-def test_parties_of_an_installed_package_go_by_their_names(installed, tmp_path):
+def test_parties_of_an_installed_package_go_by_their_names(environment, tmp_path):
     """Through their entry points, by the command line; half of 3.4 and 2 bar."""
     kinds = {"controller": "half", "estimator": "drag", "sensors": "exact"}
     tables = [text for role, kind in kinds.items() for text in ("--set", f"{role}={{kind='{kind}'}}")]
-    alone(installed, tmp_path, "-m", "railgrip", "run", "trapezoid", *tables, "--set", "start.speed=5 km/h")
+    alone(environment, tmp_path, "-m", "railgrip", "run", "trapezoid", *tables, "--set", "start.speed=5 km/h")
     (record,) = tmp_path.rglob("stop.json")
     classes = json.loads(record.read_text())["classes"]
     assert {role: party["class"] for role, party in classes.items()} == {
@@ -171,15 +171,15 @@ for number, cell in enumerate(c for c in json.load(open(sys.argv[1]))["cells"] i
 """
 
 
-def test_the_page_about_python_runs_where_it_is_installed(installed, tmp_path):
+def test_the_page_about_python_runs_where_it_is_installed(environment, tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL)
     assert len(blocks) >= 2
     where = "import railgrip; print(railgrip.__file__)"
-    printed = alone(installed, tmp_path, "-c", "\n".join((SHORTER, *blocks, where)))
-    assert printed.strip().startswith(str(installed[0]))
+    printed = alone(environment, tmp_path, "-c", "\n".join((SHORTER, *blocks, where)))
+    assert printed.strip().startswith(str(environment[0]))
 
 
-def test_the_notebook_of_own_parties_runs_where_it_is_installed(installed, tmp_path):
+def test_the_notebook_of_own_parties_runs_where_it_is_installed(environment, tmp_path):
     """Cell by cell, as in a notebook: classes are of the main module and have no file."""
     notebook = ROOT / "docs" / "examples" / "own_parties.ipynb"
     figures = """
@@ -190,7 +190,7 @@ print(json.dumps({
     "classes": {role: party["class"] for role, party in (estimated.classes | noisy.classes).items()},
 }))
 """
-    printed = json.loads(alone(installed, tmp_path, "-c", CELLS + figures, str(notebook)).splitlines()[-1])
+    printed = json.loads(alone(environment, tmp_path, "-c", CELLS + figures, str(notebook)).splitlines()[-1])
     assert printed["outcomes"] == ["standstill"] * 4
     assert printed["rows"] == 50
     assert printed["ended"] == ["standstill"]

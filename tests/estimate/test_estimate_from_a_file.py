@@ -31,7 +31,7 @@ true_mu_b = { column = "mu", unit = "1" }
 
 
 @pytest.fixture
-def written(tmp_path: Path):
+def case(tmp_path: Path):
     """Estimation, file, and what was written into it: a rig that coasts, then brakes."""
     random = np.random.default_rng(3)
     t = np.arange(1500) * 0.01
@@ -50,8 +50,8 @@ def written(tmp_path: Path):
     return toml, file, recording_of(signals, period=0.01)
 
 
-def test_a_file_gives_the_estimates_of_the_run_itself(written):
-    toml, file, recording = written
+def test_a_file_gives_the_estimates_of_the_run_itself(case):
+    toml, file, recording = case
     specification = load_specification(toml)
     prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
     record = taken_for(specification, file)
@@ -61,8 +61,8 @@ def test_a_file_gives_the_estimates_of_the_run_itself(written):
     np.testing.assert_allclose(through.values, direct.values, rtol=1e-6, atol=1e-9)
 
 
-def test_the_command_line_says_what_was_mended_and_reports_as_for_a_simulated_one(written, tmp_path):
-    toml, file, _ = written
+def test_the_command_line_says_what_was_mended_and_reports_as_for_a_simulated_one(case, tmp_path):
+    toml, file, _ = case
     result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
     assert "wheelset_speed, 6.990–7.210 s: no samples" in result.output
@@ -78,9 +78,9 @@ def test_the_command_line_says_what_was_mended_and_reports_as_for_a_simulated_on
         ("v", 3.6, "Filter: lost;"),
     ],
 )
-def test_a_recording_that_no_train_makes_is_no_success(written, tmp_path, column, factor, sentence):
+def test_a_recording_that_no_train_makes_is_no_success(case, tmp_path, column, factor, sentence):
     """Wheel speeds in a wrong unit, forces of a wrong sign, km/h converted twice."""
-    toml, file, _ = written
+    toml, file, _ = case
     frame = pd.read_csv(file)
     frame[column] *= factor
     frame.to_csv(file, index=False)
@@ -98,7 +98,7 @@ def test_a_mass_that_is_not_that_of_the_model_is_told():
     check_mass(load_specification(LIBRARY / "field.toml", ["course.mass='90 t'", *heavier]))
 
 
-def test_an_estimation_without_a_map_cannot_read_a_file(written):
-    _, file, _ = written
+def test_an_estimation_without_a_map_cannot_read_a_file(case):
+    _, file, _ = case
     with pytest.raises(EstimationError, match=r"has no \[data\], which says what the columns of run\.csv are"):
         taken_for(load_specification(LIBRARY / "rig_own.toml"), file)

@@ -27,18 +27,18 @@ from railgrip.trace.samples import reading_of, truth_of, with_signals
 
 
 @pytest.fixture(scope="module")
-def driven() -> Run:
+def journey() -> Run:
     return run_case(cases()["c1"], "c1")
 
 
 @pytest.fixture(scope="module")
-def run(driven):
-    return driven.recording
+def run(journey):
+    return journey.recording
 
 
 @pytest.fixture(scope="module")
-def braking(driven) -> Braking:
-    return driven.braking
+def braking(journey) -> Braking:
+    return journey.braking
 
 
 @pytest.fixture(scope="module")
@@ -68,8 +68,8 @@ def test_other_sensors_read_the_same_run_otherwise(run):
     assert 0.02 < apart.std() < 0.06
 
 
-def test_the_track_is_recovered_well_enough(driven):
-    scores = track_score(driven)
+def test_the_track_is_recovered_well_enough(journey):
+    scores = track_score(journey)
     assert abs(scores.distance) < 5e-3
     # Half of a curve of 1000 m and a third of the smallest change of gradient, 3 ‰; measured 1.6e-4 and 0.7 ‰.
     assert scores.curvature < 5e-4

@@ -20,7 +20,7 @@ LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced", "TrainPredictionDisturbed"])
-def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Description]:
+def catalogue(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Description]:
     name = f"RailBraking.FMUs.{request.param}"
     file = tmp_path_factory.mktemp("prediction") / f"{request.param}.fmu"
     source = package.sources(
@@ -30,8 +30,8 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return lower(name, LIBRARY), describe(file)
 
 
-def opened(made: tuple[Model, Description], differentiation: str) -> FmuPrediction:
-    model, description = made
+def opened(catalogue: tuple[Model, Description], differentiation: str) -> FmuPrediction:
+    model, description = catalogue
     return FmuPrediction(
         description,
         parameters={},
@@ -59,13 +59,13 @@ def points(start: np.ndarray, states: tuple[str, ...]) -> Iterator[tuple[np.ndar
         yield x, np.array([*rng.uniform(0.5e5, 3.4e5, size=4), rng.normal(scale=5e3)])
 
 
-def test_the_fmu_is_the_function_of_its_class(made: tuple[Model, Description]):
-    model, _ = made
+def test_the_fmu_is_the_function_of_its_class(catalogue: tuple[Model, Description]):
+    model, _ = catalogue
     parameters = ca.DM([v.start for v in model.parameters])
     x, u = ca.SX.sym("x", len(model.states)), ca.SX.sym("u", len(model.inputs))
     f, h = model.derivative(0, x, u, parameters), model.output(0, x, u, parameters)
     exact = ca.Function("exact", [x, u], [f, h, ca.jacobian(f, x), ca.jacobian(h, x)])
-    with opened(made, "directional") as fmu:
+    with opened(catalogue, "directional") as fmu:
         for at, inputs in points(fmu.start, fmu.states):
             expected = [np.array(w.full()) for w in exact(at, inputs)]
             # The same expressions, in C or in CasADi's virtual machine: rounding, of terms that cancel.
@@ -76,8 +76,8 @@ def test_the_fmu_is_the_function_of_its_class(made: tuple[Model, Description]):
             np.testing.assert_allclose(fmu.output_jacobian(at, inputs), expected[3], atol=1e-12 * size[3])
 
 
-def test_directional_derivatives_agree_with_central_differences(made: tuple[Model, Description]):
-    with opened(made, "directional") as exact, opened(made, "central") as central:
+def test_directional_derivatives_agree_with_central_differences(catalogue: tuple[Model, Description]):
+    with opened(catalogue, "directional") as exact, opened(catalogue, "central") as central:
         for x, u in points(exact.start, exact.states):
             for expected, derivative in (
                 (exact.derivative_jacobian(x, u), central.derivative_jacobian(x, u)),

@@ -57,14 +57,14 @@ def held(name: str, values: Mapping[str, float] = HELD) -> float:
 
 
 @pytest.fixture(scope="module")
-def made():
+def catalogue():
     return {built.name: built for built in build(compiler="native")}
 
 
 @pytest.fixture(scope="module")
-def train(made, tmp_path_factory):
+def train(catalogue, tmp_path_factory):
     def load(name):
-        path = made[name].path
+        path = catalogue[name].path
         folder = Path(fmpy.extract(str(path), str(tmp_path_factory.mktemp(name))))
         return Fmu(path, folder, fmpy.read_model_description(str(path)))
 
@@ -106,17 +106,17 @@ def test_the_fmu_is_valid(train, name):
 
 
 @pytest.mark.parametrize("name", ["TwoPartTrainPneumatic", "TrainPrediction"])
-def test_building_it_elsewhere_gives_the_same_bytes(made, name, tmp_path, own_cache):
+def test_building_it_elsewhere_gives_the_same_bytes(catalogue, name, tmp_path, own_cache):
     """Another folder, another hour, another process than built the first: neither paths nor times are inside."""
     (again,) = build([name], "native", tmp_path)
     assert again.action == "built"
-    assert again.path.read_bytes() == made[name].path.read_bytes()
+    assert again.path.read_bytes() == catalogue[name].path.read_bytes()
 
 
 @pytest.mark.parametrize("name", BOOK.recipes)
-def test_its_face_is_the_one_in_the_lock_file(made, name):
+def test_its_face_is_the_one_in_the_lock_file(catalogue, name):
     """A difference means that the models changed: look at it, then `python -m railgrip.fmus check --update`."""
-    assert differences(name, read_lock(), made[name].face) == []
+    assert differences(name, read_lock(), catalogue[name].face) == []
 
 
 @pytest.mark.parametrize("name", BOOK.recipes)

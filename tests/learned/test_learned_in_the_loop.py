@@ -62,7 +62,7 @@ def estimators():
 
 
 @pytest.fixture(scope="module")
-def exported(estimators, tmp_path_factory):
+def files(estimators, tmp_path_factory):
     folder = tmp_path_factory.mktemp("exported")
     return {name: pack(as_fmu(one.online()), folder / f"{name}.fmu") for name, one in estimators.items()}
 
@@ -88,13 +88,13 @@ def said_by(estimator, readings, direction=1.0):
 
 
 @pytest.fixture(scope="module")
-def watched(estimators):
+def rides(estimators):
     return {name: beside(in_casadi(one.online())) for name, one in estimators.items()}
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
-def test_the_loop_says_sample_by_sample_what_is_said_of_the_record_at_once(kind, estimators, watched):
-    ride = watched[kind]
+def test_the_loop_says_sample_by_sample_what_is_said_of_the_record_at_once(kind, estimators, rides):
+    ride = rides[kind]
     answer = said_of(estimators[kind], ride, RIDE)
     assert len(answer.sample) >= 30
     assert np.ptp(answer.friction) > 1e-5  # there is something to be equal in, six orders above the tolerance
@@ -104,36 +104,36 @@ def test_the_loop_says_sample_by_sample_what_is_said_of_the_record_at_once(kind,
     assert np.array_equal(between, np.repeat(between[:, :1], between.shape[1], axis=1))  # held from one to the next
 
 
-def test_the_interval_of_the_loop_is_that_of_the_record(estimators, watched):
-    answer = said_of(estimators["general"], watched["general"], RIDE)
-    half = 1.6449 * np.sqrt(watched["general"].variance[answer.sample, 0])
+def test_the_interval_of_the_loop_is_that_of_the_record(estimators, rides):
+    answer = said_of(estimators["general"], rides["general"], RIDE)
+    half = 1.6449 * np.sqrt(rides["general"].variance[answer.sample, 0])
     longer = np.maximum(answer.upper - answer.friction, answer.friction - answer.lower)
     assert half == pytest.approx(longer, abs=ROUNDING)
-    assert np.isnan(watched["paper"].variance[-1, 0])  # the paper's network gives none
+    assert np.isnan(rides["paper"].variance[-1, 0])  # the paper's network gives none
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
-def test_the_exported_fmu_is_the_same_party(kind, estimators, exported, watched):
+def test_the_exported_fmu_is_the_same_party(kind, estimators, files, rides):
     """Through railgrip.fmu, 5120 samples a second; same operations in the same order, so nothing but rounding of the C
     compiler's own (fused or reordered operations) may differ."""
-    assert validate_fmu(str(exported[kind])) == []
-    ride = watched[kind]
-    with in_fmu(exported[kind], RATE) as estimator:
+    assert validate_fmu(str(files[kind])) == []
+    ride = rides[kind]
+    with in_fmu(files[kind], RATE) as estimator:
         made = list(said_by(estimator, ride.reading, direction=-1.0))
     mean, variance = np.array(made).T
     np.testing.assert_allclose(mean, ride.mean[:, 0], rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(variance, ride.variance[:, 0], rtol=1e-9)
 
 
-def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(exported):
-    for file in exported.values():
+def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(files):
+    for file in files.values():
         assert describe(file).variables["lateral[4]"].causality == "input"
         with ZipFile(file) as parts:
             description = parts.read("modelDescription.xml").decode()
         assert "accelerations of the axle boxes, 5120 a second" in description
         assert f'stepSize="{1 / 5120!r}"' in description
     with (
-        in_fmu(exported["paper"], 3 * RATE // 2) as estimator,
+        in_fmu(files["paper"], 3 * RATE // 2) as estimator,
         pytest.raises(Exception, match="whole number of periods"),
     ):
         list(said_by(estimator, np.zeros((1, len(READINGS)))))
@@ -208,7 +208,7 @@ def test_the_library_ride_reads():
     assert read_ride(LIBRARY / "wet_60mph.toml").run().speed == pytest.approx(26.82, abs=0.01)
 
 
-def test_what_cannot_ride_is_answered(tmp_path, exported):
+def test_what_cannot_ride_is_answered(tmp_path, files):
     with pytest.raises(ScenarioError, match=r"\[car\] condition is 'oil'; there is dry"):
         read_ride(written(tmp_path, condition="oil"))
     with pytest.raises(EstimatorError, match="there is no such file; `make learn` writes"):

@@ -50,21 +50,21 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def read(folder):
+def dataset(folder):
     labels = write_labels(folder / "labels.csv", [(f"{k}.parquet", 0.1 + 0.08 * k, (-1) ** k) for k in range(4)])
     return read_folder(folder, labels)
 
 
-def test_runs_become_a_report_and_estimators(read):
-    assert [run.group for run in read.runs] == [60] * 4
-    assert [run.friction for run in read.runs] == pytest.approx([0.10, 0.18, 0.26, 0.34])
-    assert read.runs[0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
+def test_runs_become_a_report_and_estimators(dataset):
+    assert [run.group for run in dataset.runs] == [60] * 4
+    assert [run.friction for run in dataset.runs] == pytest.approx([0.10, 0.18, 0.26, 0.34])
+    assert dataset.runs[0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
     messages = []
     recipe = Recipe(inputs="left, right", starts=1, steps=10)
     text, trained = judge_own(
-        read.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=messages.append
+        dataset.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=messages.append
     )
-    assert len(messages) == own_pieces(read.runs)
+    assert len(messages) == own_pieces(dataset.runs)
     assert "a run left out" in text
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text
@@ -74,9 +74,9 @@ def test_runs_become_a_report_and_estimators(read):
     assert trained["friction_60mph"].networks[0].hidden_weights.shape == (6, 8)
 
 
-def test_direction_turns_the_car_around(folder, read, tmp_path):
+def test_direction_turns_the_car_around(folder, dataset, tmp_path):
     behind = read_folder(folder, write_labels(tmp_path / "b.csv", [("0.parquet", 0.2, -1), ("1.parquet", 0.3, 1)]))
-    ahead, reversed_run = read.runs[0].slow, behind.runs[0].slow
+    ahead, reversed_run = dataset.runs[0].slow, behind.runs[0].slow
     np.testing.assert_array_equal(reversed_run[:, :4], -ahead[:, 3::-1])
     np.testing.assert_array_equal(reversed_run[:, 4:8], ahead[:, 7:3:-1])
 
@@ -97,14 +97,14 @@ def one_run(folder, columns, chosen=None, suffix=".parquet"):
     return read_folder(folder, labels, chosen)
 
 
-def test_units_and_names_come_from_the_map(folder, read, tmp_path):
+def test_units_and_names_come_from_the_map(folder, dataset, tmp_path):
     """The same run in g, under the names of a MATLAB file."""
     columns = signals(0)
     columns |= {name: columns[name] / 9.80665 for name in BOXES}
     names = {name: name.replace("[", "_").replace("]", "") for name in UNITS}
     run = one_run(tmp_path, columns, table("g_n", names), ".mat").runs[0]
     # The record of direction +1 is run 0; a division and a multiplication round at 270 * 2e-16, the filter adds up.
-    np.testing.assert_allclose(run.slow, read.runs[0].slow, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run.slow, dataset.runs[0].slow, rtol=0, atol=1e-9)
 
 
 def test_another_rate_is_put_on_the_grid(tmp_path):

@@ -29,7 +29,7 @@ def run(*arguments):
 
 
 @pytest.fixture(scope="module")
-def tested(tmp_path_factory):
+def results(tmp_path_factory):
     """A folder with one case, stopped by one of ours and by one of a scenario."""
     folder = tmp_path_factory.mktemp("type_test")
     (folder / "own.toml").write_text(OWN, encoding="utf-8")
@@ -45,8 +45,8 @@ def content_of(folder):
     return json.loads((folder / "type_test.json").read_text(encoding="utf-8"))
 
 
-def test_the_result_has_cases_and_a_summary_of_each_controller(tested):
-    content = content_of(tested)
+def test_the_result_has_cases_and_a_summary_of_each_controller(results):
+    content = content_of(results)
     first = content["cases"][0]
     assert list(first)[:9] == [
         "case", "controller", "tuned", "outcome", "distance_m", "bound_m", "longest_lock_s", "air_l", "strokes",
@@ -60,16 +60,16 @@ def test_the_result_has_cases_and_a_summary_of_each_controller(tested):
     assert (own["median"], own["worst"]) == pytest.approx((min(ratios), max(ratios)))
 
 
-def test_the_table_of_cases_has_a_row_for_each_stop(tested):
-    with (tested / "cases.csv").open(newline="", encoding="utf-8") as file:
+def test_the_table_of_cases_has_a_row_for_each_stop(results):
+    with (results / "cases.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 4
     assert rows[0]["curve"]
     assert rows[0]["keeps_stops"] == "True"
 
 
-def test_the_page_can_be_sent_alone(tested):
-    page = (tested / "index.html").read_text(encoding="utf-8")
+def test_the_page_can_be_sent_alone(results):
+    page = (results / "index.html").read_text(encoding="utf-8")
     assert "verify in the" in page
     assert "railgrip type-test --controller own --case 1of2-15595" in page
     assert page.count("data:image/png;base64,") == 3
@@ -77,15 +77,15 @@ def test_the_page_can_be_sent_alone(tested):
     assert page.count("<details>") == page.count("</details>")
 
 
-def test_only_what_is_missing_is_run(tested):
-    before = {path: path.stat().st_mtime_ns for path in tested.glob("*/stop.json")}
+def test_only_what_is_missing_is_run(results):
+    before = {path: path.stat().st_mtime_ns for path in results.glob("*/stop.json")}
     assert len(before) == 8  # with both references
-    assert run("--cases", "2", "--controller", "slip_two_state_searched", "--out", str(tested)) == 0
-    after = {path: path.stat().st_mtime_ns for path in tested.glob("*/stop.json")}
+    assert run("--cases", "2", "--controller", "slip_two_state_searched", "--out", str(results)) == 0
+    after = {path: path.stat().st_mtime_ns for path in results.glob("*/stop.json")}
     assert before.items() < after.items()
     assert len(after) == 10
     # Who ran before is still on the leaderboard, but for what is no entrant of ours.
-    assert set(content_of(tested)["summary"]) == {"slip_two_state_searched", "slip_three_state_searched"}
+    assert set(content_of(results)["summary"]) == {"slip_two_state_searched", "slip_three_state_searched"}
 
 
 def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):
