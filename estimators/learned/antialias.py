@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import butter, sosfilt
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.network import Network, train
-
-Array = NDArray[np.float64]
 
 LEAST_SPREAD: Final = 0.03
 """Friction added to the disagreement: networks that agree know no more than the spread of friction at one slope."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
+
 Bias = Literal["inside", "outside"]
 
 DAMPING: Final = 1e-3

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
+
 Pair = tuple[Any, Any]
 
 WHEELSETS: Final = 4

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import COMBINATIONS, forwards, motions
 from railgrip.estimators.learned.ensemble import Ensemble
@@ -17,8 +18,6 @@ from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.online import Online, general, paper
 from railgrip.estimators.learned.preprocessing import Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
-
-Array = NDArray[np.float64]
 
 FORMAT: Final = 1
 """Of the files; raised whenever an older reader would understand a newer file wrongly."""

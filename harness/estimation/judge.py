@@ -7,9 +7,8 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
+from railgrip.estimators.belief import Vector
 from railgrip.trace.samples import truth_of
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

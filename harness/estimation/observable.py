@@ -5,16 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name, units_of
 from railgrip.estimation.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
+from railgrip.estimators.belief import Matrix
 from railgrip.estimators.observability import Observability, along, observability
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
-
-Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,10 +8,9 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError, FilterDiverged
-from railgrip.estimators.belief import Estimate
+from railgrip.estimators.belief import Estimate, Matrix
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import FAR, lost_at, nis_ratio
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -20,8 +19,6 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.running import Running
 from railgrip.fmus.native import Model, lower
 from railgrip.trace.samples import period_of, samples
-
-Matrix = NDArray[np.float64]
 
 SHOWN = {"v": "speed", "w": "wheelset_speed"}
 """States that a reading shows as they are; where `start` leaves them out they begin at its first sample."""

@@ -13,8 +13,6 @@ from railgrip.scenario.track import CurveLaw, force_along
 from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.track.geodesy import Place, local
 
-Array = NDArray[np.float64]
-
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
 """For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
 long; shorter waves are the receiver's. An estimate, not fitted to any case."""

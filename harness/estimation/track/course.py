@@ -9,12 +9,11 @@ keeps 1/(1 + (L/l)⁴) of a wave of length l, half of one of the cut-off length 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
 from railgrip.errors import EstimationError
-
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 GRID = 1.0
 """Of the result [m]; positions closer together count as one."""

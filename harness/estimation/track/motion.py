@@ -16,12 +16,10 @@ The third needs a path over distance, and that a distance: the first pass goes w
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.estimation.track.course import Course, LowPass, course_of
 from railgrip.estimation.track.smoother import smooth
-
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfilt
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 RATE: Final = 5120
 """Samples a second of the paper's loggers."""

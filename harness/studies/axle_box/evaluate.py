@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train
@@ -14,8 +14,6 @@ from railgrip.estimators.learned.preprocessing import Scale
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.gather import spectral_features
 from railgrip.studies.axle_box.reduction import CHANNELS, Run
-
-Array = NDArray[np.float64]
 
 HIDDEN: Final = 6
 TRAINED: Final = 0.8

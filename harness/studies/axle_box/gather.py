@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 import railgrip.estimators.learned.antialias
 import railgrip.estimators.learned.channels
@@ -22,14 +21,13 @@ import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
 from railgrip import cache
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX
 from railgrip.studies.axle_box.instrumented_car import FMU, Pass, slope
 from railgrip.studies.axle_box.measured import VEHICLE, readings
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, reduce
-
-Array = NDArray[np.float64]
 
 RUN: Final = "run.npz"
 KIND: Final = "runs"

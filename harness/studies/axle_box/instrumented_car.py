@@ -11,15 +11,13 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from railgrip.estimators.arrays import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
 from railgrip.track.irregularity import KINDS, TRACKS, Irregularity, realise
-
-Array = NDArray[np.float64]
 
 RATE: Final = 1280
 """Samples a second. Irregularities end at 21 Hz and the wheelsets bounce at 42 Hz: four times as many samples change

@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.errors import FmuError
+from railgrip.estimators.belief import Vector
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES, Edge, Online
 from railgrip.fmu import CoSimulation, Signal, bind, describe
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, Sampled
 from railgrip.studies.axle_box.instrumented_car import Pass, held_speed
 from railgrip.studies.axle_box.measured import disturbance_of
-
-Vector = NDArray[np.float64]
 
 READINGS: Final = (*BOXES, "speed")
 """What the instruments of the car show, in order: m/s² in axes of the car, and m/s."""

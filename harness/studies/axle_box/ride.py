@@ -26,10 +26,10 @@ from typing import Annotated, Literal
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from pydantic import Field, StrictInt, field_validator
 
 from railgrip.errors import ScenarioError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import Said, Trained, load
@@ -41,8 +41,6 @@ from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, car_of
 from railgrip.studies.axle_box.parties import AxleBoxes, in_casadi, in_fmu
 from railgrip.track.irregularity import TRACKS
-
-Array = NDArray[np.float64]
 
 LIBRARY = Path(__file__).parent / "library"
 

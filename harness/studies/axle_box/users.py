@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.online import BOXES
 from railgrip.studies.axle_box.gather import SETTLED
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Readings, Run, reduce
@@ -25,8 +25,6 @@ from railgrip.trace.flag import Flag, summary
 from railgrip.trace.read import Taken, recorded
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import Column, DataTable, TimeColumn
-
-Array = NDArray[np.float64]
 
 UNITS: Final[Mapping[str, str]] = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s"}
 """Signals of a run, as the map of columns calls them."""

@@ -12,18 +12,16 @@ from pathlib import Path
 from threading import local as thread_local
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field_test.filtering import Task, filter_of
 from railgrip.studies.field_test.noise import NAMES, PHYSICAL, Noise
 from railgrip.studies.field_test.objective import Kind, evaluate
-
-Array = NDArray[np.float64]
 
 BOUNDS: dict[str, tuple[float, float]] = {
     "R_v": (-8.0, 0.0),

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from math import ceil, comb, log, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.trace.k_wet import Interval
 
-Array = NDArray[np.float64]
 Performance = Callable[[Array], Array]
 """Standard normal numbers, shape (n, dimension) → performance, shape (n, outputs) or (n,); small is bad."""
 

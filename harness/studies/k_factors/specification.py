@@ -4,18 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
+from railgrip.estimators.arrays import Array
 from railgrip.scenario.load import load, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, Speed, Table, broken
 
-Array = NDArray[np.float64]
 Extent = Literal["train", "group", "unit"]
 Quantity = Literal[
     "pad_friction", "efficiency", "friction_radius", "pressure", "wheel_radius", "mass", "build_up"

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, lost_at, nis_ratio
 from railgrip.estimators.observability import along
@@ -18,8 +18,6 @@ from railgrip.loop.compiled import Beliefs
 from railgrip.studies.lateral.filters import Name, prediction
 from railgrip.studies.lateral.run import EVERY, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
-
-Array = NDArray[np.float64]
 
 QUANTITIES: Final[Mapping[str, str]] = {
     "lateral_velocity": "m/s",

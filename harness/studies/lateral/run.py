@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.loop.compiled import Beliefs, Record, run
 from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, party
 from railgrip.studies.lateral.wheelset import (
@@ -22,8 +23,6 @@ from railgrip.studies.lateral.wheelset import (
     output_columns,
     wheelset,
 )
-
-Array = NDArray[np.float64]
 
 EVERY: Final = 20
 """Samples from one recorded instant to the next: 1 ms."""

@@ -8,15 +8,13 @@ from math import pi, sqrt
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
+from railgrip.estimators.arrays import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.polach import named_sets
 from railgrip.scenario.seed import generator
-
-Array = NDArray[np.float64]
 
 PERIOD: Final = 50e-6
 """Of plant, readings and filters [s]; Mal et al. (2020), §4."""

@@ -12,15 +12,13 @@ from scipy.ndimage import maximum_filter1d
 
 from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimation.run import model_of, prediction_of, units_of
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import pressure_spread
 from railgrip.studies.pad_monitor.nominal import NOMINAL, nominal_friction
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import period_of, samples
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 MODEL = "TrainPredictionReduced"
 GROUPS = 4

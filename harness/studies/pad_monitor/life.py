@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.assemble import trace_of
+from railgrip.estimators.belief import Vector
 from railgrip.fmu import describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
@@ -23,8 +23,6 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import recording_of
-
-Vector = NDArray[np.float64]
 
 PLANT = "TwoPartTrain"
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.studies.pad_monitor.evidence import GROUPS, Evidence
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 Kind = Literal["friction lost", "does not release"]
 

@@ -8,12 +8,12 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import railgrip.scenario
 from railgrip.assemble import assembled
 from railgrip.assemble.files import plant_description
 from railgrip.errors import ScenarioError
+from railgrip.estimators.belief import Vector
 from railgrip.fmu.comparison import seconds_in_c
 from railgrip.fmu.mapping import Signal, bind
 from railgrip.fmus.build import build_class
@@ -26,8 +26,6 @@ from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.outcome import Outcome
-
-Vector = NDArray[np.float64]
 
 LIBRARY = Path(__file__).parent / "library"
 EDGES = Path(railgrip.scenario.__file__).parent / "edges"
