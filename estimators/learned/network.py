@@ -101,16 +101,16 @@ def levenberg_marquardt(
         curvature, gradient = slope.T @ slope, slope.T @ error
         while damping < LARGEST_DAMPING:
             step = np.linalg.solve(curvature + damping * np.eye(point.size), gradient)
-            tried = residuals(point - step)
-            reached = float(tried @ tried)
-            if reached < cost:
+            new_error = residuals(point - step)
+            new_cost = float(new_error @ new_error)
+            if new_cost < cost:
                 break
             damping *= 10
         else:
             return point  # no step leads down any more
-        done = cost - reached < 1e-9 * cost
-        point, error, cost, damping = point - step, tried, reached, max(damping / 10, 1e-12)
-        if done:
+        is_flat = cost - new_cost < 1e-9 * cost
+        point, error, cost, damping = point - step, new_error, new_cost, max(damping / 10, 1e-12)
+        if is_flat:
             return point
     return point
 

@@ -51,8 +51,10 @@ def plant_step(
     description = describe(file)
     binding = every_real(description)
     names = binding.inputs.elements
-    held = [inputs.get(v.partition("[")[0], float(description.variables[v].start or 0.0)) for v in names]
-    runs = (seconds_in_c(description, binding, np.array(held), period=period, count=count) for _ in range(rounds))
+    start_values = [inputs.get(v.partition("[")[0], float(description.variables[v].start or 0.0)) for v in names]
+    runs = (
+        seconds_in_c(description, binding, np.array(start_values), period=period, count=count) for _ in range(rounds)
+    )
     return min(seconds for seconds, _ in runs) / count * 1e6
 
 

@@ -47,33 +47,33 @@ class FilterCost:
 
 def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -> FilterCost:
     """Step both filters over a braked train with readings that fit it."""
-    lowered_model = lowered(f"RailBraking.FMUs.{model}")
-    prediction = CasadiPrediction(lowered_model, {v.name: v.start for v in lowered_model.parameters})
+    translation = lowered(f"RailBraking.FMUs.{model}")
+    prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
     noise_set = NOISE_SETS[noise]
     noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)
     compiled = CompiledFilter(prediction, *noises, 1e-3)
     plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
-    mean = np.array([v.start for v in lowered_model.states])
+    mean = np.array([v.start for v in translation.states])
     spread = noise_set.start_covariance(prediction.states)
     inputs = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
     readings = prediction.output(mean, inputs)
     first = compiled.start(mean, spread)
-    took: dict[str, list[float]] = {"advance": [], "step": [], "reference": []}
+    durations: dict[str, list[float]] = {"advance": [], "step": [], "reference": []}
     for _ in range(rounds):
         compiled.hold(first)
         compiled.held[:], compiled.seen[:] = inputs, readings
-        took["advance"].append(_seconds(compiled.advance, count) / count * 1e6)
+        durations["advance"].append(_seconds(compiled.advance, count) / count * 1e6)
         belief = first
         start = perf_counter()
         for _ in range(count):
             belief = compiled.step(belief, inputs, readings)
-        took["step"].append((perf_counter() - start) / count * 1e6)
+        durations["step"].append((perf_counter() - start) / count * 1e6)
         belief = first
         start = perf_counter()
         for _ in range(count // 20):
             belief = plain.step(belief, inputs, readings)
-        took["reference"].append((perf_counter() - start) / (count // 20) * 1e6)
-    return FilterCost(states=len(prediction.states), **{way: median(times) for way, times in took.items()})
+        durations["reference"].append((perf_counter() - start) / (count // 20) * 1e6)
+    return FilterCost(states=len(prediction.states), **{way: median(times) for way, times in durations.items()})
 
 
 def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
@@ -96,16 +96,16 @@ def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 20
     expected = consist.prediction.output(mean, held)
     random = np.random.default_rng(0)
     readings = expected + np.sqrt(variances) * random.standard_normal((count, variances.size))
-    took: list[float] = []
+    durations: list[float] = []
     for _ in range(rounds):
         filter_.start(mean, noise.start_covariance(consist.states))
         filter_.held[:] = held
-        begun = process_time()
+        begin = process_time()
         for reading in readings:
             filter_.seen[:] = reading
             filter_.advance()
-        took.append((process_time() - begun) / count * 1e6)
-    return median(took)
+        durations.append((process_time() - begin) / count * 1e6)
+    return median(durations)
 
 
 def _seconds(call: object, count: int) -> float:
@@ -156,12 +156,12 @@ def bare_cost(*overrides: str, rounds: int = 5) -> float:
     """Return the time of the processor per communication period of a stop of which only the distance is taken [µs]."""
     scenario = load(LIBRARY / "trapezoid.toml", overrides)
     samples = run_stop(scenario).metrics.duration / scenario.periods.communication
-    took: list[float] = []
+    durations: list[float] = []
     for _ in range(rounds):
         start = process_time()
         braking_distance(scenario)
-        took.append((process_time() - start) / samples * 1e6)
-    return median(took)
+        durations.append((process_time() - start) / samples * 1e6)
+    return median(durations)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

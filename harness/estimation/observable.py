@@ -33,7 +33,7 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Observed:
+class Information:
     """What a recording can tell.
 
     Attributes:
@@ -52,7 +52,7 @@ def observe(
     specification: Specification,
     recording: xarray.Dataset,
     progress: Callable[[int, int], None] = lambda count, of: None,
-) -> Observed:
+) -> Information:
     """Return what a recording can tell about the states, at their true values where known.
 
     Inputs that shut a gate count as zero: that is how the filter takes them, and the noise of a released load cell
@@ -77,7 +77,7 @@ def observe(
         inputs[:, gates] = np.where(inputs[:, gates] < settings.gate.threshold, 0.0, inputs[:, gates])
     scale = by_name("[observability] scale", table.scale, prediction.states)
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
-    return Observed(
+    return Information(
         points=_points(recording, prediction, states, inputs, gates, scale),
         windows=_windows(recording, prediction, states, inputs, period, noise, scale, table, progress),
     )

@@ -20,7 +20,7 @@ from railgrip.estimators.running import Running
 from railgrip.fmus.native import Model, lower
 from railgrip.trace.samples import period_of, samples
 
-SHOWN = {"v": "speed", "w": "wheelset_speed"}
+READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 """States that a reading shows as they are; where `start` leaves them out they begin at its first sample."""
 
 AT_ONCE = 10_000
@@ -38,7 +38,7 @@ class Settings:
         process: Density of the noise of each state, (unit of the state)²/s; see `per_step` for tables that
             give what one step adds.
         readings: Variance of each reading.
-        start: Mean of each state at the first sample; those in `SHOWN` may be left out.
+        start: Mean of each state at the first sample; those in `READ_STATES` may be left out.
         start_deviation: Standard deviation of each state at the first sample.
         gate: States to hold still and when, or None.
         outlier_limit: Leave out readings further off than so many standard deviations; None uses all.
@@ -131,22 +131,22 @@ def estimate(
     unit_of_name = dict(units or {})
     period = period_of(recording)
     inputs = _inputs(recording, prediction, unit_of_name, settings.between)
-    measured = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
+    signals = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
     process = by_name("process", settings.process, states)
     readings = by_name("readings", settings.readings, outputs)
     parts = (prediction, process, readings, period, settings.gate, settings.outlier_limit)
     filter_ = CompiledFilter(*parts) if compiled else ExtendedKalmanFilter(*parts)
     belief = filter_.start(
-        _start(settings.start, states, outputs, measured),
+        _start(settings.start, states, outputs, signals),
         by_name("start_deviation", settings.start_deviation, states) ** 2,
     )
     if isinstance(filter_, CompiledFilter) and not covariance:
-        result = _followed(filter_, belief, inputs, measured, progress)
+        result = _follow(filter_, belief, inputs, signals, progress)
     else:
-        result = _stepped(filter_, belief, inputs, measured, covariance, progress)
+        result = _step_through(filter_, belief, inputs, signals, covariance, progress)
     mean = result.mean
-    innovation = measured - (
-        _expected(prediction, mean, inputs, period, settings.gate) if result.expected is None else result.expected
+    innovation = signals - (
+        _expectations(prediction, mean, inputs, period, settings.gate) if result.expected is None else result.expected
     )
     ratio = nis_ratio(result.nis[: result.done], result.used[: result.done])
     variables: dict[str, tuple[tuple[str, ...], Matrix]] = {
@@ -162,7 +162,7 @@ def estimate(
         variables,
         coords={"time": recording["time"], "state": list(states), "output": list(outputs)},
         attrs={
-            "ended": _end(result, measured, recording["time"].values),
+            "ended": _end(result, signals, recording["time"].values),
             "period": period,
             "name": recording.attrs.get("name", ""),
             "nis_ratio": np.nan if ratio is None else ratio,
@@ -170,7 +170,7 @@ def estimate(
     )
 
 
-def _end(result: "_Told", readings: Matrix, time: Matrix) -> str:
+def _end(result: "_Beliefs", readings: Matrix, time: Matrix) -> str:
     """Return since when the beliefs mean nothing, in a sentence, or nothing."""
     # The first sample is the start: it was read, but no step used it.
     divergence = lost_at(
@@ -185,7 +185,7 @@ def _end(result: "_Told", readings: Matrix, time: Matrix) -> str:
 
 
 @dataclass(slots=True, kw_only=True)
-class _Told:
+class _Beliefs:
     """What a filter said of every sample, filled as it goes; NaN from where it diverged.
 
     Attributes:
@@ -209,7 +209,7 @@ class _Told:
     problem: str = ""
 
     @classmethod
-    def of(cls, first: Estimate, count: int, readings: int | None, covariance: bool) -> "_Told":
+    def of(cls, first: Estimate, count: int, readings: int | None, covariance: bool) -> "_Beliefs":
         n = first.mean.size
         result = cls(
             mean=np.full((count, n), np.nan),
@@ -231,12 +231,12 @@ class _Told:
         self.done = k + 1
 
 
-def _followed(
+def _follow(
     filter_: CompiledFilter, belief: Estimate, inputs: Matrix, readings: Matrix, progress: Callable[[int, int], None]
-) -> _Told:
+) -> _Beliefs:
     """Run a compiled filter in calls of many samples each."""
     count = len(readings)
-    result = _Told.of(belief, count, readings.shape[1], covariance=False)
+    result = _Beliefs.of(belief, count, readings.shape[1], covariance=False)
     assert result.expected is not None
     end = count
     while result.done < end:
@@ -255,17 +255,17 @@ def _followed(
     return result
 
 
-def _stepped(
+def _step_through(
     filter_: CompiledFilter | ExtendedKalmanFilter,
     belief: Estimate,
     inputs: Matrix,
     readings: Matrix,
     covariance: bool,
     progress: Callable[[int, int], None],
-) -> _Told:
+) -> _Beliefs:
     """Run a filter sample by sample."""
     count = len(readings)
-    result = _Told.of(belief, count, None, covariance)
+    result = _Beliefs.of(belief, count, None, covariance)
     running = (
         filter_
         if isinstance(filter_, CompiledFilter)
@@ -322,18 +322,20 @@ def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[
     from_readings: dict[str, float] = {}
     for state in states:
         base, bracket, index = state.partition("[")
-        reading = SHOWN.get(base, "") + bracket + index
+        reading = READ_STATES.get(base, "") + bracket + index
         if reading in outputs:
             column = readings[:, outputs.index(reading)]
             finite = np.flatnonzero(np.isfinite(column))
             if finite.size:
                 from_readings[state] = float(column[finite[0]])
     # An element that the user names goes before the reading; so does the name of its array.
-    given_states = {state for state in states if state in start or state.partition("[")[0] in start}
-    return by_name("start", {**{s: x for s, x in from_readings.items() if s not in given_states}, **start}, states)
+    start_states = {state for state in states if state in start or state.partition("[")[0] in start}
+    return by_name("start", {**{s: x for s, x in from_readings.items() if s not in start_states}, **start}, states)
 
 
-def _expected(prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period: float, gate: Gate | None) -> Matrix:
+def _expectations(
+    prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period: float, gate: Gate | None
+) -> Matrix:
     """Return what the readings were expected to be, shape (k, m), from the belief one sample before.
 
     The compiled filter does not tell; this repeats its prediction of the mean for all samples at once.
@@ -352,8 +354,8 @@ def _expected(prediction: CasadiPrediction, mean: Matrix, inputs: Matrix, period
     moving = np.ones((count, len(prediction.states)))
     if gate is not None:
         for state, gate_input in zip(gate.states, gate.inputs, strict=True):
-            closed = inputs[:, prediction.inputs.index(gate_input)] < gate.threshold
-            moving[closed, prediction.states.index(state)] = 0.0
+            is_closed = inputs[:, prediction.inputs.index(gate_input)] < gate.threshold
+            moving[is_closed, prediction.states.index(state)] = 0.0
     before = np.vstack([mean[:1], mean[:-1]])
     rates = expected.map(count)(before.T, inputs.T, np.tile(prediction.parameters[:, None], count), moving.T)
     increments = np.array(rates, dtype=np.float64).T

@@ -51,7 +51,7 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
         mu0, time = trace["mu0"].values, trace["time"].values
         colours = style.lead_to_trail(mu0.shape[1])
         for wheelsets in style.alike(list(mu0.T)):
-            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.spelled(wheelsets)}"
+            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
             panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
         style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
         panel.set_ylim(bottom=0)
@@ -171,7 +171,9 @@ def stop_figure(stop: Result) -> Figure:
     trace, metrics = stop.record.trace(), stop.record.metrics
     time = trace["time"].values
     rows = {
-        quantity: draw for quantity, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[quantity])
+        quantity: draw
+        for quantity, draw in _ROWS.items()
+        if any(_has_values(trace, name) for name in _SIGNALS[quantity])
     }
     outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
     drawing, panels = _columns(trace.sizes["group"], len(rows))
@@ -197,12 +199,14 @@ def stop_figure(stop: Result) -> Figure:
         panels[-1, group].set_xlabel("time [s]")
         panels[0, group].set_xlim(0, time[-1])
     scenario = stop.record.scenario
-    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    utilisation_text = (
+        f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    )
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     drawing.suptitle(
         f"{_title(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
-        f"{metrics.duration:.1f} s{used}{consistency}",
+        f"{metrics.duration:.1f} s{utilisation_text}{consistency}",
         x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
     )  # fmt: skip
     return drawing
@@ -226,8 +230,8 @@ def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
             rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS
         )
         panels = grid.subplots(sharex=True, sharey="row", squeeze=False)
-        for unused in panels[:, groups - band * wide :].flat:
-            unused.remove()
+        for spare in panels[:, groups - band * wide :].flat:
+            spare.remove()
         parts.append(panels[:, : groups - band * wide])
     return drawing, np.hstack(parts)
 
@@ -239,21 +243,21 @@ def _title(stop: Result) -> str:
     return f"{name}, seed {scenario['seed']}" if scenario["adhesion"]["kind"] == "random" else name
 
 
-def _shown(trace: xarray.Dataset, name: str) -> bool:
+def _has_values(trace: xarray.Dataset, name: str) -> bool:
     return name in trace and bool(np.isfinite(trace[name].values).any())
 
 
 def _draw_speed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     train = style.KMH * trace["speed"].values
     panel.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
-    if _shown(trace, "slip"):
+    if _has_values(trace, "slip"):
         wheelset = train * (1 - trace["slip"].values[:, group])
         panel.plot(time, wheelset, color=style.BLUE, linewidth=0.9, label="wheelset")
 
 
 def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     panel.plot(time, 100 * trace["slip"].values[:, group], color=style.BLUE, linewidth=0.9, label="slip")
-    if _shown(trace, "peak_slip"):
+    if _has_values(trace, "peak_slip"):
         best = 100 * trace["peak_slip"].values[:, group]
         panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
     # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
@@ -265,14 +269,14 @@ def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group
 
 def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     # A plant that does not show its brakes has no bound.
-    if _shown(trace, "peak_adhesion"):
+    if _has_values(trace, "peak_adhesion"):
         best = trace["peak_adhesion"].values[:, group]
         panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
-    _draw_true_and_believed(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
+    _draw_truth_and_estimate(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
 
 
 def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    _draw_true_and_believed(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
+    _draw_truth_and_estimate(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
     # The belief before the first brake application may be wide open; it must not squeeze what follows.
     panel.set_ylim(0.2, 0.6)
 
@@ -282,13 +286,13 @@ def _draw_pressure(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
     panel.plot(time, pressure, color=style.BLUE, linewidth=0.9, label="cylinder")
 
 
-def _draw_true_and_believed(
+def _draw_truth_and_estimate(
     panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, truth: str, belief: str, group: int
 ) -> None:
-    if _shown(trace, truth):
+    if _has_values(trace, truth):
         panel.plot(time, trace[truth].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
-    if _shown(trace, belief):
-        _believed(panel, time, trace, belief, group)
+    if _has_values(trace, belief):
+        _draw_estimate(panel, time, trace, belief, group)
 
 
 _ROWS = {
@@ -310,7 +314,7 @@ _SIGNALS = {
 }
 
 
-def _believed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
+def _draw_estimate(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
     mean = trace[name].values[:, group]
     if f"{name}_sd" in trace:
         spread = 2 * trace[f"{name}_sd"].values[:, group]

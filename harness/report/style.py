@@ -92,6 +92,6 @@ def alike(columns: Sequence[Any]) -> list[list[int]]:
     return groups
 
 
-def spelled(numbers: Sequence[int]) -> str:
+def one_based(numbers: Sequence[int]) -> str:
     """Return zero-based numbers as people count: [0, 1] → "1, 2"."""
     return ", ".join(str(number + 1) for number in numbers)

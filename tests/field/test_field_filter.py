@@ -10,7 +10,7 @@ from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.selection import prediction_seeing
-from railgrip.estimation.sources import taken_for
+from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braked, braking_of
 from railgrip.estimation.track.braking import driven as driven_of
@@ -144,7 +144,7 @@ def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path:
     other_columns = {name: column for name, column in data.columns.items() if name != "braking"}
     spec = specification().model_copy(update={"data": data.model_copy(update={"columns": other_columns})})
     pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
-    record = taken_for(spec, tmp_path / "run.csv")
+    record = recording_for(spec, tmp_path / "run.csv")
     through = with_track_force(record.recording, spec.course)
     estimates, direct = estimate_of(spec, through), estimate_of(spec, with_track_force(run, spec.course))
     # A reading in ten thousand counts as a spike, which a filter with a hundred in memory hardly feels.

@@ -95,7 +95,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
             f"course: positions over {reach:.1f} m say nothing about curvature over {low_pass.base:g} m; "
             "take a longer recording."
         )
-    at, positions = _merged(distance, np.column_stack([horizontal, height]))
+    at, positions = _means_by_metre(distance, np.column_stack([horizontal, height]))
     # The way for which each point stands: half of that to either neighbour.
     weight = np.gradient(at)
     plan, rise = ((wavelength / (2.0 * np.pi)) ** 4 for wavelength in (low_pass.plan, low_pass.height))
@@ -120,7 +120,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
     )
 
 
-def _merged(distance: Array, values: Array) -> tuple[Array, Array]:
+def _means_by_metre(distance: Array, values: Array) -> tuple[Array, Array]:
     """Return means of distance and values over each metre in which there is a sample."""
     cell = np.floor((distance - distance[0]) / GRID).astype(int)
     _, which, count = np.unique(cell, return_inverse=True, return_counts=True)

@@ -79,9 +79,9 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
 
 
 def _make(run: Pass, key: str) -> Path:
-    reduced = reduce(run.name, run.friction, readings(run))
+    own = reduce(run.name, run.friction, readings(run))
     content = BytesIO()
-    np.savez_compressed(content, **{k: v for k, v in asdict(reduced).items() if v is not None})
+    np.savez_compressed(content, **{k: v for k, v in asdict(own).items() if v is not None})
     return cache.keep(KIND, key, RUN, content.getvalue())
 
 

@@ -95,4 +95,4 @@ def slow_signals(readings: Readings) -> Array:
     """Return lateral and yaw acceleration at the slow rate in axes that point forwards, and speed, shape (m, 9)."""
     slow = SLOW(np.hstack([readings.lateral, readings.right - readings.left]))
     lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=readings.backwards)
-    return np.column_stack([lateral, yaw, SLOW.kept(readings.speed)])
+    return np.column_stack([lateral, yaw, SLOW.every(readings.speed)])

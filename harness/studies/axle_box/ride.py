@@ -32,7 +32,7 @@ from railgrip.errors import ScenarioError
 from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
-from railgrip.estimators.learned.trained import Said, Trained, load
+from railgrip.estimators.learned.trained import RunEstimates, Trained, load
 from railgrip.loop.beside import Watched, watch
 from railgrip.report.style import GREEN, dress, figure
 from railgrip.scenario.load import read_toml, validated
@@ -99,7 +99,7 @@ class RideFile(Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ridden:
+class RideResult:
     """What a ride gave.
 
     Attributes:
@@ -121,7 +121,9 @@ def read_ride(file: Path) -> RideFile:
     return validated(RideFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
-def ride_beside(ride_file: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None) -> Ridden:
+def ride_beside(
+    ride_file: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None
+) -> RideResult:
     """Run the car and the estimator side by side, sample by sample, through the protocols of the loop.
 
     Args:
@@ -156,15 +158,15 @@ def ride_beside(ride_file: RideFile, directory: Path, progress: Callable[[float]
             progress=lambda sample: progress(sample / count),
         )
     apart = None if trained is None else difference(record, said_of(trained, record, run))
-    return Ridden(trace=_trace(ride_file, record, inputs[skipped:, 16:]), apart=apart)
+    return RideResult(trace=_trace(ride_file, record, inputs[skipped:, 16:]), apart=apart)
 
 
-def said_of(trained: Trained, record: Watched, run: Pass) -> Said:
+def said_of(trained: Trained, record: Watched, run: Pass) -> RunEstimates:
     """Return what an estimator says of the readings of a ride, all at once."""
     return trained.offline(record.reading[:, : len(BOXES)], record.reading[:, len(BOXES)], backwards=run.backwards)
 
 
-def difference(record: Watched, answer: Said) -> float:
+def difference(record: Watched, answer: RunEstimates) -> float:
     """Return the largest difference in friction between the loop and an estimate of the same readings at once."""
     return float(np.max(np.abs(record.mean[answer.sample, 0] - answer.friction), initial=0.0))
 

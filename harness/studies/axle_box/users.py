@@ -92,7 +92,7 @@ def read_folder(
     runs: list[Run] = []
     remarks: list[str] = []
     for name, label in label_of.items():
-        record = _taken(folder / name, columns)
+        record = _recording(folder / name, columns)
         flags: list[Flag] = []
         runs.append(reduce(name, label.friction, _readings(name, record, columns, label, flags)))
         remarks += [f"{name}: {sentence}" for sentence in (*record.recording.attrs["flags"], *summary(flags))]
@@ -123,7 +123,7 @@ def read_labels(file: Path) -> dict[str, Label]:
     return out
 
 
-def _taken(file: Path, table: DataTable) -> Taken:
+def _recording(file: Path, table: DataTable) -> Taken:
     if abs(table.period / PERIOD - 1) > 1e-6:
         raise EstimationError(
             f"[data] period is {1e6 * table.period:g} us; write '{1e6 * PERIOD:g} us', {SLOW.rate} samples a second: "

@@ -54,7 +54,7 @@ class Search:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Optimum:
     """Where a search ended.
 
     Attributes:
@@ -75,7 +75,7 @@ def tune(
     search: Search,
     checkpoint: Path,
     tell: Callable[[int, float], None] = lambda generation, best: None,
-) -> Found:
+) -> Optimum:
     """Return the noises that minimise an objective over brakings.
 
     Args:
@@ -103,7 +103,7 @@ def tune(
 
     limits = [BOUNDS.get(name, BOUNDS[name.rstrip("1234")]) for name in NAMES]
     identity = _identity(kind, tasks, search)
-    population, history = _resumed(checkpoint, identity) or (_first(search, limits), [])
+    population, history = _from_checkpoint(checkpoint, identity) or (_first(search, limits), [])
     filter_of(model, period)  # compiled once, before the threads would do it at the same time
     best, lowest = Noise.of(population[0]), history[-1] if history else np.inf
     with ThreadPoolExecutor(search.workers) as pool:
@@ -138,7 +138,7 @@ def tune(
                 np.savez(file, population=population, history=np.array(history), identity=np.array(identity))
             if len(history) == before:
                 break
-    return Found(best, lowest, tuple(history))
+    return Optimum(best, lowest, tuple(history))
 
 
 def _first(search: Search, limits: Sequence[tuple[float, float]]) -> Array:
@@ -158,7 +158,7 @@ def _identity(kind: Kind, tasks: Sequence[Task], search: Search) -> str:
     return digest.hexdigest()
 
 
-def _resumed(checkpoint: Path, identity: str) -> tuple[Array, list[float]] | None:
+def _from_checkpoint(checkpoint: Path, identity: str) -> tuple[Array, list[float]] | None:
     """Return population and history of a search that was begun, or None."""
     if not checkpoint.exists():
         return None

@@ -191,8 +191,8 @@ def subset_sample(
         for _ in range(_CHAIN - 1):
             candidate = _CORRELATION * x + sqrt(1 - _CORRELATION**2) * random.standard_normal(x.shape)
             g_candidate = performance(candidate)
-            accepted = g_candidate <= threshold
-            x, y = np.where(accepted[:, None], candidate, x), np.where(accepted, g_candidate, y)
+            is_accepted = g_candidate <= threshold
+            x, y = np.where(is_accepted[:, None], candidate, x), np.where(is_accepted, g_candidate, y)
             states.append(x)
             performances.append(y)
         u, g = np.concatenate(states), np.concatenate(performances)

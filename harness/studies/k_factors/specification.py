@@ -150,8 +150,8 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[Speci
     path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
     table = merged(read_toml(path), read_overrides(overrides))
     specification = validated(Specification, table, directory=path.parent, origin=path.name)
-    named_file = Path(specification.scenario)
-    scenario = load(path.parent / named_file if named_file.suffix else named_file)
+    file = Path(specification.scenario)
+    scenario = load(path.parent / file if file.suffix else file)
     if specification.speed_steps and specification.speed_steps[-1] >= scenario.start.speed:
         raise ScenarioError(
             f"{path.name}: speed_steps end at {specification.speed_steps[-1]:g} m/s; they must stay below [start] "

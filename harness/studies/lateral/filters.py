@@ -83,7 +83,7 @@ class Party:
     filter: CompiledFilter
     observer: Observer
 
-    def told(self, condition: Condition) -> None:
+    def change_condition(self, condition: Condition) -> None:
         """Tell the filter of a change of the rail, if it is one that is told."""
         if self.name == "literal":
             self.filter.change_process_noise(literal_density(condition, self.filter.design.period))

@@ -144,13 +144,13 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
         "levels": {name: _levels(trace, about["mu0"]) for name, about in beliefs.items() if "mu0" in about},
         "observability": _observability(trace) if observe else None,
         "constant": {name: float(np.std(trace.truth[name])) for name in QUANTITIES},
-        "lost": {name: _lost(trace, belief) for name, belief in trace.beliefs.items()},
+        "lost": {name: _loss(trace, belief) for name, belief in trace.beliefs.items()},
         "nis": {name: _nis(belief) for name, belief in trace.beliefs.items()},
         "wall": trace.wall,
     }
 
 
-def _lost(trace: Trace, belief: Beliefs) -> float | None:
+def _loss(trace: Trace, belief: Beliefs) -> float | None:
     row = lost_at(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
     instants = [] if row is None else [float(trace.time[row])]
     if belief.diverged:

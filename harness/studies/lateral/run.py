@@ -96,7 +96,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         begin = time.perf_counter()
         for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
             for one in parties:
-                one.told(condition)
+                one.change_condition(condition)
             records.append(
                 run(
                     plant,
@@ -134,12 +134,12 @@ def _trace(case: Case, realisation: Course, records: Sequence[Record], names: Se
         condition=np.concatenate([np.full(len(r.sample), n) for r, n in zip(records, numbers, strict=True)]),
         track=inputs[:, 0],
         changes=tuple(first * PERIOD for first, _ in realisation.segments),
-        beliefs={name: _joined(records, name) for name in names},
+        beliefs={name: _join(records, name) for name in names},
         wall=wall,
     )
 
 
-def _joined(records: Sequence[Record], name: str) -> Beliefs:
+def _join(records: Sequence[Record], name: str) -> Beliefs:
     """Return the beliefs of all stretches in a row; NaN where the filter no longer ran."""
     beliefs = [record.beliefs[name] for record in records if name in record.beliefs]
     n = beliefs[0].mean.shape[1]

@@ -88,9 +88,9 @@ def evidence_of(
     pressure = samples(recording, names, ["Pa"] * GROUPS)
     readings = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
     at = prediction.outputs.index
-    speed = _filled(readings[:, at("speed")], "speed")
+    speed = _without_gaps(readings[:, at("speed")], "speed")
     wheels = np.stack(
-        [_filled(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1
+        [_without_gaps(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1
     )
     moving = np.flatnonzero(speed < _SLOWEST)
     count = int(moving[0]) if moving.size else speed.size
@@ -118,7 +118,7 @@ def evidence_of(
     locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
     for g in range(GROUPS):
         readings[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
-    mean, covariance = _filtered(
+    mean, covariance = _run_filter(
         filter_, prediction.states, inputs, readings, locked, wheels[0], float(speed[0]), count
     )
     # The prior is taken out, so that stops can be put together without counting it once each.
@@ -130,7 +130,7 @@ def evidence_of(
                        + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
     offset = pressure_spread(
         pad_friction=health / NOMINAL,
-        pressure=np.array([_applied(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
+        pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
         offset=PRESSURE_OFFSET,
         A_piston=values["A_piston"],
         F_spring=values["F_spring"],
@@ -143,10 +143,10 @@ def evidence_of(
     )
 
 
-def _applied(pressure: Vector, force: Vector) -> float:
+def _braking_pressure(pressure: Vector, force: Vector) -> float:
     """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
-    applied = pressure[force > _PRESSED]
-    return float(np.median(applied)) if applied.size else float("inf")
+    under_pads = pressure[force > _PRESSED]
+    return float(np.median(under_pads)) if under_pads.size else float("inf")
 
 
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
@@ -175,7 +175,7 @@ def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[C
     return prediction, CompiledFilter(prediction, *noises, period)
 
 
-def _filtered(
+def _run_filter(
     filter_: CompiledFilter,
     states: tuple[str, ...],
     inputs: Matrix,
@@ -245,7 +245,7 @@ def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> floa
     return -float(np.nanmean(acceleration)) - (air + rolling) / mass
 
 
-def _filled(values: Vector, name: str) -> Vector:
+def _without_gaps(values: Vector, name: str) -> Vector:
     finite = np.flatnonzero(np.isfinite(values))
     if finite.size < 2:
         raise EstimationError(f"recording: {name} has no samples.")
