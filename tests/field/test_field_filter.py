@@ -9,7 +9,7 @@ import pytest
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.selection import prediction_seeing
+from railgrip.estimation.run import prediction_of
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braked, braking_of
@@ -213,7 +213,7 @@ def test_the_committed_noises_say_how_they_were_found(name: str):
 
 def test_an_output_that_is_not_there_is_refused():
     with pytest.raises(EstimationError, match="TrainPredictionReduced has no output yaw; it has speed"):
-        prediction_seeing("TrainPredictionReduced", ("speed", "yaw"))
+        prediction_of("TrainPredictionReduced", outputs=("speed", "yaw"))
 
 
 def test_a_run_without_braking_or_position_is_refused(run):
