@@ -86,10 +86,7 @@ def fit(
         features: Shape (n, features).
         friction: Labels, shape (n,).
         run: Number of the run each sample belongs to, shape (n,): samples of one run are never split.
-        generator: Draws runs and starts.
         slope: Of the creep curve, shape (n,), where it is known; asks for two stages.
-        decay: Weight of the squared weights, see `network.train`.
-        confidence: Of the interval.
 
     Raises:
         EstimatorError: There are too few runs or networks for an interval.

@@ -54,9 +54,7 @@ def train(
     Args:
         x: Inputs, scaled to about [−1, 1], shape (n, inputs).
         y: Friction, shape (n,).
-        hidden: Neurons.
         bias: Where the output bias stands.
-        generator: Draws the start.
         decay: Weight of the squared weights against the mean squared error; 0 fits the data alone.
         steps: Of Levenberg-Marquardt, after which training stops, converged or not.
     """

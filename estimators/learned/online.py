@@ -114,7 +114,6 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     Args:
         chain: Must start at the first sample; the mean of the first second is not causal.
         networks: Their mean is the estimate; one is as good as in the paper.
-        combination: Of motions, see `channels`.
     """
     if chain.start != "first sample":
         raise ValueError("online, the high-pass can start at the first sample only.")

@@ -53,7 +53,6 @@ class Trained(Protocol):
         Args:
             boxes: Accelerations as `online.BOXES` orders them, at `rate`, m/s², shape (n, 12), in axes of the car.
             speed: m/s, shape (n,).
-            backwards: Whether the fourth wheelset leads.
         """
         ...
 

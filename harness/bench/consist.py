@@ -46,7 +46,6 @@ def plant_step(
         inputs: Values of inputs by name, for arrays of all elements; those not named stay at their start values.
         period: Communication step [s].
         count: Steps of one run.
-        rounds: Runs.
     """
     description = describe(file)
     binding = every_real(description)

@@ -45,7 +45,6 @@ def estimation_cost(cases: int = 5, rounds: int = 9) -> EstimationCost:
 
     Args:
         cases: Brakings of an evaluation; copies of the one, which is of their mean length.
-        rounds: Whose median counts.
     """
     run = run_case(field_test()[TEST], TEST)
     spec, model = specification(), prediction()

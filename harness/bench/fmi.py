@@ -52,7 +52,6 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
         file: A co-simulation FMU; its Real inputs are held at their start values.
         period: Communication step [s].
         count: Steps of one run.
-        rounds: Runs of each way.
 
     Raises:
         AssertionError: Two ways disagree on the outputs; then their times mean nothing.

@@ -17,6 +17,7 @@ from railgrip.assemble.files import lowered
 from railgrip.assemble.prediction import consist_of, start_of
 from railgrip.cache import VARIABLE
 from railgrip.engine import Engine
+from railgrip.estimators.belief import Estimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -36,13 +37,13 @@ class FilterCost:
         states: Of the model.
         advance: Compiled, in place, as the loop uses it.
         step: Compiled, on values.
-        reference: The filter in numpy.
+        reference: The filter in numpy; NaN where it was not stepped.
     """
 
     states: int
     advance: float
     step: float
-    reference: float
+    reference: float = float("nan")
 
 
 def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -> FilterCost:
@@ -58,22 +59,36 @@ def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -
     inputs = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
     readings = prediction.output(mean, inputs)
     first = compiled.start(mean, spread)
-    durations: dict[str, list[float]] = {"advance": [], "step": [], "reference": []}
+    advance, step = step_times(compiled, first, inputs, readings, count, rounds)
+    reference: list[float] = []
     for _ in range(rounds):
-        compiled.hold(first)
-        compiled.held[:], compiled.seen[:] = inputs, readings
-        durations["advance"].append(_seconds(compiled.advance, count) / count * 1e6)
-        belief = first
-        start = perf_counter()
-        for _ in range(count):
-            belief = compiled.step(belief, inputs, readings)
-        durations["step"].append((perf_counter() - start) / count * 1e6)
         belief = first
         start = perf_counter()
         for _ in range(count // 20):
             belief = plain.step(belief, inputs, readings)
-        durations["reference"].append((perf_counter() - start) / (count // 20) * 1e6)
-    return FilterCost(states=len(prediction.states), **{way: median(times) for way, times in durations.items()})
+        reference.append((perf_counter() - start) / (count // 20) * 1e6)
+    return FilterCost(states=len(prediction.states), advance=advance, step=step, reference=median(reference))
+
+
+def step_times(
+    filter_: CompiledFilter, first: Estimate, inputs: Vector, readings: Vector, count: int, rounds: int
+) -> tuple[float, float]:
+    """Return the medians over rounds of a compiled filter's step in place and on values [µs]."""
+    advance: list[float] = []
+    step: list[float] = []
+    for _ in range(rounds):
+        filter_.hold(first)
+        filter_.held[:], filter_.seen[:] = inputs, readings
+        start = perf_counter()
+        for _ in range(count):
+            filter_.advance()
+        advance.append((perf_counter() - start) / count * 1e6)
+        belief = first
+        start = perf_counter()
+        for _ in range(count):
+            belief = filter_.step(belief, inputs, readings)
+        step.append((perf_counter() - start) / count * 1e6)
+    return median(advance), median(step)
 
 
 def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
@@ -106,14 +121,6 @@ def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 20
             filter_.advance()
         durations.append((process_time() - begin) / count * 1e6)
     return median(durations)
-
-
-def _seconds(call: object, count: int) -> float:
-    assert callable(call)
-    start = perf_counter()
-    for _ in range(count):
-        call()
-    return perf_counter() - start
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -51,9 +51,7 @@ def judge(
     """Return how far an estimate was from the truth and from its own claim.
 
     Args:
-        recording: With the truth.
         estimates: Of `estimate`, from that recording.
-        state: Name.
         where: Samples to judge; all after the first when None.
 
     Raises:

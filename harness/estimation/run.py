@@ -118,7 +118,6 @@ def estimate(
 
     Args:
         recording: A trace whose readings are the prediction's inputs and outputs; its truth is not touched.
-        prediction: The model.
         settings: Noises, start and gate.
         units: Of inputs and outputs, which the recording's are converted to where given.
 

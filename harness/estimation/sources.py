@@ -20,7 +20,6 @@ def recording_of_estimation(
     """Return what an estimation's filter is given.
 
     Args:
-        specification: The estimation.
         data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
         scenario: Another one than [source] says.
         seed: Likewise.

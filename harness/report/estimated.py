@@ -40,8 +40,6 @@ def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequ
     Args:
         recording: What the filter was given.
         estimates: What it believes, see `railgrip.estimation.run.estimate`.
-        inputs: Of its model.
-        path: Of the figure.
     """
     states = _families([str(state) for state in estimates["state"].values])
     families = _families(inputs)

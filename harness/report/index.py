@@ -41,7 +41,6 @@ def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = l
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
         panels: Of which stops of a campaign to draw the panels: all, those with adhesion-based control, none. Without
             them, the adhesion of ABC beside SBC is not drawn either.
-        tell: Called with what is being drawn.
 
     Raises:
         RecordError: The folder has neither, or a result is unreadable.

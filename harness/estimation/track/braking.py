@@ -61,9 +61,6 @@ def braking_of(
             the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and what `driven` and `braked` want.
         mass: Of the train [kg].
         origin: Of the local frame, the middle of the track when None.
-        curve_law: Of the curve resistance.
-        low_pass: Of the course.
-        trust: In the sensors of motion.
 
     Raises:
         EstimationError: A reading is missing, or nobody braked, or the train was still being driven then.

@@ -84,7 +84,6 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
         distance: Travelled, never falling, shape (k,) [m].
         horizontal: North and east there, shape (k, 2) [m].
         height: There, shape (k,) [m].
-        low_pass: How far to smooth.
 
     Raises:
         EstimationError: The positions span less than the base of the differences and five metres.

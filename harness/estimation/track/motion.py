@@ -82,8 +82,6 @@ def motion_of(
         accelerations: Of all accelerometers along the vehicle, shape (k, sensors) [m/s2].
         horizontal: North and east by GNSS, NaN where there was none, shape (k, 2) [m].
         height: By GNSS, likewise, shape (k,) [m].
-        trust: In each.
-        low_pass: Of the course.
 
     Raises:
         EstimationError: The train hardly moved.

@@ -183,9 +183,7 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
     """Judge the estimator for all speeds on runs it has not seen; one estimate every 20 m.
 
     Args:
-        ensemble: The estimator.
         mean_label: Of what it was trained on.
-        runs: New ones.
         rule: For each run, the mean label of training on rails as dry, or as little dry, as its own.
     """
     estimates, truth, recipes = [], [], []

@@ -58,7 +58,6 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
     """Return the reduced runs of passes, simulating those that are not in the user's cache.
 
     Args:
-        pool: Simulates, see `workers`.
         tell: Told the name of every run as it is there.
     """
     plan = list(passes)

@@ -30,9 +30,6 @@ def judge_own(
     Args:
         runs: Of all speeds.
         recipe: Of the networks of the paper's kind, one for each speed class.
-        workers: Processes.
-        members: Networks of the estimator for all speeds.
-        remarks: What was mended in the recordings.
         tell: Told each piece that is done; `own_pieces` says how often.
 
     Raises:

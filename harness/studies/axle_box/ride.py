@@ -127,7 +127,6 @@ def ride_beside(
     """Run the car and the estimator side by side, sample by sample, through the protocols of the loop.
 
     Args:
-        ride_file: What to run.
         directory: Where the file of the estimator is, if not in the working directory.
         progress: Told the share that is done.
 

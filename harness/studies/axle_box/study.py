@@ -114,7 +114,6 @@ def study(
 
     Args:
         inputs: Of the paper's networks, key of `channels.COMBINATIONS`.
-        workers: Processes.
         tell: Told each run that is there and each piece that is judged; `pieces` says how often.
     """
     plan = passes(size)
@@ -127,14 +126,7 @@ def study(
 def concluded(
     size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
 ) -> Study:
-    """Train and judge.
-
-    Args:
-        runs_of_part: Runs by set, see `passes`.
-        recipe: Of the paper's networks.
-        pool: Where that is done.
-        tell: Told each piece that is judged.
-    """
+    """Train and judge."""
     few = replace(recipe, starts=size.honest_starts)
     by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
     away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}

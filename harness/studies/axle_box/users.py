@@ -80,8 +80,6 @@ def read_folder(
     """Return the labelled runs of a folder.
 
     Args:
-        folder: Of the recordings.
-        labels: Table of labels.
         table: Column map; `plain_table` unless given.
         tell: Told the name of every file as it has been read.
 

@@ -83,9 +83,7 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     """Return the beliefs over a braking with given noises.
 
     Args:
-        task: The braking.
         filter_: Of `filter_of`; used by this call alone.
-        noise: For this run.
         start_scale: Factor on the covariance at the start.
 
     Raises:

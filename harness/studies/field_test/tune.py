@@ -81,8 +81,6 @@ def tune(
     Args:
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
         tasks: Brakings, all of one period.
-        model: Of the filter.
-        search: How long.
         checkpoint: File (`.npz`) where the search is kept after every stage, and found again.
         tell: Called after every generation with its number and the best value so far.
 

@@ -45,7 +45,6 @@ def states_of(
     Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
 
     Args:
-        units: Of each group.
         isolated: Probability that a unit is.
         stuck: Probability that the valve of a group is.
         neglect: Most that the others may have together.

@@ -104,7 +104,6 @@ def party(
     """Return a filter at its start.
 
     Args:
-        name: Which one.
         first: Condition at the start; only the literal filter is told.
         irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
         period: Of its steps [s].

@@ -131,7 +131,6 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
     nis[filter]: median over the expected one, null if it never read.
 
     Args:
-        trace: The run.
         observe: Ask for observability too, which takes longer than all the rest.
     """
     beliefs = {name: beliefs_about(trace, name) for name in trace.beliefs}

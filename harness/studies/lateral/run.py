@@ -79,10 +79,6 @@ class Trace:
 def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     """Run the plant with filters beside it.
 
-    Args:
-        case: What decides the run.
-        names: Of the filters.
-
     Raises:
         railgrip.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """

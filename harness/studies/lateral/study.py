@@ -75,9 +75,7 @@ def conduct(
     """Return the results of all runs of a plan, in its order; those found in `directory`/runs are not run again.
 
     Args:
-        plan: What to run.
         directory: Where results are kept.
-        workers: Processes.
         tell: Told of every finished run, and whether it had been found.
     """
     cache = directory / "runs"

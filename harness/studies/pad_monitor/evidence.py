@@ -188,14 +188,11 @@ def _run_filter(
     """Return mean (4,) and covariance (4, 4) of reduced pad friction after `count` samples.
 
     Args:
-        filter_: To run.
-        states: Of its model.
         inputs: Inputs at every sample, shape (k, nu).
         readings: Readings, shape (k, m); none of a wheelset while it is locked.
         locked: Which are, shape (k, 4).
         wheels: Wheelset speeds at the first sample [rad/s], shape (4,).
         speed: Of the train then [m/s].
-        count: Samples to take.
     """
     place = [states.index(f"mu_b[{g + 1}]") for g in range(GROUPS)]
     mean, deviation = np.zeros(len(states)), np.array([_START.get(n.partition("[")[0], PRIOR) for n in states])

@@ -227,8 +227,6 @@ def _follow(
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
         own: Deviation of each group from stop to stop beside that, shape (4,).
-        alarms: Of these stops.
-        design: For drift and scatter.
     """
     mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
     shift = np.zeros((GROUPS, GROUPS))

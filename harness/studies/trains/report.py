@@ -56,13 +56,9 @@ def write_report(
     """Write trains.json, sanders.json, figures and index.html into a folder; return the page.
 
     Args:
-        stops: Of the named trains.
         series: Of trains of one, two, four … equal cars.
         protected: What the stop with estimator and valves costs.
-        trial: Of sanders.
         density: Of sand, fitted [kg/m].
-        comparisons: Of the distances of the trial.
-        directory: The folder.
     """
     real_time = [
         {
