@@ -68,8 +68,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     rail and speed, before the operator's limit, which is a line of its own.
     """
     slide, seek = sbc.record.trace(), abc.record.trace()
-    drawing = style.figure(10, 4.8)
-    panel = drawing.subplots()
+    drawing, panel = style.panels(10, 4.8)
     time = seek["time"].values
     panel.plot(
         slide["time"].values, slide["adhesion"].values[:, 0], color=style.BLUE, linewidth=0.9, label="SBC, two-state"
@@ -97,7 +96,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     )
     panel.set_xlim(0, None)
     panel.set_ylim(0, None)
-    panel.legend(ncols=5, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), frameon=False)
+    style.legend(panel, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.12))
     return drawing
 
 
@@ -144,7 +143,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
-    panels[0].legend(ncols=4, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
+    style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.08))
     return drawing
 
 
@@ -193,7 +192,7 @@ def stop_figure(stop: Result) -> Figure:
             top = max(panel.get_ylim()[1] for panel in row)
             for panel in row:
                 panel.set_ylim(0, top)
-        row[_wide(len(row)) - 1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+        style.legend(row[_wide(len(row)) - 1], loc="center left", bbox_to_anchor=(1.0, 0.5))
     for group in range(trace.sizes["group"]):
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
         panels[-1, group].set_xlabel("time [s]")
@@ -318,5 +317,5 @@ def _draw_estimate(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, n
     mean = trace[name].values[:, group]
     if f"{name}_sd" in trace:
         spread = 2 * trace[f"{name}_sd"].values[:, group]
-        panel.fill_between(time, mean - spread, mean + spread, color=style.ORANGE, alpha=0.3, linewidth=0, label="±2σ")
+        style.band(panel, time, mean - spread, mean + spread, style.ORANGE, 0.3, label="±2σ")
     panel.plot(time, mean, color=style.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")

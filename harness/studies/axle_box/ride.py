@@ -34,7 +34,7 @@ from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import RunEstimates, Trained, load
 from railgrip.loop.beside import Watched, watch
-from railgrip.report.style import GREEN, dress, figure
+from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
 from railgrip.studies.axle_box.accelerometer import RATE
@@ -177,8 +177,7 @@ def _require_rate(file: Path, rate: int) -> None:
 
 def ride_figure(trace: xarray.Dataset) -> Figure:
     """Return friction over the distance: the truth under the car, the estimate and its 90 % interval."""
-    sheet = figure(8.0, 3.0)
-    axes = sheet.subplots()
+    sheet, axes = panels(8.0, 3.0)
     every = trace.isel(time=slice(RATE // 10, None, RATE // 10))
     distance = np.cumsum(trace["speed"].values)[RATE // 10 :: RATE // 10] / RATE
     friction, half = every["friction"].values, QUANTILE * every["friction_sd"].values
@@ -186,7 +185,7 @@ def ride_figure(trace: xarray.Dataset) -> Figure:
     axes.plot(distance, friction, color=GREEN, linewidth=1.2, label="estimate")
     if np.isfinite(half).any():
         low, high = np.maximum(friction - half, 0), np.minimum(friction + half, 1)
-        axes.fill_between(distance, low, high, color=GREEN, alpha=0.2, linewidth=0, label="90 % interval")
+        band(axes, distance, low, high, GREEN, 0.2, label="90 % interval")
     axes.set_ylim(0, 0.6)
     axes.set_xlim(0, None)
     axes.legend(fontsize=8, ncols=3, loc="upper right")

@@ -12,7 +12,7 @@ from railgrip.assemble.files import plant_description
 from railgrip.assemble.parties import versions
 from railgrip.atomic import write_text
 from railgrip.report.page import write_page
-from railgrip.report.style import dress, figure, lead_to_trail, save
+from railgrip.report.style import band, dress, figure, lead_to_trail, legend, save
 from railgrip.report.table import Table
 from railgrip.sources import sources_digest
 from railgrip.studies.k_factors.rare import estimates, pooled
@@ -137,7 +137,7 @@ def draw(study: Study) -> Figure:
     spread = np.array([[one.value - one.low, one.high - one.value] for one in stop]).T
     left.errorbar([one.value for one in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3)
     dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
-    left.legend(fontsize=8, frameon=False)
+    legend(left)
     runs = result.runs[-1]
     counts = np.arange(2, len(runs) + 1)
     courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _LEVELS], result.neglected) for n in counts]
@@ -146,7 +146,7 @@ def draw(study: Study) -> Figure:
         k, low, high = (np.array([getattr(one[number], of) for one in courses]) for of in ("value", "low", "high"))
         draws = counts * len(runs[0].values) / 1e3
         right.plot(draws, k, color=colours[-1], lw=1.2)
-        right.fill_between(draws, low, high, color=colours[-1], alpha=0.25, lw=0)
+        band(right, draws, low, high, colours[-1], 0.25)
         right.set_ylim(k[-1] - _HALF_HEIGHT, k[-1] + _HALF_HEIGHT)
         title = "" if number else f"Estimate and 95 % interval, {brake.outputs[-1]}"
         dress(right, x="thousand draws" if level == _LEVELS[-1] else "", y=f"K, EBCL {level}", title=title)
