@@ -167,17 +167,17 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     table = merged(merged(read_toml(LIBRARY / "dry.toml"), service), read_toml(LIBRARY / "protected.toml"))
     table["periods"]["estimator"] = estimator_period
     scenario = scenario_of(table, directory=Path(), origin="protected.toml")
-    took: list[float] = []
+    times: list[float] = []
     simulated = 0.0
     for _ in range(_ROUNDS):
         with assembled(scenario) as parts:
             begin = process_time()
-            ended = compiled_cycle.run(controller=parts.controller, progress=None, **parts.parties)
-            took.append(process_time() - begin)
-        if ended.outcome is not Outcome.STANDSTILL:
-            raise ScenarioError(f"{scenario.name}: ended with {ended.outcome.value}: {ended.reason}")
-        simulated = ended.samples * scenario.periods.communication
-    return ProtectedStop(estimator_period=estimator_period, simulated=simulated, processor=min(took))
+            result = compiled_cycle.run(controller=parts.controller, progress=None, **parts.parties)
+            times.append(process_time() - begin)
+        if result.outcome is not Outcome.STANDSTILL:
+            raise ScenarioError(f"{scenario.name}: ended with {result.outcome.value}: {result.reason}")
+        simulated = result.samples * scenario.periods.communication
+    return ProtectedStop(estimator_period=estimator_period, simulated=simulated, processor=min(times))
 
 
 def _step_cost(scenario: Scenario) -> float:
