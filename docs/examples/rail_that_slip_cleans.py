@@ -23,33 +23,33 @@ STRIDE = 0.05  # m
 
 
 def adhesion_over_slip(
-    formation: Formation, contact: Contact, laid: Polach, mu0: float, slips: np.ndarray, speed: float, clean: Recovery
+    formation: Formation, contact: Contact, curve: Polach, mu0: float, slips: np.ndarray, speed: float, clean: Recovery
 ) -> np.ndarray:
     """Return the adhesion of each wheelset once all of them have slid far enough with a slip, (slips, wheelsets)."""
     layout, count = layout_of(formation), formation.wheelsets
     profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
     way = formation.wheelset_position[-1] + 1.0
-    found = np.empty((slips.size, count))
-    for slip, row in zip(slips, found, strict=True):
-        rail = TabulatedRail(layout, profile, track_force_of(Track()), Field(formation, clean, laid, way))
-        shown = np.zeros(layout.outputs)
-        shown[layout.output["speed"]], shown[layout.output["slip"]] = speed, slip
-        shown[layout.output["wheelset_load"]] = LOAD
+    alpha = np.empty((slips.size, count))
+    for slip, row in zip(slips, alpha, strict=True):
+        rail = TabulatedRail(layout, profile, track_force_of(Track()), Field(formation, clean, curve, way))
+        plant_outputs = np.zeros(layout.outputs)
+        plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = speed, slip
+        plant_outputs[layout.output["wheelset_load"]] = LOAD
         for place in np.arange(round(way / STRIDE)) * STRIDE:
             row[:] = contact(np.full(count, slip), np.full(count, speed), np.full(count, LOAD), rail.mu0)
-            shown[layout.output["distance"]], shown[layout.output["adhesion"]] = place, row
-            rail.roll(0.0, shown)
-    return found
+            plant_outputs[layout.output["distance"]], plant_outputs[layout.output["adhesion"]] = place, row
+            rail.roll(0.0, plant_outputs)
+    return alpha
 
 
 def curves(name: str, mu0: float, slips: np.ndarray, speed: float = 80 / 3.6) -> tuple[np.ndarray, np.ndarray]:
     """Return adhesion on a rail that stays as it lies, (slips,), and where slip cleans it, (slips, wheelsets)."""
     scenario = load(Path("plain"), [f"adhesion.polach={name}"])
     vehicle = VehicleData(scenario)
-    contact, laid = vehicle.contact, scenario.adhesion.polach
+    contact, curve = vehicle.contact, scenario.adhesion.polach
     same = np.ones(slips.size)
     as_it_lies = contact(slips, speed * same, LOAD * same, mu0 * same)
-    cleaned = adhesion_over_slip(vehicle.formation, contact, laid, mu0, slips, speed, CLEAN)
+    cleaned = adhesion_over_slip(vehicle.formation, contact, curve, mu0, slips, speed, CLEAN)
     return as_it_lies, cleaned
 
 

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import butter, sosfilt
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +32,8 @@ class AntiAlias:
 
     def __call__(self, raw: Array) -> Array:
         """Return the slow signal, shape (n // keep, channels), relative to the first sample."""
-        return self.kept(np.asarray(sosfilt(self.sections, raw - raw[0], axis=0), dtype=np.float64))
+        return self.every(np.asarray(sosfilt(self.sections, raw - raw[0], axis=0), dtype=np.float64))
 
-    def kept(self, raw: Array) -> Array:
+    def every(self, raw: Array) -> Array:
         """Return the samples that are kept, as they are, shape (n // keep, …)."""
         return np.asarray(raw[self.keep - 1 :: self.keep], dtype=np.float64)

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
+
 Motion = Literal["longitudinal", "lateral", "yaw", "left", "right"]
 
 COMBINATIONS: Final[Mapping[str, tuple[Motion, ...]]] = {

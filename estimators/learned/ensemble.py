@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.network import Network, train
-
-Array = NDArray[np.float64]
 
 LEAST_SPREAD: Final = 0.03
 """Friction added to the disagreement: networks that agree know no more than the spread of friction at one slope."""
@@ -55,7 +54,7 @@ class Ensemble:
     second: tuple[Network, ...]
     half_width: float
 
-    def scaled(self, features: Array) -> Array:
+    def standardise(self, features: Array) -> Array:
         """Return standardised features, clipped to ±4 standard deviations: nothing is known beyond."""
         return np.clip((features - self.centre) / self.spread, -4, 4) / 2
 
@@ -68,7 +67,7 @@ class Ensemble:
 
     def __call__(self, features: Array) -> Estimates:
         """Return estimates for features of shape (n, features)."""
-        first = np.stack([network(self.scaled(features)) for network in self.networks])
+        first = np.stack([network(self.standardise(features)) for network in self.networks])
         friction = self.friction_of(first.mean(axis=0))
         half = self.half_width * np.sqrt(self.friction_of(first).var(axis=0) + LEAST_SPREAD**2)
         return Estimates(
@@ -87,48 +86,45 @@ def fit(
         features: Shape (n, features).
         friction: Labels, shape (n,).
         run: Number of the run each sample belongs to, shape (n,): samples of one run are never split.
-        generator: Draws runs and starts.
         slope: Of the creep curve, shape (n,), where it is known; asks for two stages.
-        decay: Weight of the squared weights, see `network.train`.
-        confidence: Of the interval.
 
     Raises:
         EstimatorError: There are too few runs or networks for an interval.
     """
     centre, spread = features.mean(axis=0), features.std(axis=0) + 1e-12
-    made = Ensemble(centre=centre, spread=spread, networks=(), second=(), half_width=0.0)
-    x, runs, target = made.scaled(features), np.unique(run), friction if slope is None else slope
+    ensemble = Ensemble(centre=centre, spread=spread, networks=(), second=(), half_width=0.0)
+    x, runs, target = ensemble.standardise(features), np.unique(run), friction if slope is None else slope
     networks: list[Network] = []
-    said = np.full((members, len(friction)), np.nan)
+    opinions = np.full((members, len(friction)), np.nan)
     for k, draw in enumerate(generator.spawn(members)):
-        drawn = draw.choice(runs, runs.size)
-        rows = np.concatenate([np.flatnonzero(run == one) for one in drawn])
+        resample = draw.choice(runs, runs.size)
+        rows = np.concatenate([np.flatnonzero(run == one) for one in resample])
         network = train(x[rows], target[rows], hidden=hidden, bias="inside", generator=draw, decay=decay, steps=steps)
         networks.append(network)
-        out = ~np.isin(run, drawn)
-        said[k, out] = network(x[out])
-    made = replace(made, networks=tuple(networks))
+        out = ~np.isin(run, resample)
+        opinions[k, out] = network(x[out])
+    ensemble = replace(ensemble, networks=tuple(networks))
     # Only what networks say of runs they have not seen is like what they will say of new ones.
-    judged = (~np.isnan(said)).sum(axis=0) >= FEWEST_OPINIONS
-    if not judged.any():
+    countable = (~np.isnan(opinions)).sum(axis=0) >= FEWEST_OPINIONS
+    if not countable.any():
         raise EstimatorError(
             f"an interval wants a run that {FEWEST_OPINIONS} of the {members} networks have not seen, and none of the "
             f"{runs.size} runs is one; train on more runs or more networks."
         )
-    mean = np.nanmean(said[:, judged], axis=0)
+    mean = np.nanmean(opinions[:, countable], axis=0)
     if slope is not None:
         inner = ((mean - SLOPE_CENTRE) / SLOPE_HALF)[:, None]
-        made = replace(
-            made,
+        ensemble = replace(
+            ensemble,
             second=tuple(
-                train(inner, friction[judged], hidden=3, bias="inside", generator=draw, decay=1e-5, steps=60)
+                train(inner, friction[countable], hidden=3, bias="inside", generator=draw, decay=1e-5, steps=60)
                 for draw in generator.spawn(3)
             ),
         )
-    error = np.abs(made.friction_of(mean) - friction[judged])
-    disagreement = np.nanvar(made.friction_of(said[:, judged]), axis=0)
+    error = np.abs(ensemble.friction_of(mean) - friction[countable])
+    disagreement = np.nanvar(ensemble.friction_of(opinions[:, countable]), axis=0)
     ratio = error / np.sqrt(disagreement + LEAST_SPREAD**2)
-    return replace(made, half_width=float(np.quantile(ratio, confidence)))
+    return replace(ensemble, half_width=float(np.quantile(ratio, confidence)))
 
 
 FEWEST_OPINIONS: Final = 3

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
+
 Bias = Literal["inside", "outside"]
 
 DAMPING: Final = 1e-3
@@ -54,9 +54,7 @@ def train(
     Args:
         x: Inputs, scaled to about [−1, 1], shape (n, inputs).
         y: Friction, shape (n,).
-        hidden: Neurons.
         bias: Where the output bias stands.
-        generator: Draws the start.
         decay: Weight of the squared weights against the mean squared error; 0 fits the data alone.
         steps: Of Levenberg-Marquardt, after which training stops, converged or not.
     """
@@ -101,16 +99,16 @@ def levenberg_marquardt(
         curvature, gradient = slope.T @ slope, slope.T @ error
         while damping < LARGEST_DAMPING:
             step = np.linalg.solve(curvature + damping * np.eye(point.size), gradient)
-            tried = residuals(point - step)
-            reached = float(tried @ tried)
-            if reached < cost:
+            new_error = residuals(point - step)
+            new_cost = float(new_error @ new_error)
+            if new_cost < cost:
                 break
             damping *= 10
         else:
             return point  # no step leads down any more
-        done = cost - reached < 1e-9 * cost
-        point, error, cost, damping = point - step, tried, reached, max(damping / 10, 1e-12)
-        if done:
+        is_flat = cost - new_cost < 1e-9 * cost
+        point, error, cost, damping = point - step, new_error, new_cost, max(damping / 10, 1e-12)
+        if is_flat:
             return point
     return point
 

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
@@ -19,7 +19,6 @@ from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import Chain, Scale
 from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
 
-Array = NDArray[np.float64]
 SX = ca.SX
 
 BOXES: Final = (
@@ -70,10 +69,10 @@ class Online:
         buffer, evaluate = self.step.buffer()
         state, entry = np.array([s.start for s in self.states]), np.zeros(len(self.inputs))
         following, output = np.empty_like(state), np.empty(len(self.outputs))
-        for place, given in enumerate((state, entry)):
-            buffer.set_arg(place, given.data)
-        for place, made in enumerate((following, output)):
-            buffer.set_res(place, made.data)
+        for place, argument in enumerate((state, entry)):
+            buffer.set_arg(place, argument.data)
+        for place, result in enumerate((following, output)):
+            buffer.set_res(place, result.data)
 
         def advance(sample: Array, keep: Any = buffer) -> Array:
             # `keep`: the buffer must live as long as whoever evaluates it.
@@ -115,7 +114,6 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     Args:
         chain: Must start at the first sample; the mean of the first second is not causal.
         networks: Their mean is the estimate; one is as good as in the paper.
-        combination: Of motions, see `channels`.
     """
     if chain.start != "first sample":
         raise ValueError("online, the high-pass can start at the first sample only.")
@@ -137,10 +135,10 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
         memory.following[at] = ca.if_else(full, 0, total + size)
         means.append((total + size) / chain.block)
     memory.following[count] = ca.if_else(full, 0, counted + 1)
-    scaled = scale(np.array(means, dtype=object))
-    said = sum(_network(network, list(scaled)) for network in networks) / len(networks)
-    at, held = memory.new("held")
-    friction = memory.following[at] = ca.if_else(full, said, held)
+    entries = scale(np.array(means, dtype=object))
+    latest = sum(_network(network, list(entries)) for network in networks) / len(networks)
+    at, previous = memory.new("held")
+    friction = memory.following[at] = ca.if_else(full, latest, previous)
     at, blocks = memory.new("blocks")
     known = memory.following[at] = ca.if_else(full, 1, blocks)
     state = ca.vertcat(*memory.symbols)
@@ -167,22 +165,22 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
     boxes, speed, ahead = entry[: len(BOXES)], entry[len(BOXES)], entry[len(BOXES) + 1] >= 0
     first = _first(memory)
     raw = [boxes[8 + k] for k in range(4)] + [boxes[4 + k] - boxes[k] for k in range(4)]
-    passed = [
+    slow_signals = [
         _sections(memory, f"anti_alias{k + 1}", slow.sections, x - _zero(memory, f"zero[{k + 1}]", x, first))
         for k, x in enumerate(raw)
     ]
     at, counted = memory.new("count")
     tick = counted + 1 >= slow.keep
     memory.following[at] = ca.if_else(tick, 0, counted + 1)
-    lateral = [ca.if_else(ahead, passed[k], -passed[3 - k]) for k in range(4)]
-    yaw = [ca.if_else(ahead, passed[4 + k], passed[7 - k]) for k in range(4)]
+    lateral = [ca.if_else(ahead, slow_signals[k], -slow_signals[3 - k]) for k in range(4)]
+    yaw = [ca.if_else(ahead, slow_signals[4 + k], slow_signals[7 - k]) for k in range(4)]
 
     at, ticks = memory.new("ticks")
     memory.following[at] = ca.if_else(tick, ticks + 1, ticks)
-    weight = ca.if_else(ticks >= spectral.settled, spectral.weight(speed, ca), 0)
+    weight = ca.if_else(ticks >= spectral.settling_samples, spectral.weight(speed, ca), 0)
     at, total = memory.new("total")
-    grown = total + weight * (1 - total)
-    memory.following[at] = ca.if_else(tick, grown, total)
+    weight_sum = total + weight * (1 - total)
+    memory.following[at] = ca.if_else(tick, weight_sum, total)
     features: list[SX] = []
     for j, centre in enumerate(spectral.centres):
         matrices = spectral.band(centre)
@@ -195,7 +193,7 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
                 at, mean = memory.new(f"mean[{j + 1},{bogie + 1},{i + 1}]")
                 new = mean + weight * (product - mean)
                 memory.following[at] = ca.if_else(tick, new, mean)
-                sums[i] = sums[i] + new / ca.fmax(grown, TINY)
+                sums[i] = sums[i] + new / ca.fmax(weight_sum, TINY)
         features += ratios(sums, ca)
     features.append(ca.log(ca.fmax(ca.fabs(speed), SLOWEST)))
 
@@ -208,13 +206,13 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
     mean, centre = _friction(ensemble, _mean(first_stage)), _mean(each)
     half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)
     outputs: list[SX] = []
-    ready = ca.logic_and(tick, ticks >= 2 * spectral.settled)
+    ready = ca.logic_and(tick, ticks >= 2 * spectral.settling_samples)
     for name, value in (
         ("friction", mean), ("lower", ca.fmax(mean - half, 0)), ("upper", ca.fmin(mean + half, 1)), ("known", SX(1)),
     ):  # fmt: skip
-        at, held = memory.new(f"held_{name}")
-        memory.following[at] = ca.if_else(ready, value, held)
-        outputs.append(ca.if_else(ready, value, held))
+        at, previous = memory.new(f"held_{name}")
+        memory.following[at] = ca.if_else(ready, value, previous)
+        outputs.append(ca.if_else(ready, value, previous))
     return Online(
         name="Friction from axle boxes at any speed",
         rate=slow.rate,
@@ -252,15 +250,15 @@ def _motions(boxes: SX, combination: str) -> list[SX]:
 
 def _first(memory: _Memory) -> SX:
     """Return whether this is the first sample."""
-    at, begun = memory.new("begun")
+    at, later = memory.new("begun")
     memory.following[at] = SX(1)
-    return begun < 0.5
+    return later < 0.5
 
 
 def _zero(memory: _Memory, name: str, value: SX, first: SX) -> SX:
     """Return the first value there ever was."""
-    at, held = memory.new(name)
-    zero = ca.if_else(first, value, held)
+    at, previous = memory.new(name)
+    zero = ca.if_else(first, value, previous)
     memory.following[at] = zero
     return zero
 

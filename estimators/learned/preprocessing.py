@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import butter, lfilter, sosfilt
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
+
 Start = Literal["first sample", "first second"]
 
 BLOCKS: Final = {60: 50, 40: 100, 26: 150, 16: 200}

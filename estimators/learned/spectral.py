@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
+
 Pair = tuple[Any, Any]
 
 WHEELSETS: Final = 4
@@ -52,15 +52,15 @@ class Spectral:
         a = np.array([[0.0, 1.0], [-(w**2), -w / self.quality]])
         b = np.array([[0.0], [1.0]])
         c = np.array([[0.0, w / self.quality], [w**2 / self.quality, 0.0]])
-        made: Any = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
-        return made[0], made[1], made[2], made[3]
+        result: Any = cont2discrete((a, b, c, np.zeros((2, 1))), 1 / self.rate, method="bilinear")
+        return result[0], result[1], result[2], result[3]
 
     def weight(self, speed: Any, library: Any) -> Any:
         """Return the weight of a new sample at a speed, m/s; `library` is `numpy` or `casadi`."""
         return 1 - library.exp(-library.fabs(speed) / (self.metres * self.rate))
 
     @property
-    def settled(self) -> int:
+    def settling_samples(self) -> int:
         """Samples at the start that are not averaged."""
         return round(self.settling * self.rate)
 
@@ -79,33 +79,33 @@ class Spectral:
             lateral, yaw: At `rate`, in axes that point forwards, wheelset 1 leading, m/s², shape (n, 4).
             speed: m/s, shape (n,).
         """
-        weight = np.where(np.arange(len(lateral)) < self.settled, 0.0, self.weight(speed, np))
-        made = np.empty((len(lateral), len(self.centres), 2, PRODUCTS))
+        weight = np.where(np.arange(len(lateral)) < self.settling_samples, 0.0, self.weight(speed, np))
+        result = np.empty((len(lateral), len(self.centres), 2, PRODUCTS))
         for k, centre in enumerate(self.centres):
-            swing, turn = self._filtered(centre, lateral), self._filtered(centre, yaw)
+            swing, turn = self._band_and_integral(centre, lateral), self._band_and_integral(centre, yaw)
             for bogie in range(2):
                 lead, trail = 2 * bogie, 2 * bogie + 1
                 own = products(
                     (swing[0][:, lead], swing[1][:, lead]), (swing[0][:, trail], swing[1][:, trail]),
                     (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
                 )  # fmt: skip
-                made[:, k, bogie] = np.stack(own, axis=-1)
+                result[:, k, bogie] = np.stack(own, axis=-1)
         # A mean over metres, not seconds: its weights change with the speed, which no filter of SciPy's can. Divided
         # by the sum of the weights so far, the start counts for no more than it is worth.
-        mean, total = np.zeros(made.shape[1:]), 0.0
+        mean, total = np.zeros(result.shape[1:]), 0.0
         for k, w in enumerate(weight):
             total += w * (1 - total)
-            mean += w * (made[k] - mean)
-            made[k] = mean / max(total, TINY)
-        return made
+            mean += w * (result[k] - mean)
+            result[k] = mean / max(total, TINY)
+        return result
 
     def features(self, lateral: Array, yaw: Array, speed: Array) -> Array:
         """Return the features, shape (n, features); arguments as for `means`."""
         means = self.means(lateral, yaw, speed).sum(axis=2)
-        made = [value for k in range(len(self.centres)) for value in ratios(list(means[:, k].T), np)]
-        return np.stack([*made, np.log(np.maximum(np.abs(speed), SLOWEST))], axis=-1)
+        result = [value for k in range(len(self.centres)) for value in ratios(list(means[:, k].T), np)]
+        return np.stack([*result, np.log(np.maximum(np.abs(speed), SLOWEST))], axis=-1)
 
-    def _filtered(self, centre: float, signal: Array) -> Array:
+    def _band_and_integral(self, centre: float, signal: Array) -> Array:
         """Return the band and its integral, shape (2, *signal.shape)."""
         a, b, c, d = self.band(centre)
         denominator = np.poly(a)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import COMBINATIONS, forwards, motions
 from railgrip.estimators.learned.ensemble import Ensemble
@@ -18,14 +19,12 @@ from railgrip.estimators.learned.online import Online, general, paper
 from railgrip.estimators.learned.preprocessing import Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
 
-Array = NDArray[np.float64]
-
 FORMAT: Final = 1
 """Of the files; raised whenever an older reader would understand a newer file wrongly."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Said:
+class RunEstimates:
     """What an estimator says of a run, each of shape (k,).
 
     Attributes:
@@ -48,13 +47,12 @@ class Trained(Protocol):
         """Samples a second of the accelerations that go in."""
         ...
 
-    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> Said:
+    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
         """Return the estimates of a whole run.
 
         Args:
             boxes: Accelerations as `online.BOXES` orders them, at `rate`, m/s², shape (n, 12), in axes of the car.
             speed: m/s, shape (n,).
-            backwards: Whether the fourth wheelset leads.
         """
         ...
 
@@ -81,12 +79,12 @@ class PaperEstimator:
         """See `Trained`."""
         return self.chain.rate
 
-    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> Said:
+    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
         """See `Trained`; neither speed nor direction is used."""
         blocks = self.chain.process(motions(boxes[:, :4], boxes[:, 4:8], boxes[:, 8:], self.inputs))
         friction = np.mean([network(self.scale(blocks)) for network in self.networks], axis=0)
         none = np.full(len(blocks), np.nan)
-        return Said(
+        return RunEstimates(
             sample=self.chain.block * np.arange(1, len(blocks) + 1) - 1, friction=friction, lower=none, upper=none
         )
 
@@ -108,14 +106,19 @@ class GeneralEstimator:
         """See `Trained`."""
         return self.slow.rate
 
-    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> Said:
+    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
         """See `Trained`; an estimate at every slow sample once the features have settled."""
         slow = self.slow(np.hstack([boxes[:, 8:], boxes[:, 4:8] - boxes[:, :4]]))
         lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=backwards)
-        features = self.spectral.features(lateral, yaw, self.slow.kept(speed))
-        known = np.arange(2 * self.spectral.settled, len(features))
-        made = self.ensemble(features[known])
-        return Said(sample=self.slow.keep * (known + 1) - 1, friction=made.friction, lower=made.lower, upper=made.upper)
+        features = self.spectral.features(lateral, yaw, self.slow.every(speed))
+        known = np.arange(2 * self.spectral.settling_samples, len(features))
+        estimates = self.ensemble(features[known])
+        return RunEstimates(
+            sample=self.slow.keep * (known + 1) - 1,
+            friction=estimates.friction,
+            lower=estimates.lower,
+            upper=estimates.upper,
+        )
 
     def online(self) -> Online:
         """See `Trained`."""
@@ -135,15 +138,15 @@ def load(file: Path) -> PaperEstimator | GeneralEstimator:
         EstimatorError: There is no such file, or it is no trained estimator.
     """
     try:
-        told = json.loads(file.read_text(encoding="utf-8"))
+        content = json.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError as problem:
         raise EstimatorError(f"{file}: there is no such file; `make learn` writes trained estimators.") from problem
     except (UnicodeDecodeError, json.JSONDecodeError) as problem:
         raise EstimatorError(f"{file}: is not JSON: {problem}.") from problem
-    if not isinstance(told, dict) or told.get("kind") not in _READ or told.get("format") != FORMAT:
+    if not isinstance(content, dict) or content.get("kind") not in _READ or content.get("format") != FORMAT:
         raise EstimatorError(f"{file}: is no trained estimator of format {FORMAT}; it wants kind {' or '.join(_READ)}.")
     try:
-        return _READ[told["kind"]](told)
+        return _READ[content["kind"]](content)
     except (KeyError, TypeError, ValueError) as problem:
         raise EstimatorError(f"{file}: is a damaged trained estimator: {problem!r}.") from problem
 
@@ -154,22 +157,22 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} has no place in a trained estimator")
 
 
-def _paper(told: Mapping[str, Any]) -> PaperEstimator:
-    if told["inputs"] not in COMBINATIONS:
-        raise ValueError(f"inputs '{told['inputs']}' are unknown")
+def _paper(content: Mapping[str, Any]) -> PaperEstimator:
+    if content["inputs"] not in COMBINATIONS:
+        raise ValueError(f"inputs '{content['inputs']}' are unknown")
     return PaperEstimator(
-        chain=Chain(**told["chain"]),
-        scale=Scale(**{name: np.array(values) for name, values in told["scale"].items()}),
-        networks=tuple(map(_network, told["networks"])),
-        inputs=told["inputs"],
+        chain=Chain(**content["chain"]),
+        scale=Scale(**{name: np.array(values) for name, values in content["scale"].items()}),
+        networks=tuple(map(_network, content["networks"])),
+        inputs=content["inputs"],
     )
 
 
-def _general(told: Mapping[str, Any]) -> GeneralEstimator:
-    ensemble = dict(told["ensemble"])
+def _general(content: Mapping[str, Any]) -> GeneralEstimator:
+    ensemble = dict(content["ensemble"])
     return GeneralEstimator(
-        slow=AntiAlias(**told["slow"]),
-        spectral=replace(Spectral(**told["spectral"]), centres=tuple(told["spectral"]["centres"])),
+        slow=AntiAlias(**content["slow"]),
+        spectral=replace(Spectral(**content["spectral"]), centres=tuple(content["spectral"]["centres"])),
         ensemble=Ensemble(
             centre=np.array(ensemble["centre"]),
             spread=np.array(ensemble["spread"]),
@@ -180,9 +183,9 @@ def _general(told: Mapping[str, Any]) -> GeneralEstimator:
     )
 
 
-def _network(told: Mapping[str, Any]) -> Network:
-    weights = {name: np.array(told[name]) for name in ("hidden_weights", "hidden_bias", "output_weights")}
-    return Network(**weights, output_bias=told["output_bias"], bias=told["bias"])
+def _network(content: Mapping[str, Any]) -> Network:
+    weights = {name: np.array(content[name]) for name in ("hidden_weights", "hidden_bias", "output_weights")}
+    return Network(**weights, output_bias=content["output_bias"], bias=content["bias"])
 
 
 _KIND: Final[Mapping[type, str]] = {PaperEstimator: "paper", GeneralEstimator: "general"}

@@ -46,13 +46,14 @@ def plant_step(
         inputs: Values of inputs by name, for arrays of all elements; those not named stay at their start values.
         period: Communication step [s].
         count: Steps of one run.
-        rounds: Runs.
     """
     description = describe(file)
     binding = every_real(description)
     names = binding.inputs.elements
-    held = [inputs.get(v.partition("[")[0], float(description.variables[v].start or 0.0)) for v in names]
-    runs = (seconds_in_c(description, binding, np.array(held), period=period, count=count) for _ in range(rounds))
+    start_values = [inputs.get(v.partition("[")[0], float(description.variables[v].start or 0.0)) for v in names]
+    runs = (
+        seconds_in_c(description, binding, np.array(start_values), period=period, count=count) for _ in range(rounds)
+    )
     return min(seconds for seconds, _ in runs) / count * 1e6
 
 

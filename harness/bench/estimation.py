@@ -45,7 +45,6 @@ def estimation_cost(cases: int = 5, rounds: int = 9) -> EstimationCost:
 
     Args:
         cases: Brakings of an evaluation; copies of the one, which is of their mean length.
-        rounds: Whose median counts.
     """
     run = run_case(field_test()[TEST], TEST)
     spec, model = specification(), prediction()
@@ -54,17 +53,17 @@ def estimation_cost(cases: int = 5, rounds: int = 9) -> EstimationCost:
     task = task_of(run.braking, model)
     filter_ = filter_of(model, task.period)
     recording = with_track_force(run.recording, course)
-    took: dict[str, list[float]] = {"step": [], "estimate": [], "course": [], "evaluation": []}
+    times: dict[str, list[float]] = {"step": [], "estimate": [], "course": [], "evaluation": []}
     for round_ in range(rounds):
-        took["step"].append(_seconds(lambda: follow(task, filter_, PHYSICAL)) / len(task.readings) * 1e6)
-        took["estimate"].append(_seconds(lambda: estimate_of(spec, recording)))
+        times["step"].append(_seconds(lambda: follow(task, filter_, PHYSICAL)) / len(task.readings) * 1e6)
+        times["estimate"].append(_seconds(lambda: estimate_of(spec, recording)))
         if round_ < 2:
-            took["course"].append(_seconds(lambda: with_track_force(run.recording, course)))
-        took["evaluation"].append(_seconds(lambda: evaluate("consistent", [task] * cases, filter_, PHYSICAL)))
+            times["course"].append(_seconds(lambda: with_track_force(run.recording, course)))
+        times["evaluation"].append(_seconds(lambda: evaluate("consistent", [task] * cases, filter_, PHYSICAL)))
     return EstimationCost(
         samples=len(task.readings),
-        step=median(took["step"]),
-        estimate=median(took["estimate"]),
-        course=median(took["course"]),
-        evaluation=median(took["evaluation"]),
+        step=median(times["step"]),
+        estimate=median(times["estimate"]),
+        course=median(times["course"]),
+        evaluation=median(times["evaluation"]),
     )

@@ -52,7 +52,6 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
         file: A co-simulation FMU; its Real inputs are held at their start values.
         period: Communication step [s].
         count: Steps of one run.
-        rounds: Runs of each way.
 
     Raises:
         AssertionError: Two ways disagree on the outputs; then their times mean nothing.
@@ -66,12 +65,12 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
         "simulate_fmu": seconds_of_simulate_fmu,
         "c": seconds_in_c,
     }
-    took: dict[str, list[float]] = {way: [] for way in run}
+    times: dict[str, list[float]] = {way: [] for way in run}
     last: dict[str, np.ndarray] = {}
     for _ in range(rounds):
         for way, seconds in run.items():
             time, last[way] = seconds(description, binding, inputs, period=period, count=count)
-            took[way].append(time / count * 1e6)
+            times[way].append(time / count * 1e6)
     for way in ("fmpy", "c"):
         if not np.array_equal(last[way], last["ours"]):
             raise AssertionError(f"{file.name}: {way} and ours end on different outputs, so they did not do the same.")
@@ -79,17 +78,17 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
     np.testing.assert_allclose(last["simulate_fmu"], last["ours"], rtol=1e-6, atol=1e-9)
 
     def ratio(above: str, below: str) -> float:
-        return median(a / b for a, b in zip(took[above], took[below], strict=True))
+        return median(a / b for a, b in zip(times[above], times[below], strict=True))
 
     return StepCost(
         file=file.name,
         inputs=binding.inputs.size,
         outputs=binding.outputs.size,
-        ours=median(took["ours"]),
-        fmpy=median(took["fmpy"]),
-        simulate_fmu=median(took["simulate_fmu"]),
-        c=median(took["c"]),
-        overhead=median(a - b for a, b in zip(took["ours"], took["c"], strict=True)),
+        ours=median(times["ours"]),
+        fmpy=median(times["fmpy"]),
+        simulate_fmu=median(times["simulate_fmu"]),
+        c=median(times["c"]),
+        overhead=median(a - b for a, b in zip(times["ours"], times["c"], strict=True)),
         fmpy_over_ours=ratio("fmpy", "ours"),
         simulate_fmu_over_ours=ratio("simulate_fmu", "ours"),
         ours_over_c=ratio("ours", "c"),

@@ -17,6 +17,7 @@ from railgrip.assemble.files import lowered
 from railgrip.assemble.prediction import consist_of, start_of
 from railgrip.cache import VARIABLE
 from railgrip.engine import Engine
+from railgrip.estimators.belief import Estimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -36,44 +37,58 @@ class FilterCost:
         states: Of the model.
         advance: Compiled, in place, as the loop uses it.
         step: Compiled, on values.
-        reference: The filter in numpy.
+        reference: The filter in numpy; NaN where it was not stepped.
     """
 
     states: int
     advance: float
     step: float
-    reference: float
+    reference: float = float("nan")
 
 
 def filter_cost(model: str, noise: str, *, count: int = 2000, rounds: int = 9) -> FilterCost:
     """Step both filters over a braked train with readings that fit it."""
-    lowered_model = lowered(f"RailBraking.FMUs.{model}")
-    prediction = CasadiPrediction(lowered_model, {v.name: v.start for v in lowered_model.parameters})
+    translation = lowered(f"RailBraking.FMUs.{model}")
+    prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
     noise_set = NOISE_SETS[noise]
     noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)
     compiled = CompiledFilter(prediction, *noises, 1e-3)
     plain = ExtendedKalmanFilter(prediction, *noises, 1e-3)
-    mean = np.array([v.start for v in lowered_model.states])
+    mean = np.array([v.start for v in translation.states])
     spread = noise_set.start_covariance(prediction.states)
     inputs = np.array([2e5, 1e5, 1e5, 2e5, 0.0])
     readings = prediction.output(mean, inputs)
     first = compiled.start(mean, spread)
-    took: dict[str, list[float]] = {"advance": [], "step": [], "reference": []}
+    advance, step = step_times(compiled, first, inputs, readings, count, rounds)
+    reference: list[float] = []
     for _ in range(rounds):
-        compiled.hold(first)
-        compiled.held[:], compiled.seen[:] = inputs, readings
-        took["advance"].append(_seconds(compiled.advance, count) / count * 1e6)
-        belief = first
-        start = perf_counter()
-        for _ in range(count):
-            belief = compiled.step(belief, inputs, readings)
-        took["step"].append((perf_counter() - start) / count * 1e6)
         belief = first
         start = perf_counter()
         for _ in range(count // 20):
             belief = plain.step(belief, inputs, readings)
-        took["reference"].append((perf_counter() - start) / (count // 20) * 1e6)
-    return FilterCost(states=len(prediction.states), **{way: median(times) for way, times in took.items()})
+        reference.append((perf_counter() - start) / (count // 20) * 1e6)
+    return FilterCost(states=len(prediction.states), advance=advance, step=step, reference=median(reference))
+
+
+def step_times(
+    filter_: CompiledFilter, first: Estimate, inputs: Vector, readings: Vector, count: int, rounds: int
+) -> tuple[float, float]:
+    """Return the medians over rounds of a compiled filter's step in place and on values [µs]."""
+    advance: list[float] = []
+    step: list[float] = []
+    for _ in range(rounds):
+        filter_.hold(first)
+        filter_.held[:], filter_.seen[:] = inputs, readings
+        start = perf_counter()
+        for _ in range(count):
+            filter_.advance()
+        advance.append((perf_counter() - start) / count * 1e6)
+        belief = first
+        start = perf_counter()
+        for _ in range(count):
+            belief = filter_.step(belief, inputs, readings)
+        step.append((perf_counter() - start) / count * 1e6)
+    return median(advance), median(step)
 
 
 def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 2000, rounds: int = 9) -> float:
@@ -96,24 +111,16 @@ def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 20
     expected = consist.prediction.output(mean, held)
     random = np.random.default_rng(0)
     readings = expected + np.sqrt(variances) * random.standard_normal((count, variances.size))
-    took: list[float] = []
+    durations: list[float] = []
     for _ in range(rounds):
         filter_.start(mean, noise.start_covariance(consist.states))
         filter_.held[:] = held
-        begun = process_time()
+        begin = process_time()
         for reading in readings:
             filter_.seen[:] = reading
             filter_.advance()
-        took.append((process_time() - begun) / count * 1e6)
-    return median(took)
-
-
-def _seconds(call: object, count: int) -> float:
-    assert callable(call)
-    start = perf_counter()
-    for _ in range(count):
-        call()
-    return perf_counter() - start
+        durations.append((process_time() - begin) / count * 1e6)
+    return median(durations)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,12 +163,12 @@ def bare_cost(*overrides: str, rounds: int = 5) -> float:
     """Return the time of the processor per communication period of a stop of which only the distance is taken [µs]."""
     scenario = load(LIBRARY / "trapezoid.toml", overrides)
     samples = run_stop(scenario).metrics.duration / scenario.periods.communication
-    took: list[float] = []
+    durations: list[float] = []
     for _ in range(rounds):
         start = process_time()
         braking_distance(scenario)
-        took.append((process_time() - start) / samples * 1e6)
-    return median(took)
+        durations.append((process_time() - start) / samples * 1e6)
+    return median(durations)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

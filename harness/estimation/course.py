@@ -18,7 +18,7 @@ UNITS = {"latitude": "deg", "longitude": "deg", "height": "m", "driving": "1", "
 ALWAYS = ("driving", "braking")
 """Signals that the whole run must tell, if it tells them."""
 ACCELEROMETER = "acceleration_along"
-MADE = "track_force"
+TRACK_FORCE = "track_force"
 
 
 def units_of_run(columns: list[str]) -> dict[str, str]:

@@ -7,9 +7,8 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
+from railgrip.estimators.belief import Vector
 from railgrip.trace.samples import truth_of
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,9 +51,7 @@ def judge(
     """Return how far an estimate was from the truth and from its own claim.
 
     Args:
-        recording: With the truth.
         estimates: Of `estimate`, from that recording.
-        state: Name.
         where: Samples to judge; all after the first when None.
 
     Raises:

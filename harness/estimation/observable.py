@@ -5,16 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name, units_of
 from railgrip.estimation.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
+from railgrip.estimators.belief import Matrix
 from railgrip.estimators.observability import Observability, along, observability
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
-
-Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +33,7 @@ class Point:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Observed:
+class Information:
     """What a recording can tell.
 
     Attributes:
@@ -54,7 +52,7 @@ def observe(
     specification: Specification,
     recording: xarray.Dataset,
     progress: Callable[[int, int], None] = lambda count, of: None,
-) -> Observed:
+) -> Information:
     """Return what a recording can tell about the states, at their true values where known.
 
     Inputs that shut a gate count as zero: that is how the filter takes them, and the noise of a released load cell
@@ -79,7 +77,7 @@ def observe(
         inputs[:, gates] = np.where(inputs[:, gates] < settings.gate.threshold, 0.0, inputs[:, gates])
     scale = by_name("[observability] scale", table.scale, prediction.states)
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
-    return Observed(
+    return Information(
         points=_points(recording, prediction, states, inputs, gates, scale),
         windows=_windows(recording, prediction, states, inputs, period, noise, scale, table, progress),
     )

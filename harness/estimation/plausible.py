@@ -11,9 +11,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.estimators.belief import Vector
 from railgrip.trace.samples import reading_of, unit_of
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,6 @@ def recording_of_estimation(
     """Return what an estimation's filter is given.
 
     Args:
-        specification: The estimation.
         data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
         scenario: Another one than [source] says.
         seed: Likewise.
@@ -31,7 +30,7 @@ def recording_of_estimation(
     """
     check_mass(specification)
     if data is not None:
-        recording = taken_for(specification, data).recording
+        recording = recording_for(specification, data).recording
     else:
         # Imported when needed: a stop brings the FMU compiler, and reading a file needs none of it.
         from railgrip.estimation.stop import recording_of_stop
@@ -60,7 +59,7 @@ def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dat
     return with_signals(trace, {name: (np.full(count, value), units[name]) for name, value in values.items()})
 
 
-def taken_for(specification: Specification, path: Path) -> Taken:
+def recording_for(specification: Specification, path: Path) -> Taken:
     """Return the recording in a file, and what had to be mended: a trace as it is, others by the estimation's [data].
 
     Raises:
@@ -81,10 +80,10 @@ def taken_for(specification: Specification, path: Path) -> Taken:
     inputs = [variable.name for variable in model.inputs if variable.name not in specification.inputs]
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:
-        from railgrip.estimation.course import ALWAYS, MADE, units_of_run
+        from railgrip.estimation.course import ALWAYS, TRACK_FORCE, units_of_run
 
         of_run = units_of_run(list(specification.data.columns))
-        units = {name: unit for name, unit in units.items() if name != MADE} | of_run
-        inputs = [name for name in inputs if name != MADE] + [name for name in of_run if name in ALWAYS]
+        units = {name: unit for name, unit in units.items() if name != TRACK_FORCE} | of_run
+        inputs = [name for name in inputs if name != TRACK_FORCE] + [name for name in of_run if name in ALWAYS]
         outputs += [name for name in of_run if name not in ALWAYS]
     return recorded(path, specification.data, units, inputs, outputs)

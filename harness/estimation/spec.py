@@ -41,7 +41,6 @@ from pydantic import Field, model_validator
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
-from railgrip.estimation.selection import prediction_seeing
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.scenario.load import demand_kind, read_toml, validated
@@ -204,10 +203,7 @@ def prediction_for(specification: Specification) -> CasadiPrediction:
     Raises:
         ScenarioError: There is no such parameter, or its unit has another dimension.
     """
-    model, parameters = specification.model, parameters_for(specification)
-    if model.outputs is not None:
-        return prediction_seeing(model.class_, model.outputs, parameters)
-    return prediction_of(model.class_, parameters)
+    return prediction_of(specification.model.class_, parameters_for(specification), specification.model.outputs)
 
 
 def parameters_for(specification: Specification) -> dict[str, float]:

@@ -3,19 +3,16 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.assemble import trace_of
+from railgrip.estimators.belief import Vector
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.trace.recorder import thinned
 from railgrip.trace.samples import evenly, recording_of
-
-Vector = NDArray[np.float64]
 
 
 def stop_read(scenario: Scenario, name: str = "") -> xarray.Dataset:

@@ -394,7 +394,7 @@ def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> tabl
         {
             "stop" if metres else "figure": one.name,
             "state": one.state,
-            f"accepted{behind}": _spelled(one.accepted, form),
+            f"accepted{behind}": _value_and_range(one.accepted, form),
             f"found{behind}": one.value,
             f"change{behind}": one.change,
             f"tolerance{behind}": one.accepted.tolerance if one.accepted else None,
@@ -406,7 +406,7 @@ def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> tabl
     return table.Table(rows, forms, title=title)
 
 
-def _spelled(before: Accepted | AcceptedFigure | None, form: str) -> str:
+def _value_and_range(before: Accepted | AcceptedFigure | None, form: str) -> str:
     """Return what is accepted, with its range where it has one."""
     if before is None:
         return ""

@@ -9,7 +9,6 @@ def spread_text(conditioning: Repeated | None, digest: str, distance: float | No
     """Return median and range of the repeats of a stop, nothing without any; repeats of another stop are said to be so.
 
     Args:
-        conditioning: The repeats.
         digest: Of the scenario of the stop.
         distance: Of the stop [m], None without standstill.
     """

@@ -159,7 +159,7 @@ def _setting(result: Result) -> tuple[str, ...]:
     return scenario["actuation"]["kind"], scenario["sensors"]["kind"], _polach(result)
 
 
-def _shown(result: Result) -> tuple[str, ...]:
+def _column_values(result: Result) -> tuple[str, ...]:
     """Return what the columns of a row say about its scenario."""
     return (result.record.scenario["name"], *_setting(result), label(result.record.scenario), _estimator(result))
 
@@ -168,7 +168,7 @@ def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
     """Return the axes in which stops differ that look the same in every column; draws have a place of their own."""
     alike: dict[tuple[str, ...], list[Result]] = {}
     for stop in stops:
-        alike.setdefault(_shown(stop), []).append(stop)
+        alike.setdefault(_column_values(stop), []).append(stop)
     axes = dict.fromkeys(axis for stop in stops for axis in stop.variants if axis != DRAW)
     return tuple(
         axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())

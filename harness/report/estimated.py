@@ -7,23 +7,10 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 
-from railgrip.report.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    dress,
-    figure,
-    readable,
-    save,
-)
+from railgrip.report import style
 from railgrip.trace.samples import knows, reading_of, truth_of, unit_of
 
-_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION)
+_COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.VERMILION)
 _WORDS = {
     "v": "speed [m/s]",
     "w": "wheelset speed [rad/s]",
@@ -40,45 +27,43 @@ def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequ
     Args:
         recording: What the filter was given.
         estimates: What it believes, see `railgrip.estimation.run.estimate`.
-        inputs: Of its model.
-        path: Of the figure.
     """
     states = _families([str(state) for state in estimates["state"].values])
     families = _families(inputs)
-    drawing = figure(10, 1.9 * (len(families) + len(states) + 1))
+    drawing = style.figure(10, 1.9 * (len(families) + len(states) + 1))
     panels = list(np.atleast_1d(drawing.subplots(len(families) + len(states) + 1, 1, sharex=True)))
     time = estimates["time"].values
     for panel, (family, names) in zip(panels, families.items(), strict=False):
-        factor, unit = readable(unit_of(recording, names[0]))
+        factor, unit = style.readable(unit_of(recording, names[0]))
         for name, colour in zip(names, _COLOURS, strict=False):
             panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_element(name))
-        dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
+        style.dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
         _legend(panel, len(names))
     settled = time >= time[0] + _SETTLED * (time[-1] - time[0])
     for panel, (family, names) in zip(panels[len(families) :], states.items(), strict=False):
         bands: list[np.ndarray] = []
         for name, colour in zip(names, _COLOURS, strict=False):
             mean, sd = (estimates[what].sel(state=name).values for what in ("mean", "sd"))
-            panel.fill_between(time, mean - 2 * sd, mean + 2 * sd, color=colour, alpha=0.15, lw=0)
+            style.band(panel, time, mean - 2 * sd, mean + 2 * sd, colour, 0.15)
             panel.plot(time, mean, color=colour, lw=1.0, label=_element(name))
             bands.append(mean[settled])
             if knows(recording, name):
                 panel.plot(time, truth_of(recording, name), color=colour, lw=1.0, ls="--")
                 bands.append(truth_of(recording, name)[settled])
-        dress(panel, y=_WORDS.get(family, family))
+        style.dress(panel, y=_WORDS.get(family, family))
         panel.set_ylim(*_reach(np.concatenate(bands)))
         _legend(panel, len(names))
     last = panels[-1]
     last.semilogy(
-        time, estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0), ".", color=GREY, ms=1.5
+        time, estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0), ".", color=style.GREY, ms=1.5
     )
-    last.axhline(1.0, color=BLACK, lw=0.8, ls=":")
+    last.axhline(1.0, color=style.BLACK, lw=0.8, ls=":")
     last.set_ylim(1e-2, 1e2)
-    dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
+    style.dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
     truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
     nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"
     drawing.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}{nis}", fontsize=10)
-    return save(drawing, path)
+    return style.save(drawing, path)
 
 
 def _families(names: Sequence[str]) -> Mapping[str, list[str]]:
@@ -95,7 +80,7 @@ def _element(name: str) -> str:
 def _legend(panel: Axes, count: int) -> None:
     if count > 1:
         # Beside the axes, where no line runs.
-        panel.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        style.legend(panel, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def _reach(values: np.ndarray) -> tuple[float, float]:

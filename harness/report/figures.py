@@ -51,7 +51,7 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
         mu0, time = trace["mu0"].values, trace["time"].values
         colours = style.lead_to_trail(mu0.shape[1])
         for wheelsets in style.alike(list(mu0.T)):
-            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.spelled(wheelsets)}"
+            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
             panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
         style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
         panel.set_ylim(bottom=0)
@@ -68,8 +68,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     rail and speed, before the operator's limit, which is a line of its own.
     """
     slide, seek = sbc.record.trace(), abc.record.trace()
-    drawing = style.figure(10, 4.8)
-    panel = drawing.subplots()
+    drawing, panel = style.panels(10, 4.8)
     time = seek["time"].values
     panel.plot(
         slide["time"].values, slide["adhesion"].values[:, 0], color=style.BLUE, linewidth=0.9, label="SBC, two-state"
@@ -97,7 +96,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     )
     panel.set_xlim(0, None)
     panel.set_ylim(0, None)
-    panel.legend(ncols=5, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), frameon=False)
+    style.legend(panel, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.12))
     return drawing
 
 
@@ -144,7 +143,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
-    panels[0].legend(ncols=4, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1.08), frameon=False)
+    style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.08))
     return drawing
 
 
@@ -171,7 +170,9 @@ def stop_figure(stop: Result) -> Figure:
     trace, metrics = stop.record.trace(), stop.record.metrics
     time = trace["time"].values
     rows = {
-        quantity: draw for quantity, draw in _ROWS.items() if any(_shown(trace, name) for name in _SIGNALS[quantity])
+        quantity: draw
+        for quantity, draw in _ROWS.items()
+        if any(_has_values(trace, name) for name in _SIGNALS[quantity])
     }
     outside = {"adhesion": metrics.adhesion_outside, "pad friction": metrics.pad_friction_outside}
     drawing, panels = _columns(trace.sizes["group"], len(rows))
@@ -191,18 +192,20 @@ def stop_figure(stop: Result) -> Figure:
             top = max(panel.get_ylim()[1] for panel in row)
             for panel in row:
                 panel.set_ylim(0, top)
-        row[_wide(len(row)) - 1].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+        style.legend(row[_wide(len(row)) - 1], loc="center left", bbox_to_anchor=(1.0, 0.5))
     for group in range(trace.sizes["group"]):
         panels[0, group].set_title(f"group {group + 1}", fontsize=10)
         panels[-1, group].set_xlabel("time [s]")
         panels[0, group].set_xlim(0, time[-1])
     scenario = stop.record.scenario
-    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    utilisation_text = (
+        f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    )
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     drawing.suptitle(
         f"{_title(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
-        f"{metrics.duration:.1f} s{used}{consistency}",
+        f"{metrics.duration:.1f} s{utilisation_text}{consistency}",
         x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
     )  # fmt: skip
     return drawing
@@ -226,8 +229,8 @@ def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
             rows, wide, top=1 - top / height, bottom=1 - (top + block) / height, **_STOP_MARGINS
         )
         panels = grid.subplots(sharex=True, sharey="row", squeeze=False)
-        for unused in panels[:, groups - band * wide :].flat:
-            unused.remove()
+        for spare in panels[:, groups - band * wide :].flat:
+            spare.remove()
         parts.append(panels[:, : groups - band * wide])
     return drawing, np.hstack(parts)
 
@@ -239,21 +242,21 @@ def _title(stop: Result) -> str:
     return f"{name}, seed {scenario['seed']}" if scenario["adhesion"]["kind"] == "random" else name
 
 
-def _shown(trace: xarray.Dataset, name: str) -> bool:
+def _has_values(trace: xarray.Dataset, name: str) -> bool:
     return name in trace and bool(np.isfinite(trace[name].values).any())
 
 
 def _draw_speed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     train = style.KMH * trace["speed"].values
     panel.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
-    if _shown(trace, "slip"):
+    if _has_values(trace, "slip"):
         wheelset = train * (1 - trace["slip"].values[:, group])
         panel.plot(time, wheelset, color=style.BLUE, linewidth=0.9, label="wheelset")
 
 
 def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     panel.plot(time, 100 * trace["slip"].values[:, group], color=style.BLUE, linewidth=0.9, label="slip")
-    if _shown(trace, "peak_slip"):
+    if _has_values(trace, "peak_slip"):
         best = 100 * trace["peak_slip"].values[:, group]
         panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
     # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
@@ -265,14 +268,14 @@ def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group
 
 def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     # A plant that does not show its brakes has no bound.
-    if _shown(trace, "peak_adhesion"):
+    if _has_values(trace, "peak_adhesion"):
         best = trace["peak_adhesion"].values[:, group]
         panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
-    _draw_true_and_believed(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
+    _draw_truth_and_estimate(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
 
 
 def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    _draw_true_and_believed(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
+    _draw_truth_and_estimate(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
     # The belief before the first brake application may be wide open; it must not squeeze what follows.
     panel.set_ylim(0.2, 0.6)
 
@@ -282,13 +285,13 @@ def _draw_pressure(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
     panel.plot(time, pressure, color=style.BLUE, linewidth=0.9, label="cylinder")
 
 
-def _draw_true_and_believed(
+def _draw_truth_and_estimate(
     panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, truth: str, belief: str, group: int
 ) -> None:
-    if _shown(trace, truth):
+    if _has_values(trace, truth):
         panel.plot(time, trace[truth].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
-    if _shown(trace, belief):
-        _believed(panel, time, trace, belief, group)
+    if _has_values(trace, belief):
+        _draw_estimate(panel, time, trace, belief, group)
 
 
 _ROWS = {
@@ -310,9 +313,9 @@ _SIGNALS = {
 }
 
 
-def _believed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
+def _draw_estimate(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
     mean = trace[name].values[:, group]
     if f"{name}_sd" in trace:
         spread = 2 * trace[f"{name}_sd"].values[:, group]
-        panel.fill_between(time, mean - spread, mean + spread, color=style.ORANGE, alpha=0.3, linewidth=0, label="±2σ")
+        style.band(panel, time, mean - spread, mean + spread, style.ORANGE, 0.3, label="±2σ")
     panel.plot(time, mean, color=style.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")

@@ -41,7 +41,6 @@ def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = l
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
         panels: Of which stops of a campaign to draw the panels: all, those with adhesion-based control, none. Without
             them, the adhesion of ABC beside SBC is not drawn either.
-        tell: Called with what is being drawn.
 
     Raises:
         RecordError: The folder has neither, or a result is unreadable.
@@ -53,7 +52,7 @@ def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = l
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
         tell("stop")
         signals = style.save(stop_figure(result), directory / "stop.png")
-        return write_page(directory / "index.html", "report/stop.html.jinja", **_shown(result, signals))
+        return write_page(directory / "index.html", "report/stop.html.jinja", **_page_values(result, signals))
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
 
 
@@ -88,7 +87,7 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
         if stop.name in with_panels:
             tell(stop.name)
             signals = style.save(stop_figure(stop), directory / "figures" / f"stop-{stop.name}.png")
-        stops.append(_shown(stop, signals))
+        stops.append(_page_values(stop, signals))
     return write_page(
         directory / "index.html",
         "report/campaign.html.jinja",
@@ -102,7 +101,7 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
     )
 
 
-def _shown(result: Result, signals: Path | None) -> dict[str, Any]:
+def _page_values(result: Result, signals: Path | None) -> dict[str, Any]:
     """Return what a page says of a stop."""
     record = result.record
     metrics = record.metrics
@@ -115,7 +114,7 @@ def _shown(result: Result, signals: Path | None) -> dict[str, Any]:
         "doubts": metrics.doubts(),
         "signals": None if signals is None else image(signals),
         "metrics": [
-            (name.replace("_", " "), _spelled(getattr(metrics, name)), unit, meaning)
+            (name.replace("_", " "), _text(getattr(metrics, name)), unit, meaning)
             for name, (unit, meaning) in meanings().items()
         ],
     }
@@ -126,8 +125,10 @@ def _longest_of_each_scenario(stops: Sequence[Result]) -> list[Result]:
     longest: dict[str, Result] = {}
     for stop in stops:
         name = stop.record.scenario["name"]
-        protected = stop.record.scenario["controller"]["kind"] != "full_brake"
-        if protected and (name not in longest or stop.record.metrics.duration > longest[name].record.metrics.duration):
+        has_protection = stop.record.scenario["controller"]["kind"] != "full_brake"
+        if has_protection and (
+            name not in longest or stop.record.metrics.duration > longest[name].record.metrics.duration
+        ):
             longest[name] = stop
     return list(longest.values())
 
@@ -146,12 +147,12 @@ def _but_controller(stop: Result) -> tuple[tuple[str, str], ...]:
     return tuple((axis, variant) for axis, variant in stop.variants.items() if axis != "controller")
 
 
-def _spelled(value: object) -> str:
+def _text(value: object) -> str:
     if isinstance(value, tuple):
         return (
-            "\n".join(_spelled(element) for element in value)
+            "\n".join(_text(element) for element in value)
             if value and isinstance(value[0], tuple)
-            else ", ".join(_spelled(element) for element in value)
+            else ", ".join(_text(element) for element in value)
         )
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return "–"

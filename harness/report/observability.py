@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from railgrip.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, figure, readable, save
+from railgrip.report import style
 from railgrip.trace.samples import reading_of, unit_of
 
-_COLORS = (BLUE, BLACK, VERMILION, GREEN, ORANGE, PURPLE, SKY)
+_COLORS = (style.BLUE, style.BLACK, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY)
 _DASHES = ("-", "--", ":", "-.")
 
 
@@ -17,15 +17,14 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
 
     Windows that tell nothing of a state have no point on the logarithmic axis: the line is broken there.
     """
-    drawing = figure(10, 6.5)
-    above, below = drawing.subplots(2, 1, sharex=True, height_ratios=(1, 2))
-    for name, color in zip(inputs, (ORANGE, BLUE), strict=False):
-        factor, unit = readable(unit_of(recording, name))
+    drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True, height_ratios=(1, 2))
+    for name, color in zip(inputs, (style.ORANGE, style.BLUE), strict=False):
+        factor, unit = style.readable(unit_of(recording, name))
         above.plot(
             recording["time"], factor * reading_of(recording, name), color=color, lw=0.8, label=f"{name} [{unit}]"
         )
-    dress(above, title=f"{windows.attrs['name']}: windows of {windows.attrs['window']:g} s")
-    above.legend(fontsize=8, frameon=False, loc="upper left")
+    style.dress(above, title=f"{windows.attrs['name']}: windows of {windows.attrs['window']:g} s")
+    style.legend(above, loc="upper left")
     time = windows["time"].values
     families: dict[str, int] = {}
     for state in windows["state"].values:
@@ -45,7 +44,7 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     smallest = windows["smallest"].values
     positive = np.where(np.isfinite(windows["deviation"].values).all(axis=1), smallest, np.nan)
     below.semilogy(time, positive, color="#999999", lw=2.5, alpha=0.6, label="smallest of all")
-    below.axhline(1.0, color=BLACK, lw=0.7, ls=":")
-    dress(below, x="time [s]", y="(typical size / deviation)²")
-    below.legend(fontsize=8, frameon=False, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
-    return save(drawing, path)
+    below.axhline(1.0, color=style.BLACK, lw=0.7, ls=":")
+    style.dress(below, x="time [s]", y="(typical size / deviation)²")
+    style.legend(below, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    return style.save(drawing, path)

@@ -17,7 +17,6 @@ def write_page(path: Path, template: str, **values: Any) -> Path:
     """Write a page and return its path.
 
     Args:
-        path: Of the page.
         template: Its path in this package, as "report/campaign.html.jinja".
         values: What the template names; of numbers and texts, `Table`s and images.
     """

@@ -60,6 +60,30 @@ def figure(width: float, height: float, margins: Mapping[str, float] | None = No
     return drawing
 
 
+def panels(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
+    """Return a figure of a size in inches and its axes, with the options of `Figure.subplots`."""
+    drawing = figure(width, height)
+    return drawing, drawing.subplots(rows, columns, **options)
+
+
+def band(axes: Axes, x: Any, low: Any, high: Any, color: str, alpha: float, label: str | None = None) -> None:
+    """Shade what lies between two lines."""
+    axes.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0, label=label)
+
+
+def legend(axes: Axes, *handles: Any, **options: Any) -> None:
+    """Name the lines of axes in small letters without a frame, with the options of `Axes.legend`."""
+    axes.legend(*handles, fontsize=8, frameon=False, **options)
+
+
+def second_scale(axes: Axes, label: str, color: str = BLACK) -> Axes:
+    """Return axes over the same x whose scale stands at the right."""
+    other = axes.twinx()
+    other.set_ylabel(label, color=color)
+    other.spines["top"].set_visible(False)
+    return other
+
+
 def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
     """Label axes and take away what carries no information."""
     axes.set_xlabel(x)
@@ -92,6 +116,6 @@ def alike(columns: Sequence[Any]) -> list[list[int]]:
     return groups
 
 
-def spelled(numbers: Sequence[int]) -> str:
+def one_based(numbers: Sequence[int]) -> str:
     """Return zero-based numbers as people count: [0, 1] → "1, 2"."""
     return ", ".join(str(number + 1) for number in numbers)

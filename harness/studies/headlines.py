@@ -25,10 +25,6 @@ SLIP = 2e-3
 def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
     """Return the headline numbers of a study.
 
-    Args:
-        study: Name in `STUDIES`.
-        tell: Called with what is done next.
-
     Raises:
         EstimationError: There is no such study.
     """

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from railgrip.cli.main import app
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import estimate
-from railgrip.estimation.sources import recording_of_estimation, taken_for
+from railgrip.estimation.sources import recording_for, recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
 from railgrip.trace.samples import recording_of
 
@@ -54,7 +54,7 @@ def test_a_file_gives_the_estimates_of_the_run_itself(case):
     toml, file, recording = case
     specification = load_specification(toml)
     prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
-    record = taken_for(specification, file)
+    record = recording_for(specification, file)
     assert [flag.kind for flag in record.flags] == ["gap"]
     through, direct = (estimate(one, prediction, settings)["mean"] for one in (record.recording, recording))
     # Units are converted there and back, which leaves rounding; the filter forgets it.
@@ -101,4 +101,4 @@ def test_a_mass_that_is_not_that_of_the_model_is_told():
 def test_an_estimation_without_a_map_cannot_read_a_file(case):
     _, file, _ = case
     with pytest.raises(EstimationError, match=r"has no \[data\], which says what the columns of run\.csv are"):
-        taken_for(load_specification(LIBRARY / "rig_own.toml"), file)
+        recording_for(load_specification(LIBRARY / "rig_own.toml"), file)

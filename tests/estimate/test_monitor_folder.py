@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import railgrip.scenario
 from railgrip.cli.main import app
-from railgrip.estimation.sources import taken_for
+from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import load_specification
 from railgrip.studies.pad_monitor.evidence import evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
@@ -86,7 +86,7 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     result = CliRunner().invoke(app, ["monitor", str(folder), "--map", str(tmp_path / "map.toml")])
     assert result.exit_code == 0, result.output
     assert "1 stops do not tell the temperature of their discs" in " ".join(result.output.split())
-    read = taken_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
+    read = recording_for(load_specification(tmp_path / "map.toml"), folder / "stop-1.csv").recording
     cold = np.full(4, 313.15)
     through, direct = evidence_of(read, cold), evidence_of(recording, cold)
     # Units there and back leave rounding; a spike that was left out, a hundredth of a deviation.

@@ -9,8 +9,8 @@ import pytest
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.selection import prediction_seeing
-from railgrip.estimation.sources import taken_for
+from railgrip.estimation.run import prediction_of
+from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braked, braking_of
 from railgrip.estimation.track.braking import driven as driven_of
@@ -144,7 +144,7 @@ def test_a_train_s_own_file_gives_the_estimates_of_the_run_itself(run, tmp_path:
     other_columns = {name: column for name, column in data.columns.items() if name != "braking"}
     spec = specification().model_copy(update={"data": data.model_copy(update={"columns": other_columns})})
     pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
-    record = taken_for(spec, tmp_path / "run.csv")
+    record = recording_for(spec, tmp_path / "run.csv")
     through = with_track_force(record.recording, spec.course)
     estimates, direct = estimate_of(spec, through), estimate_of(spec, with_track_force(run, spec.course))
     # A reading in ten thousand counts as a spike, which a filter with a hundred in memory hardly feels.
@@ -213,7 +213,7 @@ def test_the_committed_noises_say_how_they_were_found(name: str):
 
 def test_an_output_that_is_not_there_is_refused():
     with pytest.raises(EstimationError, match="TrainPredictionReduced has no output yaw; it has speed"):
-        prediction_seeing("TrainPredictionReduced", ("speed", "yaw"))
+        prediction_of("TrainPredictionReduced", outputs=("speed", "yaw"))
 
 
 def test_a_run_without_braking_or_position_is_refused(run):

@@ -18,7 +18,7 @@ from railgrip.fmu import describe
 from railgrip.fmus.native.package import pack
 from railgrip.loop import ports
 from railgrip.loop.beside import watch
-from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, Sampled, disturbance, measure
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, SampleBySample, disturbance, measure
 from railgrip.studies.axle_box.export import as_fmu
 from railgrip.studies.axle_box.instrumented_car import Pass, car_of
 from railgrip.studies.axle_box.parties import READINGS, AxleBoxes, in_casadi, in_fmu
@@ -158,7 +158,7 @@ def test_sensors_sample_by_sample_are_those_of_the_records():
     true = draw.standard_normal((2000, 3))
     whole = measure(true, RATE, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
     noise_of_run = disturbance(2000, 3, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
-    one = Sampled(AXLE_BOX, noise_of_run)
+    one = SampleBySample(AXLE_BOX, noise_of_run)
     np.testing.assert_allclose([one.read(k, row) for k, row in enumerate(true)], whole, rtol=0, atol=1e-10)
 
 

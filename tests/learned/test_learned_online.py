@@ -55,8 +55,8 @@ def general_pair(direction, stages):
     lateral, yaw = made[:, :4], made[:, 4:]
     if direction < 0:
         lateral, yaw = -lateral[:, ::-1], yaw[:, ::-1]
-    features = spectral.features(lateral, yaw, np.full(len(slow.kept(raw)), speed))
-    reference = features[2 * spectral.settled :]
+    features = spectral.features(lateral, yaw, np.full(len(slow.every(raw)), speed))
+    reference = features[2 * spectral.settling_samples :]
     ensemble = Ensemble(
         centre=reference.mean(axis=0), spread=reference.std(axis=0) + 1e-3, half_width=1.7,
         second=tuple(network(draw, 1, hidden=3) for _ in range(2 * (stages - 1))),
@@ -70,7 +70,7 @@ def general_pair(direction, stages):
 def test_the_general_estimator_is_the_same_online(direction, stages):
     built, offline, entry, slow, spectral = general_pair(direction, stages)
     answer = built.run(entry)
-    first = slow.keep * (2 * spectral.settled + 1) - 1
+    first = slow.keep * (2 * spectral.settling_samples + 1) - 1
     np.testing.assert_allclose(answer[first :: slow.keep, 0], offline.friction, rtol=ROUNDING)
     np.testing.assert_allclose(answer[first :: slow.keep, 1], offline.lower, rtol=ROUNDING, atol=1e-12)
     np.testing.assert_allclose(answer[first :: slow.keep, 2], offline.upper, rtol=ROUNDING)

@@ -161,7 +161,7 @@ def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():
     speed = np.full(2000, 20.0)
     one, two = spectral.features(lateral, yaw, speed), spectral.features(3 * lateral, 3 * yaw, speed)
     level = np.array(["level" in name for name in spectral.names])
-    after = slice(2 * spectral.settled, None)
+    after = slice(2 * spectral.settling_samples, None)
     assert two[after][:, ~level] == pytest.approx(one[after][:, ~level], abs=1e-9)
     assert two[after][:, level] - one[after][:, level] == pytest.approx(np.log(9), abs=1e-9)
 

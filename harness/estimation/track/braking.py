@@ -13,8 +13,6 @@ from railgrip.scenario.track import CurveLaw, force_along
 from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.track.geodesy import Place, local
 
-Array = NDArray[np.float64]
-
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
 """For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
 long; shorter waves are the receiver's. An estimate, not fitted to any case."""
@@ -63,9 +61,6 @@ def braking_of(
             the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and what `driven` and `braked` want.
         mass: Of the train [kg].
         origin: Of the local frame, the middle of the track when None.
-        curve_law: Of the curve resistance.
-        low_pass: Of the course.
-        trust: In the sensors of motion.
 
     Raises:
         EstimationError: A reading is missing, or nobody braked, or the train was still being driven then.
@@ -76,11 +71,11 @@ def braking_of(
         raise EstimationError(f"recording '{run.attrs.get('name')}' has no acceleration_along[1]; map one or more.")
     position = samples(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
     position[~np.isfinite(position).all(axis=1)] = np.nan  # half a position is none
-    fixed = np.flatnonzero(np.isfinite(position[:, 0]))
-    if fixed.size == 0:
+    fixes = np.flatnonzero(np.isfinite(position[:, 0]))
+    if fixes.size == 0:
         raise EstimationError(f"recording '{run.attrs.get('name')}': GNSS gave no position at all.")
     if origin is None:
-        middle = position[fixed[fixed.size // 2]]
+        middle = position[fixes[fixes.size // 2]]
         origin = Place(latitude=float(middle[0]), longitude=float(middle[1]), height=float(middle[2]))
     motion = motion_of(
         period=period,
@@ -96,13 +91,13 @@ def braking_of(
     brakes = braked(run)
     if not brakes.any():
         raise EstimationError(f"recording '{run.attrs.get('name')}': nobody braked.")
-    begins = int(np.argmax(brakes))
-    last = int(np.flatnonzero(np.append(True, driven(run)[:begins]))[-1])  # how many samples until driving ended
+    onset = int(np.argmax(brakes))
+    last = int(np.flatnonzero(np.append(True, driven(run)[:onset]))[-1])  # how many samples until driving ended
     # The drive's force dies away within two seconds of the driver's letting go.
     first = last + round(2.0 / period) if last else 0
-    if first >= begins:
+    if first >= onset:
         raise EstimationError(
-            f"recording '{run.attrs.get('name')}': braking began {(begins - last) * period:.2f} s after driving; "
+            f"recording '{run.attrs.get('name')}': braking began {(onset - last) * period:.2f} s after driving; "
             "the filter knows no traction and wants 2 s of coasting before."
         )
     with_force = with_signals(run, {"track_force": (force, "N")})
@@ -111,7 +106,7 @@ def braking_of(
         recording=with_force.isel(time=slice(first, None)),
         motion=motion,
         first=first,
-        brake=begins - first,
+        brake=onset - first,
     )
 
 

@@ -9,12 +9,11 @@ keeps 1/(1 + (L/l)⁴) of a wave of length l, half of one of the cut-off length 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
 from railgrip.errors import EstimationError
-
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 GRID = 1.0
 """Of the result [m]; positions closer together count as one."""
@@ -85,7 +84,6 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
         distance: Travelled, never falling, shape (k,) [m].
         horizontal: North and east there, shape (k, 2) [m].
         height: There, shape (k,) [m].
-        low_pass: How far to smooth.
 
     Raises:
         EstimationError: The positions span less than the base of the differences and five metres.
@@ -96,7 +94,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
             f"course: positions over {reach:.1f} m say nothing about curvature over {low_pass.base:g} m; "
             "take a longer recording."
         )
-    at, positions = _merged(distance, np.column_stack([horizontal, height]))
+    at, positions = _means_by_metre(distance, np.column_stack([horizontal, height]))
     # The way for which each point stands: half of that to either neighbour.
     weight = np.gradient(at)
     plan, rise = ((wavelength / (2.0 * np.pi)) ** 4 for wavelength in (low_pass.plan, low_pass.height))
@@ -121,7 +119,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
     )
 
 
-def _merged(distance: Array, values: Array) -> tuple[Array, Array]:
+def _means_by_metre(distance: Array, values: Array) -> tuple[Array, Array]:
     """Return means of distance and values over each metre in which there is a sample."""
     cell = np.floor((distance - distance[0]) / GRID).astype(int)
     _, which, count = np.unique(cell, return_inverse=True, return_counts=True)

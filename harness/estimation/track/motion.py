@@ -16,12 +16,10 @@ The third needs a path over distance, and that a distance: the first pass goes w
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.estimation.track.course import Course, LowPass, course_of
 from railgrip.estimation.track.smoother import smooth
-
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,22 +82,20 @@ def motion_of(
         accelerations: Of all accelerometers along the vehicle, shape (k, sensors) [m/s2].
         horizontal: North and east by GNSS, NaN where there was none, shape (k, 2) [m].
         height: By GNSS, likewise, shape (k,) [m].
-        trust: In each.
-        low_pass: Of the course.
 
     Raises:
         EstimationError: The train hardly moved.
     """
-    fixed = np.flatnonzero(np.isfinite(height))
+    fixes = np.flatnonzero(np.isfinite(height))
     mean_acceleration = np.mean(accelerations, axis=1)
     nothing = np.full(speed.size, np.nan)
     first = _pass(period, speed, mean_acceleration, nothing, trust)
     rough = np.maximum.accumulate(first[:, 0])
-    path = course_of(rough[fixed], horizontal[fixed], height[fixed], low_pass)
+    path = course_of(rough[fixes], horizontal[fixes], height[fixes], low_pass)
     along = nothing.copy()
-    along[fixed] = path.length_to(rough[fixed]) + path.ahead(rough[fixed], horizontal[fixed])
+    along[fixes] = path.length_to(rough[fixes]) + path.ahead(rough[fixes], horizontal[fixes])
     # The path begins at the first fix; the distance at the first sample.
-    along -= np.nan_to_num(along[fixed[0]]) - rough[fixed[0]]
+    along -= np.nan_to_num(along[fixes[0]]) - rough[fixes[0]]
     second = _pass(period, speed, mean_acceleration, along, trust)
     distance = np.maximum.accumulate(second[:, 0] - second[0, 0])
     return Motion(
@@ -107,7 +103,7 @@ def motion_of(
         speed=second[:, 1],
         acceleration=second[:, 2],
         scale=float(second[-1, 4]),
-        course=course_of(distance[fixed], horizontal[fixed], height[fixed], low_pass),
+        course=course_of(distance[fixes], horizontal[fixes], height[fixes], low_pass),
     )
 
 

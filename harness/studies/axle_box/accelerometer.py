@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfilt
 
-Array = NDArray[np.float64]
+from railgrip.estimators.arrays import Array
 
 RATE: Final = 5120
 """Samples a second of the paper's loggers."""
@@ -117,24 +116,26 @@ def measure(
     return _plate(fine + noise.before, sensor) * noise.gain + noise.after
 
 
-class Sampled:
+class SampleBySample:
     """The same sensors sample by sample: what `measure` returns at `RATE`, one row at a time."""
 
-    def __init__(self, sensor: Accelerometer, added: Disturbance) -> None:
+    def __init__(self, sensor: Accelerometer, noises: Disturbance) -> None:
         """Mount `sensor`, with what it adds drawn before."""
         self._b, self._a = plate(sensor)
-        self._added = added
+        self._disturbance = noises
         self._state: Array | None = None
 
     def read(self, sample: int, true: Array) -> Array:
         """Return the reading of a sample, m/s², shape (channels,); samples come one after the other from 0."""
-        shaken = true + self._added.before[sample]
+        excitation = true + self._disturbance.before[sample]
         b, a = self._b, self._a
         # The plate has settled under the first sample, as if the run had begun before.
-        state = _initial(b, a)[:, None] * shaken if self._state is None else self._state
-        deflection = b[0] * shaken + state[0]
-        self._state = np.stack([b[1] * shaken - a[1] * deflection + state[1], b[2] * shaken - a[2] * deflection])
-        return deflection * self._added.gain + self._added.after[sample]
+        state = _initial(b, a)[:, None] * excitation if self._state is None else self._state
+        deflection = b[0] * excitation + state[0]
+        self._state = np.stack(
+            [b[1] * excitation - a[1] * deflection + state[1], b[2] * excitation - a[2] * deflection]
+        )
+        return deflection * self._disturbance.gain + self._disturbance.after[sample]
 
 
 def _fine(true: Array, rate: int) -> Array:
@@ -154,8 +155,8 @@ def plate(sensor: Accelerometer) -> tuple[Array, Array]:
 
 def _plate(signal: Array, sensor: Accelerometer) -> Array:
     b, a = plate(sensor)
-    settled = _initial(b, a)[:, None] * signal[0]
-    return np.asarray(lfilter(b, a, signal, axis=0, zi=settled)[0], dtype=np.float64)
+    rest = _initial(b, a)[:, None] * signal[0]
+    return np.asarray(lfilter(b, a, signal, axis=0, zi=rest)[0], dtype=np.float64)
 
 
 def _initial(b: Array, a: Array) -> Array:

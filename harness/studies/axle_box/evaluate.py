@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train
@@ -15,14 +15,12 @@ from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.gather import spectral_features
 from railgrip.studies.axle_box.reduction import CHANNELS, Run
 
-Array = NDArray[np.float64]
-
 HIDDEN: Final = 6
 TRAINED: Final = 0.8
 DECAY: Final = 1e-8
 """Weight of the squared weights against the mean squared error. Without it some random starts end in networks of huge
 weights, which follow the training part to the last wiggle and are wrong by 0.1 right after it. Chosen on the training
-part alone, the middle of the weights that make little difference there; see `tried_within` and the report."""
+part alone, the middle of the weights that make little difference there; see `inside_training` and the report."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +53,7 @@ class Score:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fitted:
+class ScaledNetwork:
     """A network with the scaling in front of it."""
 
     network: Network
@@ -91,13 +89,13 @@ class Recipe:
         whole = run.settled if self.settled else run.blocks
         return np.hstack([whole[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
 
-    def fit(self, data: Sequence[tuple[Array, Array]], purpose: str) -> list[Fitted]:
+    def fit(self, data: Sequence[tuple[Array, Array]], purpose: str) -> list[ScaledNetwork]:
         """Return one network for each random start, trained on (blocks, labels) of several runs linked together."""
         x, y = np.vstack([d[0] for d in data]), np.concatenate([d[1] for d in data])
         scale = Scale.over(x)
         draws = generator(0, f"learn.start.{purpose}").spawn(self.starts)
         return [
-            Fitted(
+            ScaledNetwork(
                 network=train(
                     scale(x), y, hidden=HIDDEN, bias=self.bias, generator=draw, decay=self.decay, steps=self.steps
                 ),
@@ -118,7 +116,7 @@ def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float]
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
-def tried_within(runs: Sequence[Run], recipe: Recipe) -> Score:
+def inside_training(runs: Sequence[Run], recipe: Recipe) -> Score:
     """Judge inside of the training part: train on the first 64 % of every run, judge on the following 16 %."""
     training, _ = parts_of(runs, recipe)
     early = [(blocks[: _cut(blocks)], labels[: _cut(blocks)]) for blocks, labels in training]
@@ -137,14 +135,14 @@ def parts_of(
     )
 
 
-def best_of(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float] | None = None) -> Fitted:
+def best_of(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float] | None = None) -> ScaledNetwork:
     """Return, of networks trained on the first 80 % of every run, the one that fits these best."""
     early, _ = parts_of(runs, recipe, labels)
     x, y = np.vstack([d[0] for d in early]), np.concatenate([d[1] for d in early])
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda one: float(np.abs(one(x) - y).mean()))
 
 
-def best_of_exchanged(runs: Sequence[Run], recipe: Recipe) -> Fitted:
+def best_of_exchanged(runs: Sequence[Run], recipe: Recipe) -> ScaledNetwork:
     """Return `best_of` with every run under the label of another."""
     return best_of(runs, recipe, exchanged(runs))
 
@@ -174,9 +172,9 @@ def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
 def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Recipe) -> dict[str, Score]:
     """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
     training = [_labelled(recipe.blocks(run), run.friction) for run in home]
-    fitted = recipe.fit(training, f"home.{home[0].group}")
+    networks = recipe.fit(training, f"home.{home[0].group}")
     return {
-        name: score(fitted, training, [_labelled(recipe.blocks(run), run.friction) for run in runs])
+        name: score(networks, training, [_labelled(recipe.blocks(run), run.friction) for run in runs])
         for name, runs in away.items()
     }
 
@@ -185,9 +183,7 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
     """Judge the estimator for all speeds on runs it has not seen; one estimate every 20 m.
 
     Args:
-        ensemble: The estimator.
         mean_label: Of what it was trained on.
-        runs: New ones.
         rule: For each run, the mean label of training on rails as dry, or as little dry, as its own.
     """
     estimates, truth, recipes = [], [], []
@@ -211,14 +207,14 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
 
 
 def score(
-    fitted: Sequence[Callable[[Array], Array]],
+    networks: Sequence[Callable[[Array], Array]],
     training: Sequence[tuple[Array, Array]],
     new: Sequence[tuple[Array, Array]],
 ) -> Score:
     """Return the errors of several networks, beside those of the mean label of what they have seen."""
     x, y = np.vstack([d[0] for d in new]), np.concatenate([d[1] for d in new])
     mean = np.concatenate([d[1] for d in training]).mean()
-    errors = [one(x) - y for one in fitted]
+    errors = [one(x) - y for one in networks]
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
         starts=len(errors),

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from railgrip.estimators.learned.preprocessing import BLOCKS
-from railgrip.report.style import BLUE, GREEN, GREY, ORANGE, VERMILION, dress, figure, lead_to_trail, save
+from railgrip.report import style
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.evaluate import exchanged, parts_of
 from railgrip.studies.axle_box.gather import spectral_features
@@ -17,39 +17,38 @@ from railgrip.studies.axle_box.study import PUBLISHED, Study, over_speeds
 def draw(study: Study, folder: Path) -> list[Path]:
     """Draw every figure of a study into a folder."""
     return [
-        save(errors(study), folder / "errors.png"),
-        save(processed(study), folder / "processed.png"),
-        save(campaign(study), folder / "campaign.png"),
-        save(over_time(study), folder / "within_runs.png"),
+        style.save(errors(study), folder / "errors.png"),
+        style.save(processed(study), folder / "processed.png"),
+        style.save(campaign(study), folder / "campaign.png"),
+        style.save(over_time(study), folder / "within_runs.png"),
     ]
 
 
 def errors(study: Study) -> Figure:
     """Mean absolute error of each way of judging, beside always saying the mean."""
     published = float(np.mean([PUBLISHED[s][1] for s in study.runs]))
-    rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, GREY)]
+    rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, style.GREY)]
     for name, row, colour in (
-        *((f"4-6-1: {k}", v, BLUE) for k, v in study.split.items()),
-        *((f"4-6-1: {k}", v, VERMILION) for k, v in study.honest.items()),
-        *((f"all speeds: {k}", v, GREEN) for k, v in study.general.items()),
+        *((f"4-6-1: {k}", v, style.BLUE) for k, v in study.split.items()),
+        *((f"4-6-1: {k}", v, style.VERMILION) for k, v in study.honest.items()),
+        *((f"all speeds: {k}", v, style.GREEN) for k, v in study.general.items()),
     ):
         mean = over_speeds(row)
         rows.append((name, mean.mae, mean.mae_of_mean, colour))
-    sheet = figure(8.0, 0.33 * len(rows) + 1.0)
-    axes = sheet.subplots()
+    sheet, axes = style.panels(8.0, 0.33 * len(rows) + 1.0)
     for k, (_, mae, of_mean, colour) in enumerate(rows):
         axes.barh(-k, mae, color=colour, height=0.65)
         if of_mean is not None:
             axes.plot([of_mean, of_mean], [-k - 0.42, -k + 0.42], color="black", linewidth=1.6)
     axes.set_yticks([-k for k in range(len(rows))], [row[0] for row in rows], fontsize=8)
-    dress(axes, x="mean absolute error of friction, mean over speeds; black: always the mean label")
+    style.dress(axes, x="mean absolute error of friction, mean over speeds; black: always the mean label")
     axes.grid(visible=False, axis="y")
     return sheet
 
 
 def campaign(study: Study) -> Figure:
     """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
-    sheet = figure(8.0, 3.2)
+    sheet = style.figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
         np.atleast_1d(sheet.subplots(1, len(study.runs), sharey=True)), study.runs.items(), strict=True
     ):
@@ -57,23 +56,25 @@ def campaign(study: Study) -> Figure:
             estimate = study.ensemble(spectral_features(run))
             place = k + np.linspace(-0.3, 0.3, len(estimate.friction))
             axes.vlines(
-                place, estimate.lower, estimate.upper, color=GREEN, alpha=0.3, linewidth=1, label="90 % interval"
+                place, estimate.lower, estimate.upper, color=style.GREEN, alpha=0.3, linewidth=1, label="90 % interval"
             )
-            axes.plot(place, estimate.friction, ".", color=GREEN, markersize=3, label="estimate")
+            axes.plot(place, estimate.friction, ".", color=style.GREEN, markersize=3, label="estimate")
             axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
         if speed == next(iter(study.runs)):
             axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
         axes.set_xticks([])
         axes.set_ylim(0, 0.55)
-        dress(axes, x="runs by friction", y="friction" if speed == next(iter(study.runs)) else "", title=f"{speed} mph")
+        style.dress(
+            axes, x="runs by friction", y="friction" if speed == next(iter(study.runs)) else "", title=f"{speed} mph"
+        )
     return sheet
 
 
 def processed(study: Study) -> Figure:
     """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
-    sheet = figure(8.0, 1.7 * len(study.runs))
+    sheet = style.figure(8.0, 1.7 * len(study.runs))
     rows = np.atleast_1d(sheet.subplots(len(study.runs), 1))
-    colours = lead_to_trail(4)
+    colours = style.lead_to_trail(4)
     for axes, (speed, runs) in zip(rows, study.runs.items(), strict=True):
         ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
         amplitudes = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
@@ -81,13 +82,13 @@ def processed(study: Study) -> Figure:
         for wheelset, colour in enumerate(colours):
             axes.plot(seconds, amplitudes[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
         for begin, end, run in zip([0.0, *ends[:-1]], ends, runs, strict=True):
-            axes.axvline(end, color=GREY, linewidth=0.8, linestyle=":")
+            axes.axvline(end, color=style.GREY, linewidth=0.8, linestyle=":")
             axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
-                      ha="center", va="top", color=GREY)  # fmt: skip
+                      ha="center", va="top", color=style.GREY)  # fmt: skip
         axes.set_xlim(0, ends[-1])
         axes.set_ylim(0, 1.25 * float(amplitudes.max()))
         last = speed == list(study.runs)[-1]
-        dress(
+        style.dress(
             axes,
             x="time of the linked runs [s]" if last else "",
             y="|acc.| [m/s²]",
@@ -99,7 +100,7 @@ def processed(study: Study) -> Figure:
 
 def over_time(study: Study) -> Figure:
     """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
-    sheet = figure(8.0, 1.9 * len(study.runs))
+    sheet = style.figure(8.0, 1.9 * len(study.runs))
     grid = np.atleast_2d(sheet.subplots(len(study.runs), 2, sharex="row", sharey=True))
     for pair, (speed, runs) in zip(grid, study.runs.items(), strict=True):
         for axes, fitted, labels, title in (
@@ -109,9 +110,11 @@ def over_time(study: Study) -> Figure:
             _, late = parts_of(runs, study.recipe, labels)
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
             axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
-            axes.plot(seconds, fitted(np.vstack([x for x, _ in late])), color=ORANGE, linewidth=0.9, label="estimate")
+            axes.plot(
+                seconds, fitted(np.vstack([x for x, _ in late])), color=style.ORANGE, linewidth=0.9, label="estimate"
+            )
             last = speed == list(study.runs)[-1]
-            dress(
+            style.dress(
                 axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",
                 title=f"{speed} mph, {title}",
             )  # fmt: skip

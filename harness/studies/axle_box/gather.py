@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 import railgrip.estimators.learned.antialias
 import railgrip.estimators.learned.channels
@@ -22,14 +21,13 @@ import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
 from railgrip import cache
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX
 from railgrip.studies.axle_box.instrumented_car import FMU, Pass, slope
 from railgrip.studies.axle_box.measured import VEHICLE, readings
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, reduce
-
-Array = NDArray[np.float64]
 
 RUN: Final = "run.npz"
 KIND: Final = "runs"
@@ -60,7 +58,6 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
     """Return the reduced runs of passes, simulating those that are not in the user's cache.
 
     Args:
-        pool: Simulates, see `workers`.
         tell: Told the name of every run as it is there.
     """
     plan = list(passes)
@@ -81,9 +78,9 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
 
 
 def _make(run: Pass, key: str) -> Path:
-    reduced = reduce(run.name, run.friction, readings(run))
+    own = reduce(run.name, run.friction, readings(run))
     content = BytesIO()
-    np.savez_compressed(content, **{k: v for k, v in asdict(reduced).items() if v is not None})
+    np.savez_compressed(content, **{k: v for k, v in asdict(own).items() if v is not None})
     return cache.keep(KIND, key, RUN, content.getvalue())
 
 

@@ -33,7 +33,7 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
     tell(f"learn, six runs at {SPEED} mph")
     recipe = Recipe(starts=3)
     with workers(2) as pool:
-        runs = list(pool.map(_reduced, [run for run in campaign(length=LENGTH) if run.speed == SPEED * MPH]))
+        runs = list(pool.map(_run_of, [run for run in campaign(length=LENGTH) if run.speed == SPEED * MPH]))
         tell("learn, training")
         training = {
             "bias inside": pool.submit(within_runs, runs, recipe),
@@ -65,5 +65,5 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
     return findings
 
 
-def _reduced(run: Pass) -> Run:
+def _run_of(run: Pass) -> Run:
     return reduce(run.name, run.friction, readings(run))

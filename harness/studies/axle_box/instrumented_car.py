@@ -11,15 +11,13 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from railgrip.estimators.arrays import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
 from railgrip.track.irregularity import KINDS, TRACKS, Irregularity, realise
-
-Array = NDArray[np.float64]
 
 RATE: Final = 1280
 """Samples a second. Irregularities end at 21 Hz and the wheelsets bounce at 42 Hz: four times as many samples change
@@ -35,7 +33,7 @@ BEHIND: Final = (0.0, WHEELBASE, PIVOTS, PIVOTS + WHEELBASE)
 """m, each wheelset behind the leading one."""
 MPH: Final = 0.44704
 FMU: Final = "MultiPurposeVehicle"
-SHOWN: Final = 21
+OUTPUTS: Final = 21
 """Numbers that the car shows, see `car_of`."""
 
 
@@ -140,7 +138,7 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
         railgrip.errors.FmuError: It cannot be built.
     """
     with car_of(run, rate=rate) as (car, inputs, skipped):
-        outputs = np.empty((len(inputs), SHOWN))
+        outputs = np.empty((len(inputs), OUTPUTS))
         outputs[0] = car.start(inputs[0])
         step = car.step
         for k in range(1, len(inputs)):
@@ -151,14 +149,14 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
         lateral=outputs[:, 8:12], offset=outputs[:, 12:16], creep=outputs[:, 16:20], speed=outputs[:, 20],
         friction=friction,
     )  # fmt: skip
-    return _turned(result) if run.backwards else result
+    return _in_axes_of_car(result) if run.backwards else result
 
 
 @contextmanager
 def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Array, int]]:
     """Yield the car of a run, not started, its inputs sample by sample, and how many samples lie before the section.
 
-    What it shows is `SHOWN` numbers: longitudinal acceleration of the left and of the right boxes, lateral
+    What it shows is `OUTPUTS` numbers: longitudinal acceleration of the left and of the right boxes, lateral
     acceleration, lateral offset and creep of the wheelsets, leading one first, and the speed; in axes that point
     forwards.
     """
@@ -190,7 +188,7 @@ def _bound() -> tuple[Description, Any]:
     return description, bind(description, inputs=input_signals, outputs=output_signals, where=f"the car {FMU}")
 
 
-def _turned(forward: Ride) -> Ride:
+def _in_axes_of_car(forward: Ride) -> Ride:
     """Return a ride in the axes of a car whose rear led: the whole car is rotated by half a turn."""
     return Ride(
         longitudinal=-forward.longitudinal[:, ::-1, ::-1],
@@ -234,12 +232,12 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
     # The car starts on even track: irregularities grow over the first half of the lead-in.
     ramp = np.clip(distance / (LEAD_IN / 2), 0, 1) ** 2 * (3 - 2 * np.clip(distance / (LEAD_IN / 2), 0, 1))
-    columns = [_seen(track, kind, position, whole, run.backwards) * ramp[:, None] for kind in KINDS]
+    columns = [_met_by_car(track, kind, position, whole, run.backwards) * ramp[:, None] for kind in KINDS]
     columns.append(_friction(run, position, whole))
     return np.hstack(columns), before
 
 
-def _seen(track: Irregularity, kind: str, position: Array, whole: float, backwards: bool) -> Array:
+def _met_by_car(track: Irregularity, kind: str, position: Array, whole: float, backwards: bool) -> Array:
     """Return irregularities as a car meets them; to a car that runs the other way, left is right."""
     if not backwards:
         return track.at(kind, position)  # pyright: ignore[reportArgumentType] - one of KINDS

@@ -30,9 +30,6 @@ def judge_own(
     Args:
         runs: Of all speeds.
         recipe: Of the networks of the paper's kind, one for each speed class.
-        workers: Processes.
-        members: Networks of the estimator for all speeds.
-        remarks: What was mended in the recordings.
         tell: Told each piece that is done; `own_pieces` says how often.
 
     Raises:
@@ -44,10 +41,10 @@ def judge_own(
     with processes(workers) as pool:
         whole = pool.submit(general, runs, members)
         split = {g: pool.submit(within_runs, own, recipe) for g, own in several.items()}
-        left_out = {g: pool.submit(without_each, own, recipe) for g, own in several.items()}
+        without_one = {g: pool.submit(without_each, own, recipe) for g, own in several.items()}
         networks = {g: pool.submit(best_of, own, recipe) for g, own in several.items()}
         each = [pool.submit(_without, runs, k, members) for k in range(len(runs))]
-        for future in (whole, *split.values(), *left_out.values(), *networks.values(), *each):
+        for future in (whole, *split.values(), *without_one.values(), *networks.values(), *each):
             future.result()
             tell("training and judging")
     ensemble: Ensemble = whole.result()[0]
@@ -55,7 +52,7 @@ def judge_own(
         len(runs),
         recipe,
         {g: one.result() for g, one in split.items()},
-        {g: one.result() for g, one in left_out.items()},
+        {g: one.result() for g, one in without_one.items()},
         over_speeds(dict(enumerate(one.result() for one in each))),
         remarks,
     )

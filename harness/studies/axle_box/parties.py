@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.errors import FmuError
+from railgrip.estimators.belief import Vector
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES, Edge, Online
 from railgrip.fmu import CoSimulation, Signal, bind, describe
-from railgrip.studies.axle_box.accelerometer import AXLE_BOX, Sampled
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX, SampleBySample
 from railgrip.studies.axle_box.instrumented_car import Pass, held_speed
 from railgrip.studies.axle_box.measured import disturbance_of
-
-Vector = NDArray[np.float64]
 
 READINGS: Final = (*BOXES, "speed")
 """What the instruments of the car show, in order: m/s² in axes of the car, and m/s."""
@@ -27,7 +25,7 @@ class AxleBoxes:
 
     def __init__(self, run: Pass, count: int) -> None:
         """Mount them for a run of `count` samples."""
-        self._sampled = Sampled(AXLE_BOX, disturbance_of(run, count, held_speed(run)))
+        self._sensors = SampleBySample(AXLE_BOX, disturbance_of(run, count, held_speed(run)))
         self._backwards = run.backwards
 
     def read(self, sample: int, truth: Vector) -> Vector:
@@ -35,7 +33,7 @@ class AxleBoxes:
         left, right, lateral = truth[0:4], truth[4:8], truth[8:12]
         if self._backwards:  # the sensors are fixed to a car that is turned by half a turn
             left, right, lateral = -right[::-1], -left[::-1], -lateral[::-1]
-        boxes = self._sampled.read(sample, np.concatenate([left, right, lateral]))
+        boxes = self._sensors.read(sample, np.concatenate([left, right, lateral]))
         return np.append(boxes, truth[20])
 
 
@@ -55,14 +53,14 @@ class LearnedFriction:
         self.held, self.seen = np.ones(1), np.full(len(READINGS), np.nan)
         self._advance = advance
         signals = (*READINGS, "direction")
-        self._taken = np.array([signals.index(name) for name in inputs])
+        self._order = np.array([signals.index(name) for name in inputs])
         self._at = {name: place for place, name in enumerate(outputs)}
         self._latest = self.seen.copy()
 
     def advance(self) -> None:
         """Go on by one sample."""
         np.copyto(self._latest, self.seen, where=~np.isnan(self.seen))
-        outputs, at = self._advance(np.concatenate([self._latest, self.held])[self._taken]), self._at
+        outputs, at = self._advance(np.concatenate([self._latest, self.held])[self._order]), self._at
         if outputs[at["known"]] < 0.5:
             return
         friction = self.mean[0] = outputs[at["friction"]]
@@ -108,13 +106,13 @@ def in_fmu(file: Path, rate: int) -> Generator[LearnedFriction]:
         parameters=(), table={}, where=file.name,
     )  # fmt: skip
     with CoSimulation(description, binding, period=1 / rate, parameters={}) as model:
-        started = False
+        has_begun = False
 
         def advance(sample: Vector) -> Vector:
-            nonlocal started
-            if not started:
+            nonlocal has_begun
+            if not has_begun:
                 model.start(sample)
-                started = True
+                has_begun = True
             return model.step(sample)
 
         yield LearnedFriction(advance, inputs, outputs)

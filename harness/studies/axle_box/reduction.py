@@ -9,16 +9,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import Motion, forwards, motions
 from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import MPH
-
-Array = NDArray[np.float64]
 
 SLOW: Final = AntiAlias(rate=RATE, keep=40)
 SPECTRAL: Final = Spectral(rate=SLOW.slow_rate)
@@ -97,4 +95,4 @@ def slow_signals(readings: Readings) -> Array:
     """Return lateral and yaw acceleration at the slow rate in axes that point forwards, and speed, shape (m, 9)."""
     slow = SLOW(np.hstack([readings.lateral, readings.right - readings.left]))
     lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=readings.backwards)
-    return np.column_stack([lateral, yaw, SLOW.kept(readings.speed)])
+    return np.column_stack([lateral, yaw, SLOW.every(readings.speed)])

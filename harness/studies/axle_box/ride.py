@@ -26,23 +26,21 @@ from typing import Annotated, Literal
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from pydantic import Field, StrictInt, field_validator
 
 from railgrip.errors import ScenarioError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
-from railgrip.estimators.learned.trained import Said, Trained, load
+from railgrip.estimators.learned.trained import RunEstimates, Trained, load
 from railgrip.loop.beside import Watched, watch
-from railgrip.report.style import GREEN, dress, figure
+from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, car_of
 from railgrip.studies.axle_box.parties import AxleBoxes, in_casadi, in_fmu
 from railgrip.track.irregularity import TRACKS
-
-Array = NDArray[np.float64]
 
 LIBRARY = Path(__file__).parent / "library"
 
@@ -101,7 +99,7 @@ class RideFile(Table):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ridden:
+class RideResult:
     """What a ride gave.
 
     Attributes:
@@ -123,11 +121,12 @@ def read_ride(file: Path) -> RideFile:
     return validated(RideFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
-def ride_beside(ride_file: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None) -> Ridden:
+def ride_beside(
+    ride_file: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None
+) -> RideResult:
     """Run the car and the estimator side by side, sample by sample, through the protocols of the loop.
 
     Args:
-        ride_file: What to run.
         directory: Where the file of the estimator is, if not in the working directory.
         progress: Told the share that is done.
 
@@ -158,15 +157,15 @@ def ride_beside(ride_file: RideFile, directory: Path, progress: Callable[[float]
             progress=lambda sample: progress(sample / count),
         )
     apart = None if trained is None else difference(record, said_of(trained, record, run))
-    return Ridden(trace=_trace(ride_file, record, inputs[skipped:, 16:]), apart=apart)
+    return RideResult(trace=_trace(ride_file, record, inputs[skipped:, 16:]), apart=apart)
 
 
-def said_of(trained: Trained, record: Watched, run: Pass) -> Said:
+def said_of(trained: Trained, record: Watched, run: Pass) -> RunEstimates:
     """Return what an estimator says of the readings of a ride, all at once."""
     return trained.offline(record.reading[:, : len(BOXES)], record.reading[:, len(BOXES)], backwards=run.backwards)
 
 
-def difference(record: Watched, answer: Said) -> float:
+def difference(record: Watched, answer: RunEstimates) -> float:
     """Return the largest difference in friction between the loop and an estimate of the same readings at once."""
     return float(np.max(np.abs(record.mean[answer.sample, 0] - answer.friction), initial=0.0))
 
@@ -178,8 +177,7 @@ def _require_rate(file: Path, rate: int) -> None:
 
 def ride_figure(trace: xarray.Dataset) -> Figure:
     """Return friction over the distance: the truth under the car, the estimate and its 90 % interval."""
-    sheet = figure(8.0, 3.0)
-    axes = sheet.subplots()
+    sheet, axes = panels(8.0, 3.0)
     every = trace.isel(time=slice(RATE // 10, None, RATE // 10))
     distance = np.cumsum(trace["speed"].values)[RATE // 10 :: RATE // 10] / RATE
     friction, half = every["friction"].values, QUANTILE * every["friction_sd"].values
@@ -187,7 +185,7 @@ def ride_figure(trace: xarray.Dataset) -> Figure:
     axes.plot(distance, friction, color=GREEN, linewidth=1.2, label="estimate")
     if np.isfinite(half).any():
         low, high = np.maximum(friction - half, 0), np.minimum(friction + half, 1)
-        axes.fill_between(distance, low, high, color=GREEN, alpha=0.2, linewidth=0, label="90 % interval")
+        band(axes, distance, low, high, GREEN, 0.2, label="90 % interval")
     axes.set_ylim(0, 0.6)
     axes.set_xlim(0, None)
     axes.legend(fontsize=8, ncols=3, loc="upper right")

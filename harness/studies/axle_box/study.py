@@ -15,15 +15,15 @@ from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.evaluate import (
-    Fitted,
     Recipe,
+    ScaledNetwork,
     Score,
     average,
     best_of,
     best_of_exchanged,
     elsewhere,
+    inside_training,
     judge,
-    tried_within,
     within_exchanged,
     within_runs,
     without_each,
@@ -96,8 +96,8 @@ class Study:
     honest: Rows
     general: Rows
     ensemble: Ensemble
-    networks: Mapping[int, Fitted]
-    exchanged: Mapping[int, Fitted]
+    networks: Mapping[int, ScaledNetwork]
+    exchanged: Mapping[int, ScaledNetwork]
     runs: Mapping[int, Sequence[Run]]
 
 
@@ -114,7 +114,6 @@ def study(
 
     Args:
         inputs: Of the paper's networks, key of `channels.COMBINATIONS`.
-        workers: Processes.
         tell: Told each run that is there and each piece that is judged; `pieces` says how often.
     """
     plan = passes(size)
@@ -127,14 +126,7 @@ def study(
 def concluded(
     size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
 ) -> Study:
-    """Train and judge.
-
-    Args:
-        runs_of_part: Runs by set, see `passes`.
-        recipe: Of the paper's networks.
-        pool: Where that is done.
-        tell: Told each piece that is judged.
-    """
+    """Train and judge."""
     few = replace(recipe, starts=size.honest_starts)
     by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
     away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}
@@ -208,7 +200,7 @@ def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequen
             "labels exchanged": partial(within_exchanged, recipe=recipe),
             "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
         },
-        "decays": {f"{decay:g}": partial(tried_within, recipe=replace(few, decay=decay)) for decay in DECAYS},
+        "decays": {f"{decay:g}": partial(inside_training, recipe=replace(few, decay=decay)) for decay in DECAYS},
         "inputs": {name: partial(within_runs, recipe=replace(few, inputs=name)) for name in COMBINATIONS},
         "honest": {"a run left out": partial(without_each, recipe=few)},
     }
@@ -221,7 +213,7 @@ def estimators_of(study: Study) -> dict[str, PaperEstimator | GeneralEstimator]:
     return {"friction": general, **papers}
 
 
-def paper_estimator(fitted: Fitted, speed: int, recipe: Recipe) -> PaperEstimator:
+def paper_estimator(fitted: ScaledNetwork, speed: int, recipe: Recipe) -> PaperEstimator:
     """Return a network with all that stands in front of it, for a speed class, mph."""
     return PaperEstimator(
         chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),

@@ -44,12 +44,9 @@ def own_report(
     """Return the report on a user's runs as Markdown; rows by speed class in mph.
 
     Args:
-        count: Of runs.
-        recipe: Of the networks of the paper's kind.
         split: Under the paper's split; empty where no speed class has two runs.
         left_out: The same networks, each run left out once.
         general: Of the estimator for all speeds, each run left out once.
-        remarks: What was mended in the recordings.
     """
     rows = {"last 20 % of runs seen": split, "a run left out": left_out}
     return rendered(

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.online import BOXES
 from railgrip.studies.axle_box.gather import SETTLED
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Readings, Run, reduce
@@ -25,8 +25,6 @@ from railgrip.trace.flag import Flag, summary
 from railgrip.trace.read import Taken, recorded
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import Column, DataTable, TimeColumn
-
-Array = NDArray[np.float64]
 
 UNITS: Final[Mapping[str, str]] = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s"}
 """Signals of a run, as the map of columns calls them."""
@@ -82,8 +80,6 @@ def read_folder(
     """Return the labelled runs of a folder.
 
     Args:
-        folder: Of the recordings.
-        labels: Table of labels.
         table: Column map; `plain_table` unless given.
         tell: Told the name of every file as it has been read.
 
@@ -94,7 +90,7 @@ def read_folder(
     runs: list[Run] = []
     remarks: list[str] = []
     for name, label in label_of.items():
-        record = _taken(folder / name, columns)
+        record = _recording(folder / name, columns)
         flags: list[Flag] = []
         runs.append(reduce(name, label.friction, _readings(name, record, columns, label, flags)))
         remarks += [f"{name}: {sentence}" for sentence in (*record.recording.attrs["flags"], *summary(flags))]
@@ -125,7 +121,7 @@ def read_labels(file: Path) -> dict[str, Label]:
     return out
 
 
-def _taken(file: Path, table: DataTable) -> Taken:
+def _recording(file: Path, table: DataTable) -> Taken:
     if abs(table.period / PERIOD - 1) > 1e-6:
         raise EstimationError(
             f"[data] period is {1e6 * table.period:g} us; write '{1e6 * PERIOD:g} us', {SLOW.rate} samples a second: "

@@ -4,15 +4,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.studies.field_test.filtering import Task, follow
 from railgrip.studies.field_test.noise import Noise
 from railgrip.studies.field_test.objective import terms_of
 from railgrip.studies.field_test.score import score
-
-Array = NDArray[np.float64]
 
 COMMON = 10.0 ** np.arange(-4, 5, 1.0)
 TRUSTED = 10.0 ** np.arange(-8, 3, 1.0)

@@ -40,7 +40,7 @@ def track_figure(run: Run) -> Figure:
     chart.annotate("start", reference[0][::-1], textcoords="offset points", xytext=(8, 0), fontsize=8)
     chart.set_aspect("equal")
     style.dress(chart, x="east [m]", y="north [m]", title="map")
-    chart.legend(fontsize=8, loc="lower right", frameon=False)
+    style.legend(chart, loc="lower right")
     slope, curvature = run.laid(course.distance)
     for row, (left, true, estimate, unit, label, title) in enumerate(
         (
@@ -52,20 +52,17 @@ def track_figure(run: Run) -> Figure:
         panel = drawing.add_subplot(grid[row, 1])
         panel.plot(course.distance, left, color=style.BLACK, linewidth=1.2)
         style.dress(panel, y=label, title=title, x="distance [m]" if row else "")
-        other = panel.twinx()
+        other = style.second_scale(panel, unit, style.BLUE)
         other.plot(course.distance, true, color=style.GREY, linewidth=3.5, alpha=0.5, label="laid")
         other.plot(course.distance, estimate, color=style.BLUE, linewidth=1.1, label="recovered")
-        other.set_ylabel(unit, color=style.BLUE)
-        other.spines[["top"]].set_visible(False)
         if not row:
-            other.legend(fontsize=8, loc="upper left", frameon=False)
+            style.legend(other, loc="upper left")
     return drawing
 
 
 def speed_figure(run: xarray.Dataset) -> Figure:
     """Return the speed of the whole run (figure 3)."""
-    drawing = style.figure(9, 3)
-    panel = drawing.subplots()
+    drawing, panel = style.panels(9, 3)
     time = run["time"].values
     panel.plot(time, style.KMH * reading_of(run, "speed"), color=style.BLUE, linewidth=1.4, label="optical sensor")
     for on, colour, label in ((driven(run), style.GREEN, "driving"), (braked(run), style.VERMILION, "braking")):
@@ -74,7 +71,7 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     style.dress(panel, x="time [s]", y="speed [km/h]")
     panel.set_xlim(0, time[-1])
     panel.set_ylim(0, None)
-    panel.legend(ncols=3, fontsize=8, loc="upper left", frameon=False)
+    style.legend(panel, ncols=3, loc="upper left")
     return drawing
 
 
@@ -82,8 +79,7 @@ def readings_figure(braking: Braking) -> Figure:
     """Return what the filter is given: pressures, speeds (figure 4)."""
     recording = braking.recording
     time = _since_brake(braking)
-    drawing = style.figure(9, 5)
-    upper, lower = drawing.subplots(2, 1, sharex=True)
+    drawing, (upper, lower) = style.panels(9, 5, 2, 1, sharex=True)
     for group in (MB1, JTB1):
         pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
         upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=NAMES[group])
@@ -95,8 +91,8 @@ def readings_figure(braking: Braking) -> Figure:
         lower.plot(time, rim, color=COLOURS[group], linewidth=1.0, label=f"{NAMES[group]}, rim")
     style.dress(upper, y="cylinder pressure [bar]")
     style.dress(lower, x="time since the brake was applied [s]", y="speed [km/h]")
-    upper.legend(fontsize=8, frameon=False, loc="lower right")
-    lower.legend(fontsize=8, frameon=False, loc="upper right")
+    style.legend(upper, loc="lower right")
+    style.legend(lower, loc="upper right")
     upper.set_xlim(-3, time[-1])
     return drawing
 
@@ -105,16 +101,14 @@ def friction_figure(task: Task, estimates: Mapping[str, Followed]) -> Figure:
     """Return pad friction over time and adhesion over slip, estimated and true, a row for each tuning (figure 5)."""
     assert task.truth is not None
     time = _since_brake(task.braking)[1:]
-    drawing = style.figure(11, 3.4 * len(estimates))
-    rows = drawing.subplots(len(estimates), 2, squeeze=False, sharex="col", sharey="col")
+    drawing, rows = style.panels(11, 3.4 * len(estimates), len(estimates), 2, squeeze=False, sharex="col", sharey="col")
     window = time >= 0.3
     for (pads, curve), (title, estimate) in zip(rows, estimates.items(), strict=True):
         for group in (MB1, JTB1):
             mean = estimate.mean[:, 1 + GROUPS + group] / NOMINAL
             sd = np.sqrt(estimate.variance[:, 1 + GROUPS + group]) / NOMINAL
             true = task.truth[:, 1 + GROUPS + group] / NOMINAL
-            pads.fill_between(time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], color=COLOURS[group],
-                              alpha=0.15, linewidth=0)  # fmt: skip
+            style.band(pads, time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], COLOURS[group], 0.15)
             pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=NAMES[group])
             pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
                       label=f"{NAMES[group]}, true")  # fmt: skip
@@ -134,8 +128,8 @@ def friction_figure(task: Task, estimates: Mapping[str, Followed]) -> Figure:
         pads.set_ylim(0.7, 1.4)
         curve.set_ylim(-0.02, 0.24)
         curve.set_xlim(-1, 19)
-    rows[0, 0].legend(fontsize=8, ncols=2, frameon=False, loc="lower right")
-    rows[0, 1].legend(fontsize=8, frameon=False, loc="lower right", markerscale=3)
+    style.legend(rows[0, 0], ncols=2, loc="lower right")
+    style.legend(rows[0, 1], loc="lower right", markerscale=3)
     rows[-1, 0].set_xlabel("time since the brake was applied [s]")
     rows[-1, 1].set_xlabel("slip [%]")
     return drawing
@@ -143,8 +137,7 @@ def friction_figure(task: Task, estimates: Mapping[str, Followed]) -> Figure:
 
 def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
     """Return what equation (14) and the truth say of two ways to change noises."""
-    drawing = style.figure(11, 4)
-    panels = drawing.subplots(1, 2)
+    drawing, panels = style.panels(11, 4, 1, 2)
     for panel, sweep, x, title in (
         (panels[0], common, "factor on R, Q and P at the start", "equation (14) does not see the scale"),
         (panels[1], trusted, "factor on R alone", "equation (14) rewards repeating the readings"),
@@ -156,7 +149,7 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
                      label="RMSE of pad friction")  # fmt: skip
         panel.loglog(sweep.factor, sweep.nees, color=style.VERMILION, linestyle="--", label="NEES, 1 wanted")
         style.dress(panel, x=x, title=title)
-    panels[0].legend(fontsize=8, frameon=False)
+    style.legend(panels[0])
     return drawing
 
 

@@ -4,19 +4,17 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
 from railgrip.estimation.track.braking import Braking
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter, Followed
 from railgrip.estimators.consistency import lost_at
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field_test.noise import GROUPS, PHYSICAL, Noise
 from railgrip.trace.samples import knows, period_of, samples, truth_of
-
-Array = NDArray[np.float64]
 
 
 @cache
@@ -85,9 +83,7 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     """Return the beliefs over a braking with given noises.
 
     Args:
-        task: The braking.
         filter_: Of `filter_of`; used by this call alone.
-        noise: For this run.
         start_scale: Factor on the covariance at the start.
 
     Raises:

@@ -4,15 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import NoiseTable
+from railgrip.estimators.arrays import Array
 from railgrip.scenario.load import read_toml, validated
-
-Array = NDArray[np.float64]
 
 LIBRARY = Path(__file__).parent / "library"
 GROUPS = 4

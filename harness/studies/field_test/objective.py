@@ -5,14 +5,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter, Followed
 from railgrip.studies.field_test.filtering import Task, follow
 from railgrip.studies.field_test.noise import GROUPS, Noise
-
-Array = NDArray[np.float64]
 
 R_WHEEL = 0.38
 """Weight of |Δω| against |Δv| [m]: errors of the rim count as errors of the train."""

@@ -33,11 +33,6 @@ PHYSICAL_NAME = "sensors and physics"
 def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[str], None] = lambda what: None) -> Path:
     """Run the six cases, recover their track, filter case 6, and write figures and `field.md`.
 
-    Args:
-        scenarios: Of the cases, by their names.
-        out: Folder.
-        tell: Called with what is done next.
-
     Raises:
         EstimationError: A set of noises or a case is missing, or a case cannot be run.
     """

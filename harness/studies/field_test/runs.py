@@ -4,18 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.stop import stop_read
 from railgrip.estimation.track.braking import Braking, braking_of
+from railgrip.estimators.arrays import Array
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import Plan
-
-Array = NDArray[np.float64]
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"

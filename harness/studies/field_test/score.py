@@ -3,17 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.compiled import Followed
 from railgrip.studies.field_test.filtering import Task
 from railgrip.studies.field_test.noise import GROUPS
 from railgrip.studies.field_test.objective import terms_of
 from railgrip.studies.field_test.runs import Run
 from railgrip.trace.samples import reading_of, truth_of
-
-Array = NDArray[np.float64]
 
 SETTLED = 1.0
 """After the brake is applied, what the filter needs to settle [s]; the paper shows the same oscillation."""

@@ -12,18 +12,16 @@ from pathlib import Path
 from threading import local as thread_local
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field_test.filtering import Task, filter_of
 from railgrip.studies.field_test.noise import NAMES, PHYSICAL, Noise
 from railgrip.studies.field_test.objective import Kind, evaluate
-
-Array = NDArray[np.float64]
 
 BOUNDS: dict[str, tuple[float, float]] = {
     "R_v": (-8.0, 0.0),
@@ -56,7 +54,7 @@ class Search:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Optimum:
     """Where a search ended.
 
     Attributes:
@@ -77,14 +75,12 @@ def tune(
     search: Search,
     checkpoint: Path,
     tell: Callable[[int, float], None] = lambda generation, best: None,
-) -> Found:
+) -> Optimum:
     """Return the noises that minimise an objective over brakings.
 
     Args:
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
         tasks: Brakings, all of one period.
-        model: Of the filter.
-        search: How long.
         checkpoint: File (`.npz`) where the search is kept after every stage, and found again.
         tell: Called after every generation with its number and the best value so far.
 
@@ -105,7 +101,7 @@ def tune(
 
     limits = [BOUNDS.get(name, BOUNDS[name.rstrip("1234")]) for name in NAMES]
     identity = _identity(kind, tasks, search)
-    population, history = _resumed(checkpoint, identity) or (_first(search, limits), [])
+    population, history = _from_checkpoint(checkpoint, identity) or (_first(search, limits), [])
     filter_of(model, period)  # compiled once, before the threads would do it at the same time
     best, lowest = Noise.of(population[0]), history[-1] if history else np.inf
     with ThreadPoolExecutor(search.workers) as pool:
@@ -140,7 +136,7 @@ def tune(
                 np.savez(file, population=population, history=np.array(history), identity=np.array(identity))
             if len(history) == before:
                 break
-    return Found(best, lowest, tuple(history))
+    return Optimum(best, lowest, tuple(history))
 
 
 def _first(search: Search, limits: Sequence[tuple[float, float]]) -> Array:
@@ -160,7 +156,7 @@ def _identity(kind: Kind, tasks: Sequence[Task], search: Search) -> str:
     return digest.hexdigest()
 
 
-def _resumed(checkpoint: Path, identity: str) -> tuple[Array, list[float]] | None:
+def _from_checkpoint(checkpoint: Path, identity: str) -> tuple[Array, list[float]] | None:
     """Return population and history of a search that was begun, or None."""
     if not checkpoint.exists():
         return None

@@ -9,14 +9,12 @@ from itertools import pairwise
 from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.assemble.vehicle import GRAVITY, brake_of, masses_of
 from railgrip.errors import ScenarioError
+from railgrip.estimators.arrays import Array
 from railgrip.formation import Formation
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
-
-Array = NDArray[np.float64]
 
 PARTS = 4
 """Of each step of speed, equal in v²: eight move the distance by less than 1e-4."""

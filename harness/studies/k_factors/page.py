@@ -12,14 +12,14 @@ from railgrip.assemble.files import plant_description
 from railgrip.assemble.parties import versions
 from railgrip.atomic import write_text
 from railgrip.report.page import write_page
-from railgrip.report.style import dress, figure, lead_to_trail, save
+from railgrip.report.style import band, dress, figure, lead_to_trail, legend, save
 from railgrip.report.table import Table
 from railgrip.sources import sources_digest
 from railgrip.studies.k_factors.rare import estimates, pooled
 from railgrip.studies.k_factors.study import PROBABILITIES, Study
 from railgrip.trace.k_wet import Interval
 
-_SHOWN = (0, 3, 6, 9)
+_LEVELS = (0, 3, 6, 9)
 """EBCL whose convergence is drawn."""
 
 _HALF_HEIGHT = 0.012  # of the panels of convergence, in K
@@ -33,7 +33,7 @@ FILES = ("k_factors.json", "k_factors.png", "k_factors.md")
 def table(study: Study) -> Table:
     """Return one row for each EBCL: probability, and K with its interval for each output."""
     rows = [
-        [str(level), f"{probability:g}", *(_spelled(k[level]) for k in study.quasi_static.k)]
+        [str(level), f"{probability:g}", *(_text(k[level]) for k in study.quasi_static.k)]
         for level, probability in enumerate(PROBABILITIES)
     ]
     return Table.of(("EBCL", "P(less)", *study.brake.outputs), rows, left=0)
@@ -56,8 +56,8 @@ def sentences(study: Study) -> list[str]:
             for p, stops in loop.cost.items()
         ]
         lines += [
-            f"With the controller in the loop: K = {_spelled(loop.k)} at {loop.probability:g}, quasi-static "
-            f"{_spelled(loop.quasi_static)}; {loop.stops} stops, failure states sampled {loop.states}, all others "
+            f"With the controller in the loop: K = {_text(loop.k)} at {loop.probability:g}, quasi-static "
+            f"{_text(loop.quasi_static)}; {loop.stops} stops, failure states sampled {loop.states}, all others "
             f"{loop.neglected:.1e}; a stop takes a core {loop.stop_seconds:.2f} s.",
             f"The same samples and runs for less likely decelerations, estimated for {study.workers} cores: "
             f"{'; '.join(cost)}. Intervals half as wide take four times as many.",
@@ -126,7 +126,7 @@ def draw(study: Study) -> Figure:
     """Return the figure: K over probability for each output, and how K of the whole stop settles with the draws."""
     brake, result = study.brake, study.quasi_static
     drawing = figure(11.0, 5.4)
-    grid = drawing.add_gridspec(len(_SHOWN), 2)
+    grid = drawing.add_gridspec(len(_LEVELS), 2)
     left = drawing.add_subplot(grid[:, 0])
     colours = lead_to_trail(len(brake.outputs))
     levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
@@ -137,24 +137,24 @@ def draw(study: Study) -> Figure:
     spread = np.array([[one.value - one.low, one.high - one.value] for one in stop]).T
     left.errorbar([one.value for one in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3)
     dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
-    left.legend(fontsize=8, frameon=False)
+    legend(left)
     runs = result.runs[-1]
     counts = np.arange(2, len(runs) + 1)
-    courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _SHOWN], result.neglected) for n in counts]
-    for number, level in enumerate(_SHOWN):
+    courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _LEVELS], result.neglected) for n in counts]
+    for number, level in enumerate(_LEVELS):
         right = drawing.add_subplot(grid[number, 1])
         k, low, high = (np.array([getattr(one[number], of) for one in courses]) for of in ("value", "low", "high"))
         draws = counts * len(runs[0].values) / 1e3
         right.plot(draws, k, color=colours[-1], lw=1.2)
-        right.fill_between(draws, low, high, color=colours[-1], alpha=0.25, lw=0)
+        band(right, draws, low, high, colours[-1], 0.25)
         right.set_ylim(k[-1] - _HALF_HEIGHT, k[-1] + _HALF_HEIGHT)
         title = "" if number else f"Estimate and 95 % interval, {brake.outputs[-1]}"
-        dress(right, x="thousand draws" if level == _SHOWN[-1] else "", y=f"K, EBCL {level}", title=title)
-        right.tick_params(labelbottom=level == _SHOWN[-1])
+        dress(right, x="thousand draws" if level == _LEVELS[-1] else "", y=f"K, EBCL {level}", title=title)
+        right.tick_params(labelbottom=level == _LEVELS[-1])
     return drawing
 
 
-def _spelled(one: Interval) -> str:
+def _text(one: Interval) -> str:
     return f"{one.value:.4f} ({one.low:.4f}–{one.high:.4f})"
 
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from math import ceil, comb, log, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.trace.k_wet import Interval
 
-Array = NDArray[np.float64]
 Performance = Callable[[Array], Array]
 """Standard normal numbers, shape (n, dimension) → performance, shape (n, outputs) or (n,); small is bad."""
 
@@ -46,7 +45,6 @@ def states_of(
     Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
 
     Args:
-        units: Of each group.
         isolated: Probability that a unit is.
         stuck: Probability that the valve of a group is.
         neglect: Most that the others may have together.
@@ -192,8 +190,8 @@ def subset_sample(
         for _ in range(_CHAIN - 1):
             candidate = _CORRELATION * x + sqrt(1 - _CORRELATION**2) * random.standard_normal(x.shape)
             g_candidate = performance(candidate)
-            accepted = g_candidate <= threshold
-            x, y = np.where(accepted[:, None], candidate, x), np.where(accepted, g_candidate, y)
+            is_accepted = g_candidate <= threshold
+            x, y = np.where(is_accepted[:, None], candidate, x), np.where(is_accepted, g_candidate, y)
             states.append(x)
             performances.append(y)
         u, g = np.concatenate(states), np.concatenate(performances)

@@ -4,18 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
+from railgrip.estimators.arrays import Array
 from railgrip.scenario.load import load, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, Speed, Table, broken
 
-Array = NDArray[np.float64]
 Extent = Literal["train", "group", "unit"]
 Quantity = Literal[
     "pad_friction", "efficiency", "friction_radius", "pressure", "wheel_radius", "mass", "build_up"
@@ -152,8 +150,8 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[Speci
     path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
     table = merged(read_toml(path), read_overrides(overrides))
     specification = validated(Specification, table, directory=path.parent, origin=path.name)
-    named_file = Path(specification.scenario)
-    scenario = load(path.parent / named_file if named_file.suffix else named_file)
+    file = Path(specification.scenario)
+    scenario = load(path.parent / file if file.suffix else file)
     if specification.speed_steps and specification.speed_steps[-1] >= scenario.start.speed:
         raise ScenarioError(
             f"{path.name}: speed_steps end at {specification.speed_steps[-1]:g} m/s; they must stay below [start] "

@@ -7,11 +7,11 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.assemble import braking_distance
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
+from railgrip.estimators.arrays import Array
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
@@ -22,7 +22,6 @@ from railgrip.studies.k_factors.specification import Specification
 from railgrip.studies.k_factors.stops import open_stops
 from railgrip.trace.k_wet import Interval
 
-Array = NDArray[np.float64]
 Tell = Callable[[str], None]
 
 PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))

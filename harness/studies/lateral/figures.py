@@ -23,8 +23,7 @@ LABELS: Final = {
 
 def test_figure(trace: Trace) -> Figure:
     """Return truth and estimates on the left, errors on the right, a row for each quantity."""
-    drawing = style.figure(11, 2.0 * len(QUANTITIES))
-    panels = drawing.subplots(len(QUANTITIES), 2, sharex=True)
+    drawing, panels = style.panels(11, 2.0 * len(QUANTITIES), len(QUANTITIES), 2, sharex=True)
     beliefs = {name: beliefs_about(trace, name) for name in NAMES}
     for (left, right), quantity in zip(panels, QUANTITIES, strict=True):
         truth = trace.truth[quantity]

@@ -83,7 +83,7 @@ class Party:
     filter: CompiledFilter
     observer: Observer
 
-    def told(self, condition: Condition) -> None:
+    def change_condition(self, condition: Condition) -> None:
         """Tell the filter of a change of the rail, if it is one that is told."""
         if self.name == "literal":
             self.filter.change_process_noise(literal_density(condition, self.filter.design.period))
@@ -104,7 +104,6 @@ def party(
     """Return a filter at its start.
 
     Args:
-        name: Which one.
         first: Condition at the start; only the literal filter is told.
         irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
         period: Of its steps [s].

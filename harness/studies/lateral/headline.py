@@ -27,30 +27,30 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
     tell("lateral")
     findings: list[Finding] = []
     with workers(2) as pool:
-        for plant, measured in zip(FILTERS, pool.map(_measured, FILTERS), strict=True):
+        for plant, measures in zip(FILTERS, pool.map(_measures, FILTERS), strict=True):
             for name in FILTERS[plant]:
-                findings += _of_filter(f"lateral, {plant}, {name}", name, measured)
-            constant = measured["constant"]["friction"]
+                findings += _of_filter(f"lateral, {plant}, {name}", name, measures)
+            constant = measures["constant"]["friction"]
             findings.append(
                 _figure(f"lateral, {plant}, the best constant: friction RMSE", constant, TOLERANCE * constant)
             )
-            if measured["observability"] is not None:
-                least = min(value for value in measured["observability"]["service"] if value is not None)
+            if measures["observability"] is not None:
+                least = min(value for value in measures["observability"]["service"] if value is not None)
                 findings.append(
                     _figure(f"lateral, {plant}: least sd of mu0, service sensors", least, TOLERANCE * least)
                 )
     return findings
 
 
-def _measured(plant: str) -> dict[str, Any]:
+def _measures(plant: str) -> dict[str, Any]:
     return measure(simulate(Case(test=TESTS[-1], speed=SPEED, plant=plant, seed=SEED)), observe=plant == "paper")
 
 
-def _of_filter(who: str, name: str, measured: dict[str, Any]) -> list[Finding]:
-    rms = measured["errors"][name]["friction"]["rmse"]
+def _of_filter(who: str, name: str, measures: dict[str, Any]) -> list[Finding]:
+    rms = measures["errors"][name]["friction"]["rmse"]
     findings = [_figure(f"{who}: friction RMSE", rms, TOLERANCE * abs(rms or 1))]
-    if name in measured["detection"]:
-        counts = measured["detection"][name]["confusion"]
+    if name in measures["detection"]:
+        counts = measures["detection"][name]["confusion"]
         right = sum(counts[k][k] for k in range(len(CONDITIONS))) / sum(map(sum, counts))
         findings.append(_figure(f"{who}: condition right, share of time", right, 0.01))
     return findings

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, lost_at, nis_ratio
 from railgrip.estimators.observability import along
@@ -18,8 +18,6 @@ from railgrip.loop.compiled import Beliefs
 from railgrip.studies.lateral.filters import Name, prediction
 from railgrip.studies.lateral.run import EVERY, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
-
-Array = NDArray[np.float64]
 
 QUANTITIES: Final[Mapping[str, str]] = {
     "lateral_velocity": "m/s",
@@ -133,7 +131,6 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
     nis[filter]: median over the expected one, null if it never read.
 
     Args:
-        trace: The run.
         observe: Ask for observability too, which takes longer than all the rest.
     """
     beliefs = {name: beliefs_about(trace, name) for name in trace.beliefs}
@@ -146,13 +143,13 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
         "levels": {name: _levels(trace, about["mu0"]) for name, about in beliefs.items() if "mu0" in about},
         "observability": _observability(trace) if observe else None,
         "constant": {name: float(np.std(trace.truth[name])) for name in QUANTITIES},
-        "lost": {name: _lost(trace, belief) for name, belief in trace.beliefs.items()},
+        "lost": {name: _loss(trace, belief) for name, belief in trace.beliefs.items()},
         "nis": {name: _nis(belief) for name, belief in trace.beliefs.items()},
         "wall": trace.wall,
     }
 
 
-def _lost(trace: Trace, belief: Beliefs) -> float | None:
+def _loss(trace: Trace, belief: Beliefs) -> float | None:
     row = lost_at(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
     instants = [] if row is None else [float(trace.time[row])]
     if belief.diverged:

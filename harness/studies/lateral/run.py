@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.estimators.arrays import Array
 from railgrip.loop.compiled import Beliefs, Record, run
 from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, party
 from railgrip.studies.lateral.wheelset import (
@@ -22,8 +23,6 @@ from railgrip.studies.lateral.wheelset import (
     output_columns,
     wheelset,
 )
-
-Array = NDArray[np.float64]
 
 EVERY: Final = 20
 """Samples from one recorded instant to the next: 1 ms."""
@@ -80,10 +79,6 @@ class Trace:
 def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     """Run the plant with filters beside it.
 
-    Args:
-        case: What decides the run.
-        names: Of the filters.
-
     Raises:
         railgrip.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
@@ -97,7 +92,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         begin = time.perf_counter()
         for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
             for one in parties:
-                one.told(condition)
+                one.change_condition(condition)
             records.append(
                 run(
                     plant,
@@ -135,12 +130,12 @@ def _trace(case: Case, realisation: Course, records: Sequence[Record], names: Se
         condition=np.concatenate([np.full(len(r.sample), n) for r, n in zip(records, numbers, strict=True)]),
         track=inputs[:, 0],
         changes=tuple(first * PERIOD for first, _ in realisation.segments),
-        beliefs={name: _joined(records, name) for name in names},
+        beliefs={name: _join(records, name) for name in names},
         wall=wall,
     )
 
 
-def _joined(records: Sequence[Record], name: str) -> Beliefs:
+def _join(records: Sequence[Record], name: str) -> Beliefs:
     """Return the beliefs of all stretches in a row; NaN where the filter no longer ran."""
     beliefs = [record.beliefs[name] for record in records if name in record.beliefs]
     n = beliefs[0].mean.shape[1]

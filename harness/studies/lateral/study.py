@@ -75,9 +75,7 @@ def conduct(
     """Return the results of all runs of a plan, in its order; those found in `directory`/runs are not run again.
 
     Args:
-        plan: What to run.
         directory: Where results are kept.
-        workers: Processes.
         tell: Told of every finished run, and whether it had been found.
     """
     cache = directory / "runs"
@@ -106,16 +104,16 @@ def conduct(
 
 def one(case: Case) -> dict[str, Any]:
     """Run and measure one case."""
-    return measure(simulate(case), observe=_observed(case))
+    return measure(simulate(case), observe=_with_observability(case))
 
 
 def key(case: Case) -> str:
     """Return the digest of a case and of everything that its result rests on."""
-    text = json.dumps([asdict(case), _observed(case)], sort_keys=True)
+    text = json.dumps([asdict(case), _with_observability(case)], sort_keys=True)
     return hashlib.sha256((_ground() + text).encode()).hexdigest()[:20]
 
 
-def _observed(case: Case) -> bool:
+def _with_observability(case: Case) -> bool:
     """Return whether observability is asked for: it is that of the model, which other plants do not keep to."""
     return case.plant == "paper"
 

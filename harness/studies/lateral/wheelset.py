@@ -8,15 +8,13 @@ from math import pi, sqrt
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, lfilter
 
+from railgrip.estimators.arrays import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.polach import named_sets
 from railgrip.scenario.seed import generator
-
-Array = NDArray[np.float64]
 
 PERIOD: Final = 50e-6
 """Of plant, readings and filters [s]; Mal et al. (2020), §4."""
@@ -155,8 +153,8 @@ class Irregularity:
         w = 2 * pi * self.corner
         low_pass = [1.0, 2 * self.damping * w, w * w]
         noise = generator(seed, "track").standard_normal(count)
-        position = _filtered(noise, [w * w], low_pass, period)
-        velocity = _filtered(noise, [w * w, 0.0], low_pass, period)
+        position = _through(noise, [w * w], low_pass, period)
+        velocity = _through(noise, [w * w, 0.0], low_pass, period)
         scale = self.peak / np.max(np.abs(position))
         return scale * position, scale * velocity
 
@@ -165,7 +163,7 @@ class Irregularity:
         return 4 * self.damping * (2 * pi * self.corner) ** 3 * deviation**2
 
 
-def _filtered(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
+def _through(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
     """Return noise, held over each period, through a transfer function in s."""
     discrete: Any = cont2discrete((numerator, denominator), period, method="zoh")
     return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], noise), dtype=np.float64)

@@ -12,15 +12,13 @@ from scipy.ndimage import maximum_filter1d
 
 from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimation.run import model_of, prediction_of, units_of
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import pressure_spread
 from railgrip.studies.pad_monitor.nominal import NOMINAL, nominal_friction
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import period_of, samples
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 MODEL = "TrainPredictionReduced"
 GROUPS = 4
@@ -90,9 +88,9 @@ def evidence_of(
     pressure = samples(recording, names, ["Pa"] * GROUPS)
     readings = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
     at = prediction.outputs.index
-    speed = _filled(readings[:, at("speed")], "speed")
+    speed = _without_gaps(readings[:, at("speed")], "speed")
     wheels = np.stack(
-        [_filled(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1
+        [_without_gaps(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1
     )
     moving = np.flatnonzero(speed < _SLOWEST)
     count = int(moving[0]) if moving.size else speed.size
@@ -120,7 +118,7 @@ def evidence_of(
     locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
     for g in range(GROUPS):
         readings[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
-    mean, covariance = _filtered(
+    mean, covariance = _run_filter(
         filter_, prediction.states, inputs, readings, locked, wheels[0], float(speed[0]), count
     )
     # The prior is taken out, so that stops can be put together without counting it once each.
@@ -132,7 +130,7 @@ def evidence_of(
                        + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
     offset = pressure_spread(
         pad_friction=health / NOMINAL,
-        pressure=np.array([_applied(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
+        pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
         offset=PRESSURE_OFFSET,
         A_piston=values["A_piston"],
         F_spring=values["F_spring"],
@@ -145,10 +143,10 @@ def evidence_of(
     )
 
 
-def _applied(pressure: Vector, force: Vector) -> float:
+def _braking_pressure(pressure: Vector, force: Vector) -> float:
     """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
-    applied = pressure[force > _PRESSED]
-    return float(np.median(applied)) if applied.size else float("inf")
+    under_pads = pressure[force > _PRESSED]
+    return float(np.median(under_pads)) if under_pads.size else float("inf")
 
 
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
@@ -177,7 +175,7 @@ def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[C
     return prediction, CompiledFilter(prediction, *noises, period)
 
 
-def _filtered(
+def _run_filter(
     filter_: CompiledFilter,
     states: tuple[str, ...],
     inputs: Matrix,
@@ -190,14 +188,11 @@ def _filtered(
     """Return mean (4,) and covariance (4, 4) of reduced pad friction after `count` samples.
 
     Args:
-        filter_: To run.
-        states: Of its model.
         inputs: Inputs at every sample, shape (k, nu).
         readings: Readings, shape (k, m); none of a wheelset while it is locked.
         locked: Which are, shape (k, 4).
         wheels: Wheelset speeds at the first sample [rad/s], shape (4,).
         speed: Of the train then [m/s].
-        count: Samples to take.
     """
     place = [states.index(f"mu_b[{g + 1}]") for g in range(GROUPS)]
     mean, deviation = np.zeros(len(states)), np.array([_START.get(n.partition("[")[0], PRIOR) for n in states])
@@ -247,7 +242,7 @@ def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> floa
     return -float(np.nanmean(acceleration)) - (air + rolling) / mass
 
 
-def _filled(values: Vector, name: str) -> Vector:
+def _without_gaps(values: Vector, name: str) -> Vector:
     finite = np.flatnonzero(np.isfinite(values))
     if finite.size < 2:
         raise EstimationError(f"recording: {name} has no samples.")

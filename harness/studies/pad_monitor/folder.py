@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.sources import taken_for
+from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import Specification, parameters_for
 from railgrip.studies.pad_monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
 from railgrip.trace.files import FORMATS
@@ -22,7 +22,7 @@ UNKNOWN_TEMPERATURE = 313.15
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Found:
+class FolderStops:
     """Stops of a folder.
 
     Attributes:
@@ -40,7 +40,7 @@ def stops_in(
     folder: Path,
     specification: Specification | None = None,
     progress: Callable[[int, int], None] = lambda count, of: None,
-) -> Found:
+) -> FolderStops:
     """Return the evidence of all stops in a folder.
 
     A stop is a folder with a trace.nc in it, or, with a specification that maps their columns, a recorded file. One
@@ -67,7 +67,7 @@ def stops_in(
     names: list[str] = []
     evidence: list[Evidence] = []
     sentences: list[str] = []
-    defaults = 0
+    assumptions = 0
     for number, place in enumerate(places):
         progress(number, len(places))
         try:
@@ -78,21 +78,21 @@ def stops_in(
                 if TEMPERATURE in trace:
                     temperature = trace[TEMPERATURE].values[0]
                 else:
-                    defaults += 1
+                    assumptions += 1
             else:
-                temperatures = taken_for(specification, place)
+                temperatures = recording_for(specification, place)
                 recording = temperatures.recording
                 sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
-                defaults += 1
+                assumptions += 1
             judgement = evidence_of(recording, temperature, parameters)
         except EstimationError as problem:
             sentences.append(f"{place.name}: left out: {problem}")
             continue
         names.append(place.name)
         evidence.append(judgement)
-    if defaults:
+    if assumptions:
         sentences.append(
-            f"{defaults} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
+            f"{assumptions} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
             "assumed at their beginning, 0.7 ‰ of friction a kelvin."
         )
-    return Found(names=tuple(names), evidence=tuple(evidence), sentences=tuple(sentences))
+    return FolderStops(names=tuple(names), evidence=tuple(evidence), sentences=tuple(sentences))

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from railgrip.assemble import trace_of
+from railgrip.estimators.belief import Vector
 from railgrip.fmu import describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
@@ -23,8 +23,6 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import recording_of
-
-Vector = NDArray[np.float64]
 
 PLANT = "TwoPartTrain"
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2
@@ -101,12 +99,12 @@ def live(life: Life, numbers: range | None = None) -> Iterator[SimulatedStop]:
         factor = base * (1.0 - wear * k / max(life.stops - 1, 1)) * (1.0 + 0.02 * random.standard_normal(4))
         wet = random.random() < 0.2
         factor *= 1.0 - (random.uniform(0.0, 0.05) if wet else 0.0)
-        begins = factor * (random.uniform(0.70, 0.80) if wet else 1.0)
+        first_friction = factor * (random.uniform(0.70, 0.80) if wet else 1.0)
         if life.worn is not None and k >= life.worn:
             factor[life.worn_group] *= 1.0 - life.loss
-            begins[life.worn_group] *= 1.0 - life.loss
+            first_friction[life.worn_group] *= 1.0 - life.loss
         stuck = life.stuck_group if life.stuck is not None and k >= life.stuck else None
-        yield _stop(life, k, random, 0.35 * factor, 0.35 * begins, stuck, transducers)
+        yield _stop(life, k, random, 0.35 * factor, 0.35 * first_friction, stuck, transducers)
 
 
 def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
@@ -143,7 +141,7 @@ def _stop(
     number: int,
     random: np.random.Generator,
     friction: Vector,
-    begins: Vector,
+    first_friction: Vector,
     stuck: int | None,
     transducers: Vector,
 ) -> SimulatedStop:
@@ -157,7 +155,7 @@ def _stop(
     parameters = {"T_pressure": _LAG} | loads
     for g in range(4):
         parameters[f"mu_b_nominal[{g + 1}]"] = float(friction[g])
-        parameters[f"mu_b_start[{g + 1}]"] = float(begins[g])
+        parameters[f"mu_b_start[{g + 1}]"] = float(first_friction[g])
         parameters[f"T_disc_start[{g + 1}]"] = float(discs[g])
     residual = np.zeros(4)
     if stuck is not None:

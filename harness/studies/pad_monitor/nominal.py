@@ -4,11 +4,9 @@ from functools import cache
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from railgrip.estimators.belief import Vector
 from railgrip.fmus.native import lower
-
-Vector = NDArray[np.float64]
 
 NOMINAL = 0.35
 """Friction at nominal conditions, `mu_nominal` of RailBraking.Friction.PadFriction."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.report.style import BLUE, GREY, VERMILION, dress, figure, save
+from railgrip.report import style
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor.evidence import GROUPS
 from railgrip.studies.pad_monitor.watch import Design, History
@@ -49,29 +49,30 @@ def verdict_on(history: History, design: Design) -> str:
 
 def draw(history: History, design: Design, path: Path) -> Path:
     """Draw health and chart of each group over the stops and return the file."""
-    drawing = figure(11.0, 8.0)
-    axes = drawing.subplots(GROUPS, 2, sharex=True, width_ratios=(3, 2))
+    drawing, axes = style.panels(11.0, 8.0, GROUPS, 2, sharex=True, width_ratios=(3, 2))
     number = np.arange(len(history.index)) + 1
     for g in range(GROUPS):
         left, right = axes[g]
         distinct = history.deviation[:, g] < design.told_apart
-        left.plot(number[distinct], history.evidence[distinct, g], ".", color=GREY, markersize=3, label="one stop")
-        left.plot(number, history.index[:, g], color=BLUE, label="index")
-        band = 2.0 * history.index_sd[:, g]
-        left.fill_between(number, history.index[:, g] - band, history.index[:, g] + band, color=BLUE, alpha=0.2, lw=0)
-        right.plot(number, history.chart[:, g], color=BLUE)
-        right.axhline(history.threshold[g], color=VERMILION, lw=1.0, label="alarm")
+        left.plot(
+            number[distinct], history.evidence[distinct, g], ".", color=style.GREY, markersize=3, label="one stop"
+        )
+        left.plot(number, history.index[:, g], color=style.BLUE, label="index")
+        reach = 2.0 * history.index_sd[:, g]
+        style.band(left, number, history.index[:, g] - reach, history.index[:, g] + reach, style.BLUE, 0.2)
+        right.plot(number, history.chart[:, g], color=style.BLUE)
+        right.axhline(history.threshold[g], color=style.VERMILION, lw=1.0, label="alarm")
         for alarm in history.alarms:
             if alarm.group == g:
                 for part in (left, right):
-                    part.axvline(alarm.stop + 1, color=VERMILION, lw=1.0, ls="--")
-                left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=VERMILION, fontsize=8, ha="right")
+                    part.axvline(alarm.stop + 1, color=style.VERMILION, lw=1.0, ls="--")
+                left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=style.VERMILION, fontsize=8, ha="right")
         left.set_ylim(0.3, 1.4)
         # Steps after an alarm go on; what matters is what led to it.
         right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)
-        dress(left, y="friction / nominal", title=f"{g + 1} {GROUP_NAMES[g]}")
-        dress(right, y="cumulated sum [sd]")
-    axes[0, 0].legend(loc="upper right", fontsize=8, frameon=False, ncols=2)
+        style.dress(left, y="friction / nominal", title=f"{g + 1} {GROUP_NAMES[g]}")
+        style.dress(right, y="cumulated sum [sd]")
+    style.legend(axes[0, 0], loc="upper right", ncols=2)
     for part in axes[-1]:
         part.set_xlabel("stop")
-    return save(drawing, path)
+    return style.save(drawing, path)

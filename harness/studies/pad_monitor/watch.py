@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.studies.pad_monitor.evidence import GROUPS, Evidence
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 Kind = Literal["friction lost", "does not release"]
 
@@ -132,8 +130,8 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
         mad = 1.4826 * np.median(np.abs(ratio[reference] / normal - 1.0), axis=0)
         scatter = np.maximum(mad, design.least_scatter)
         threshold = np.array([threshold_for(float(s), design) for s in scatter])
-        alarms = _charted(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
-    index, index_sd = _followed(stops, together, _own_scatter(health[reference], design), alarms, design)
+        alarms = _chart(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
+    index, index_sd = _follow(stops, together, _own_scatter(health[reference], design), alarms, design)
     trend, trend_sd = _trend(health, apart, design)
     return History(
         evidence=health,
@@ -169,7 +167,7 @@ def threshold_for(scatter: float, design: Design) -> float:
     return max(float(b) - 1.166, 1.6 * design.largest_step)
 
 
-def _charted(
+def _chart(
     stops: Sequence[Evidence],
     deficit: Matrix,
     scatter: Vector,
@@ -183,7 +181,7 @@ def _charted(
     before = [stop.drag for stop in stops[:first] if np.isfinite(stop.drag)]
     coasting = float(np.median(before)) if before else float("nan")
     alarms: list[Alarm] = []
-    left_zero = np.full(GROUPS, first)
+    zero_until = np.full(GROUPS, first)
     distinct = np.zeros(GROUPS, dtype=np.bool_)
     for k in range(first, len(stops)):
         chart[k] = chart[k - 1]
@@ -191,9 +189,9 @@ def _charted(
             continue
         step = np.minimum((deficit[k] - slack) / scatter, design.largest_step)
         chart[k] = np.maximum(chart[k - 1] + step, 0.0)
-        left_zero = np.where(chart[k] == 0.0, k + 1, left_zero)
+        zero_until = np.where(chart[k] == 0.0, k + 1, zero_until)
         for g in np.flatnonzero((chart[k] > threshold) & ~distinct):
-            since = slice(int(left_zero[g]), k + 1)
+            since = slice(int(zero_until[g]), k + 1)
             drags = np.array([stop.drag for stop in stops[since]])
             sticks = bool(np.isfinite(drags).any() and np.nanmean(drags) - coasting > design.drag)
             kind: Kind = "does not release" if sticks else "friction lost"
@@ -214,7 +212,7 @@ def _own_scatter(health: Matrix, design: Design) -> Vector:
     return np.maximum(mad, design.least_scatter)
 
 
-def _followed(
+def _follow(
     stops: Sequence[Evidence], together: float, own: Vector, alarms: Sequence[Alarm], design: Design
 ) -> tuple[Matrix, Matrix]:
     """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
@@ -229,8 +227,6 @@ def _followed(
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
         own: Deviation of each group from stop to stop beside that, shape (4,).
-        alarms: Of these stops.
-        design: For drift and scatter.
     """
     mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
     shift = np.zeros((GROUPS, GROUPS))

@@ -56,13 +56,9 @@ def write_report(
     """Write trains.json, sanders.json, figures and index.html into a folder; return the page.
 
     Args:
-        stops: Of the named trains.
         series: Of trains of one, two, four … equal cars.
         protected: What the stop with estimator and valves costs.
-        trial: Of sanders.
         density: Of sand, fitted [kg/m].
-        comparisons: Of the distances of the trial.
-        directory: The folder.
     """
     real_time = [
         {
@@ -218,8 +214,7 @@ def _costs(stops: Sequence[DryStop]) -> Table:
 
 
 def _cost_figure(series: Sequence[DryStop]) -> Figure:
-    figure = style.figure(6.4, 3.4)
-    axes = figure.subplots()
+    figure, axes = style.panels(6.4, 3.4)
     cars = [len(stop.train.cars) for stop in series]
     axes.plot(cars, [stop.plant_step_us for stop in series], "o-", color=style.BLUE, label="plant step")
     axes.plot(cars, [stop.cycle_us for stop in series], "s-", color=style.ORANGE, label="cycle of the loop")
@@ -230,8 +225,7 @@ def _cost_figure(series: Sequence[DryStop]) -> Figure:
 
 
 def _sander_figure(comparisons: Sequence[Comparison]) -> Figure:
-    figure = style.figure(6.4, 3.4)
-    axes = figure.subplots()
+    figure, axes = style.panels(6.4, 3.4)
     places = np.arange(len(comparisons))
     axes.bar(places - 0.2, [one.measured for one in comparisons], 0.4, color=style.GREY, label="measured")
     colours = [style.ORANGE if one.fitted else style.BLUE for one in comparisons]

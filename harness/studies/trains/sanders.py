@@ -110,7 +110,7 @@ def scenario_tables(trial: Trial) -> dict[str, Any]:
     )
 
 
-def stopped(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> float | None:
+def distance_of(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> float | None:
     """Return the distance of a row with a density of sand [m]."""
     own: dict[str, Any] = {}
     if row.laid:
@@ -125,14 +125,14 @@ def compare(trial: Trial) -> tuple[float, list[Comparison]]:
     fitted = next(row for row in trial.rows if row.sanders == trial.fitted)
 
     def excess(density: float) -> float:
-        distance = stopped(trial, fitted, density, tables)
+        distance = distance_of(trial, fitted, density, tables)
         return (trial.speed * _HORIZON if distance is None else distance) - fitted.measured
 
     density = float(root_scalar(excess, bracket=trial.law.density, rtol=_CLOSE).root)
     return density, [
         Comparison(
             sanders=row.sanders,
-            distance=stopped(trial, row, density, tables),
+            distance=distance_of(trial, row, density, tables),
             measured=row.measured,
             at_least=row.at_least,
             fitted=row is fitted,

@@ -8,12 +8,12 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import railgrip.scenario
 from railgrip.assemble import assembled
 from railgrip.assemble.files import plant_description
 from railgrip.errors import ScenarioError
+from railgrip.estimators.belief import Vector
 from railgrip.fmu.comparison import seconds_in_c
 from railgrip.fmu.mapping import Signal, bind
 from railgrip.fmus.build import build_class
@@ -27,14 +27,12 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.outcome import Outcome
 
-Vector = NDArray[np.float64]
-
 LIBRARY = Path(__file__).parent / "library"
 EDGES = Path(railgrip.scenario.__file__).parent / "edges"
 USUAL_SPEED = 120 / 3.6  # m/s, where a train file names none
 _STEPS, _ROUNDS = 2000, 3
-_TOUCHED = 0.05  # of the highest pressure, at which a cylinder has begun to fill
-_FILLED = 0.95  # UIC 540, as the two below
+_FIRST_SHARE = 0.05  # of the highest pressure, at which a cylinder has begun to fill
+_FULL_SHARE = 0.95  # UIC 540, as the two below
 
 FILLING, PROPAGATION = (3.0, 5.0), 250.0
 """Seconds to 95 % in position P; slowest front of an emergency brake [m/s]."""
@@ -103,11 +101,11 @@ def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
     with assembled(scenario) as parts:
         loop = cycle.run if parts.obstacle else compiled_cycle.run
         begin = perf_counter()
-        ended = loop(controller=parts.controller, progress=None, **parts.parties)
+        result = loop(controller=parts.controller, progress=None, **parts.parties)
         seconds = perf_counter() - begin
-    if ended.outcome is not Outcome.STANDSTILL:
-        raise ScenarioError(f"{data.name}: the dry stop ended with {ended.outcome.value}: {ended.reason}")
-    trace = parts.recorder.trace(ended.samples, scenario.periods.communication)
+    if result.outcome is not Outcome.STANDSTILL:
+        raise ScenarioError(f"{data.name}: the dry stop ended with {result.outcome.value}: {result.reason}")
+    trace = parts.recorder.trace(result.samples, scenario.periods.communication)
     force = trace["coupler_force"].values if "coupler_force" in trace else np.zeros((1, 0))
     push, pull = (-force).max(axis=0, initial=0.0), force.max(axis=0, initial=0.0)
     hand = by_hand(data, from_speed)
@@ -119,7 +117,7 @@ def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
         states=len(plant_description(scenario).states),
         build_s=_build_seconds(data),
         plant_step_us=_step_cost(scenario),
-        cycle_us=1e6 * seconds / ended.samples,
+        cycle_us=1e6 * seconds / result.samples,
         coupler_force=np.maximum(push, pull),
         chain=chain_forces(data, hand),
         filling=_filling(data, trace) if isinstance(data.command, BrakePipe) else None,
@@ -169,17 +167,17 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     table = merged(merged(read_toml(LIBRARY / "dry.toml"), service), read_toml(LIBRARY / "protected.toml"))
     table["periods"]["estimator"] = estimator_period
     scenario = scenario_of(table, directory=Path(), origin="protected.toml")
-    took: list[float] = []
+    times: list[float] = []
     simulated = 0.0
     for _ in range(_ROUNDS):
         with assembled(scenario) as parts:
             begin = process_time()
-            ended = compiled_cycle.run(controller=parts.controller, progress=None, **parts.parties)
-            took.append(process_time() - begin)
-        if ended.outcome is not Outcome.STANDSTILL:
-            raise ScenarioError(f"{scenario.name}: ended with {ended.outcome.value}: {ended.reason}")
-        simulated = ended.samples * scenario.periods.communication
-    return ProtectedStop(estimator_period=estimator_period, simulated=simulated, processor=min(took))
+            result = compiled_cycle.run(controller=parts.controller, progress=None, **parts.parties)
+            times.append(process_time() - begin)
+        if result.outcome is not Outcome.STANDSTILL:
+            raise ScenarioError(f"{scenario.name}: ended with {result.outcome.value}: {result.reason}")
+        simulated = result.samples * scenario.periods.communication
+    return ProtectedStop(estimator_period=estimator_period, simulated=simulated, processor=min(times))
 
 
 def _step_cost(scenario: Scenario) -> float:
@@ -194,8 +192,8 @@ def _step_cost(scenario: Scenario) -> float:
 
     inputs, outputs = real(description.named("input")), real(description.named("output"))
     binding = bind(description, inputs=inputs, outputs=outputs, parameters=(), table={}, where=description.file.name)
-    held = {"pressure_command": 1e7, "mu0": 0.5}
-    values = np.array([held.get(signal.name.partition("[")[0], 0.0) for signal in inputs])
+    constants = {"pressure_command": 1e7, "mu0": 0.5}
+    values = np.array([constants.get(signal.name.partition("[")[0], 0.0) for signal in inputs])
     runs = (seconds_in_c(description, binding, values, period=1e-3, count=_STEPS)[0] for _ in range(_ROUNDS))
     return 1e6 * min(runs) / _STEPS
 
@@ -206,12 +204,16 @@ def _filling(train: Train, trace: Any) -> Filling:
     cars = [train.axles[members[0]].car for members in train.groups]
     first = [cars.index(car) for car in range(len(train.cars))]
     highest = np.array([train.bogie_of(g).brake.pressure_max for g in first])
-    begin = np.array([time[np.argmax(pressure[:, g] > _TOUCHED * top)] for g, top in zip(first, highest, strict=True)])
-    full = np.array([time[np.argmax(pressure[:, g] > _FILLED * top)] for g, top in zip(first, highest, strict=True)])
+    begin = np.array(
+        [time[np.argmax(pressure[:, g] > _FIRST_SHARE * top)] for g, top in zip(first, highest, strict=True)]
+    )
+    full = np.array(
+        [time[np.argmax(pressure[:, g] > _FULL_SHARE * top)] for g, top in zip(first, highest, strict=True)]
+    )
     lengths = np.array([car.length for car in train.cars])
     middles = np.cumsum(lengths) - lengths / 2
     # The first 5 % take their share of the filling.
-    start = begin - (full - begin) * _TOUCHED / (_FILLED - _TOUCHED)
+    start = begin - (full - begin) * _FIRST_SHARE / (_FULL_SHARE - _FIRST_SHARE)
     return Filling(
         begin=start, filling=full - start, propagation=float((middles[-1] - middles[0]) / (start[-1] - start[0]))
     )
