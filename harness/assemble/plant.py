@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from functools import partial
 from math import inf
 
@@ -13,8 +14,8 @@ from railgrip.assemble.files import is_trusted
 from railgrip.assemble.trial import findings, tried
 from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
-from railgrip.fmu import Description, Signal, bind, open_plant
-from railgrip.loop.ports import Plant
+from railgrip.fmu import CoSimulation, Description, Signal, bind, open_plant
+from railgrip.loop.ports import Edge, Plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST
 from railgrip.scenario.vehicle import Nudge
@@ -97,7 +98,9 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, first)
     plant = stack.enter_context(opening(tell=tell))
-    return _WithSlip(plant, layout) if "slip" in binding.outputs.absent else plant
+    if "slip" not in binding.outputs.absent:
+        return plant
+    return _WithSlipInC(plant, layout) if isinstance(plant, CoSimulation) else _WithSlip(plant, layout)
 
 
 def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
@@ -192,3 +195,17 @@ class _WithSlip:
             speed = max(float(truth[self._at["speed"]][0]), 1e-3)
             truth[self._at["slip"]] = 1.0 - self._radius * truth[self._at["wheelset_speed"]] / speed
         return truth
+
+
+class _WithSlipInC(_WithSlip):
+    """The same for a plant that C can step."""
+
+    def __init__(self, plant: CoSimulation, layout: Layout) -> None:
+        super().__init__(plant, layout)
+        self._in_c = plant
+
+    def edge(self) -> Edge:
+        return replace(self._in_c.edge(), slip_radius=np.array(self._radius, dtype=np.float64))
+
+    def crossed(self, steps: int, code: int) -> None:
+        self._in_c.crossed(steps, code)

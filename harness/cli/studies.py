@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from railgrip.cli.app import Overrides, Workers, app
-from railgrip.console import progress, say, show_table
+from railgrip.console import progress, remark, say, show_table
 from railgrip.errors import ScenarioError
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 
@@ -66,7 +66,7 @@ def ride(
     asked = read_ride(file)
     folder = out or Path("build/rides") / asked.name
     with progress(asked.name, 1.0) as shown:
-        ridden = ride_beside(asked, file.parent, lambda share: shown.update(done=share))
+        ridden = ride_beside(asked, file.parent, lambda share: shown.update(done=share), remark)
     write_bytes(folder / "ride.nc", bytes(ridden.trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(ridden.trace), folder / "ride.png")
     last = ridden.trace.isel(time=-1)

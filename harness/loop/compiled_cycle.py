@@ -101,7 +101,8 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
 
     class Cycle(ctypes.Structure):
         _fields_ = (
-            *((name, ctypes.c_void_p) for name in ("cross", "set_step_get", "taken", "shown", "present")),
+            *((name, ctypes.c_void_p) for name in ("cross", "set_step_get", "taken", "shown")),
+            *((name, ctypes.c_void_p) for name in ("present", "slip_radius")),
             *((name, ctypes.c_void_p) for name in ("service", "read_of", "gain", "bias", "noise")),
             *((name, ctypes.c_void_p) for name in ("advance", "block", "held", "seen")),
             *((name, ctypes.c_void_p) for name in ("mean", "covariance", "squared", "used")),
@@ -138,7 +139,7 @@ def obstacle(
 ) -> str | None:
     """Return which party cannot be called from C, and why; None when all can."""
     if not isinstance(plant, PlantInC):
-        return "the plant is not called in this process, or shows no slip of its own"
+        return "the plant is not called in this process"
     if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
         return "the sensors are Python"
     if state_estimator is not None and not (
@@ -266,6 +267,7 @@ class _Parts:
         self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, set_step_get=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size,
+            slip_radius=None if plant.slip_radius is None else self._at(plant.slip_radius),
             service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             full=self._at(driver.pressure), faults=ctypes.addressof(faults.struct) if faults is not None else None,

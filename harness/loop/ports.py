@@ -27,6 +27,7 @@ class Edge:
         input_names, output_names: Of what is in `inputs` and `outputs`.
         period: Of the step [s].
         sample: At which the plant is.
+        slip_radius: Nominal radii, shape (groups,) [m], where slip follows from the speeds; None: it is an output.
     """
 
     cross: int
@@ -38,6 +39,7 @@ class Edge:
     output_names: tuple[str, ...]
     period: float
     sample: int
+    slip_radius: Vector | None = None
 
 
 @runtime_checkable

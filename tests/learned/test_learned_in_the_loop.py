@@ -195,6 +195,16 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
     assert float(ride.trace["friction"][-1]) > 0
 
 
+@pytest.mark.parametrize("trusted", [False, True])
+def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, exported):
+    sentences = []
+    with in_fmu(exported["paper"], RATE, trusted=trusted, tell=sentences.append) as estimator:
+        estimator.seen[:] = 0.0
+        estimator.advance()
+    assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
+    assert all("trust = true under [estimator]" in sentence for sentence in sentences)
+
+
 def written(folder, *, kind="learned", file="mine.json", condition="wet", length=30.0):
     path = folder / "ride.toml"
     path.write_text(

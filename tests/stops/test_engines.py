@@ -8,6 +8,7 @@ import pytest
 from railgrip.assemble import run_stop
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
+from railgrip.fmus.build import fmu
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.scenario.merge import merged
@@ -149,6 +150,19 @@ def test_friction_and_forces_that_lie_on_the_track():
         "minimum=0.03, maximum=0.2}",
     )
     assert_same(*both("trapezoid", *track, *SHORT))
+
+
+@pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
+def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
+    """Slip follows from the speeds it shows, in either engine."""
+    rest = (LIBRARY / "foreign_train.toml").read_text(encoding="utf-8")
+    without = "\n".join(line for line in rest.splitlines() if not line.startswith("slip = "))
+    path = tmp_path / "foreign_train.toml"
+    path.write_text(without.replace("../../../build/fmus/ForeignTrain.fmu", str(fmu("ForeignTrain"))))
+    question = load(path, ["vehicle.trust=true", f"controller.kind={controller}", *SHORT])
+    one, other = (run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    assert not np.isnan(one.trace["slip"].values).any()
+    assert_same(one, other)
 
 
 def test_what_cannot_be_called_from_c_is_said():

@@ -33,6 +33,7 @@ typedef struct {
     double *taken;
     const double *shown;
     const long long *present;                    /* places of what is shown among all outputs */
+    const double *slip_radius;                   /* null: slip is among them; else it follows from speeds and these radii */
     /* instruments; null: the outputs themselves, with errors if there is noise */
     Service *service;
     const long long *read_of;
@@ -218,6 +219,9 @@ EXPORT int cycle(Cycle *c, long long until)
             c->crossed++;
             for (long long i = 0; i < c->present_count; i++)
                 c->truth[c->present[i]] = c->shown[i];
+            for (int g = 0; c->slip_radius && g < GROUPS; g++)
+                c->truth[OUTPUT_SLIP + g] = 1.0 - c->slip_radius[g] * c->truth[OUTPUT_WHEELSET_SPEED + g] /
+                                                      fmax(c->truth[OUTPUT_SPEED], 1e-3);
         }
         if (!plausible(c->plausibility, k, c->truth, c->inputs))
             return IMPLAUSIBLE;

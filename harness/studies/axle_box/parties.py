@@ -11,7 +11,7 @@ from railgrip.errors import FmuError
 from railgrip.estimators.belief import Vector
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES, Edge, Online
-from railgrip.fmu import CoSimulation, Signal, bind, describe
+from railgrip.fmu import Signal, bind, describe, open_plant
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, SampleBySample
 from railgrip.studies.axle_box.instrumented_car import Pass, held_speed
 from railgrip.studies.axle_box.measured import disturbance_of
@@ -78,13 +78,17 @@ def in_casadi(online: Online) -> LearnedFriction:
 
 
 @contextmanager
-def in_fmu(file: Path, rate: int) -> Generator[LearnedFriction]:
+def in_fmu(
+    file: Path, rate: int, *, trusted: bool = False, tell: Callable[[str], None] = lambda sentence: None
+) -> Generator[LearnedFriction]:
     """Yield a trained estimator that steps an FMU, made by `railgrip learn` or by anybody.
 
     Args:
         file: Co-simulation FMU with inputs out of `READINGS` and `direction`, and outputs `friction`, `known` and, if
             it gives an interval, `lower` and `upper`.
         rate: Samples a second that it is sent.
+        trusted: Load it into this process; otherwise it runs in one of its own.
+        tell: Gets a sentence for the user when it does.
 
     Raises:
         FmuError: It is no such FMU.
@@ -105,7 +109,10 @@ def in_fmu(file: Path, rate: int) -> Generator[LearnedFriction]:
         outputs=tuple(Signal(name=name, unit="1", size=0, needed=True) for name in outputs),
         parameters=(), table={}, where=file.name,
     )  # fmt: skip
-    with CoSimulation(description, binding, period=1 / rate, parameters={}) as model:
+    opened = open_plant(
+        description, binding, period=1 / rate, parameters={}, trusted=trusted, tell=tell, table="[estimator]"
+    )
+    with opened as model:
         has_begun = False
 
         def advance(sample: Vector) -> Vector:

@@ -79,6 +79,7 @@ class EstimatorTable(Table):
     file: str = Field(
         description=".json of `railgrip learn`, or an FMU; from the working directory or this file's folder"
     )
+    trust: bool = Field(default=False, description="load an FMU into this process; otherwise it has one of its own")
 
 
 class RideFile(Table):
@@ -122,13 +123,17 @@ def read_ride(file: Path) -> RideFile:
 
 
 def ride_beside(
-    ride_file: RideFile, directory: Path, progress: Callable[[float], None] = lambda share: None
+    ride_file: RideFile,
+    directory: Path,
+    progress: Callable[[float], None] = lambda share: None,
+    tell: Callable[[str], None] = lambda sentence: None,
 ) -> RideResult:
     """Run the car and the estimator side by side, sample by sample, through the protocols of the loop.
 
     Args:
         directory: Where the file of the estimator is, if not in the working directory.
         progress: Told the share that is done.
+        tell: Gets a sentence for the user when an FMU runs in a process of its own.
 
     Raises:
         ScenarioError, EstimatorError, FmuError: The estimator cannot be used.
@@ -144,7 +149,7 @@ def ride_beside(
             _require_rate(file, trained.rate)
             estimator = in_casadi(trained.online())
         else:
-            estimator = stack.enter_context(in_fmu(file, RATE))
+            estimator = stack.enter_context(in_fmu(file, RATE, trusted=ride_file.estimator.trust, tell=tell))
         car, inputs, skipped = stack.enter_context(car_of(run, rate=RATE))
         count = len(inputs) - skipped
         record = watch(
