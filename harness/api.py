@@ -56,15 +56,15 @@ class Scenario(schema.Scenario):
 
         Paths are from the current folder.
         """
-        given = dict(plant) if isinstance(plant, Mapping) else {"plant": plant}
-        for key, value in given.items():
+        keys = dict(plant) if isinstance(plant, Mapping) else {"plant": plant}
+        for key, value in keys.items():
             if key == "library" or (key == "plant" and str(value).endswith(".fmu")):
-                given[key] = str(Path(value).resolve())
+                keys[key] = str(Path(value).resolve())
             elif key == "plant":
-                given[key] = str(value)
+                keys[key] = str(value)
         table = self.resolved()
         before = {key: value for key, value in table["vehicle"].items() if key not in ("plant", "model", "library")}
-        table["vehicle"] = before | given
+        table["vehicle"] = before | keys
         return self._of(table, self._directory, self.name)
 
     @classmethod
@@ -152,9 +152,9 @@ def sweep(
     """
     from railgrip.campaign.sweep import swept
 
-    asked = _scenario_of(scenario, plant)
-    whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
-    values = {key: [_plain(value) for value in given] for key, given in axes.items()}
+    base = _scenario_of(scenario, plant)
+    whole = base if isinstance(base, Scenario) else Scenario.load(base.resolved())
+    values = {key: [_plain(value) for value in choices] for key, choices in axes.items()}
     return swept(whole.name, whole.changed, values, _own(controller, estimator, sensors, plant, import_from), workers)
 
 
@@ -186,19 +186,19 @@ def estimate(
 
 
 def _scenario_of(scenario: ScenarioLike, plant: Any) -> schema.Scenario:
-    asked = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
+    base = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
     if not isinstance(plant, _WRITTEN):
-        return asked
-    whole = asked if isinstance(asked, Scenario) else Scenario.load(asked.resolved())
+        return base
+    whole = base if isinstance(base, Scenario) else Scenario.load(base.resolved())
     return whole.with_plant(plant)
 
 
 def _own(controller: Any, estimator: Any, sensors: Any, plant: Any, folders: Iterable[str | Path]) -> "OwnParties":
     from railgrip.assemble import OwnParties
 
-    given = {"controller": controller, "estimator": estimator, "sensors": sensors}
-    given["plant"] = None if isinstance(plant, _WRITTEN) else plant
-    parties: dict[str, Any] = {name: party() if isinstance(party, type) else party for name, party in given.items()}
+    objects = {"controller": controller, "estimator": estimator, "sensors": sensors}
+    objects["plant"] = None if isinstance(plant, _WRITTEN) else plant
+    parties: dict[str, Any] = {name: party() if isinstance(party, type) else party for name, party in objects.items()}
     return OwnParties(**parties, folders=tuple(map(Path, folders)))
 
 

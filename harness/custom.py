@@ -155,10 +155,10 @@ class CustomController:
             demands = self._own.decide(_locked(observation))
         except Exception as problem:
             raise ControllerFailed(_failure(self._own, "decide", problem) + when) from problem
-        found = problem_with(demands, (self._groups,))
-        if found:
-            wanted = f"the demanded pressures [Pa] of {self._groups} groups, shape ({self._groups},)"
-            raise ControllerFailed(f"{_place(self._own, 'decide')} returned {found}, not {wanted}.{when}")
+        wrong = problem_with(demands, (self._groups,))
+        if wrong:
+            expected = f"the demanded pressures [Pa] of {self._groups} groups, shape ({self._groups},)"
+            raise ControllerFailed(f"{_place(self._own, 'decide')} returned {wrong}, not {expected}.{when}")
         return tuple(np.asarray(demands, dtype=np.float64).tolist())
 
 
@@ -206,18 +206,18 @@ class CustomEstimator:
             raise EstimatorFailed(_failure(own, call, problem)) from problem
         if not isinstance(estimate, Estimate):
             raise EstimatorFailed(f"{_place(own, 'step')} returned {_short(estimate)}, not an Estimate.")
-        given = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
-        if given.keys() != set(self.provides):
+        values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
+        if values.keys() != set(self.provides):
             raise EstimatorFailed(
-                f"{_place(own, 'step')} gave {', '.join(given) or 'nothing'}; it provides {', '.join(self.provides)}."
+                f"{_place(own, 'step')} gave {', '.join(values) or 'nothing'}; it provides {', '.join(self.provides)}."
             )
-        for name, value in given.items():
-            found = problem_with(value, self._shapes[name])
-            if found:
+        for name, value in values.items():
+            wrong = problem_with(value, self._shapes[name])
+            if wrong:
                 raise EstimatorFailed(
-                    f"{_place(own, 'step')} gave {name} as {found}, not finite numbers of shape {self._shapes[name]}."
+                    f"{_place(own, 'step')} gave {name} as {wrong}, not finite numbers of shape {self._shapes[name]}."
                 )
-        return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in given.items()}
+        return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
 
 
 class CustomSensors:
@@ -258,16 +258,16 @@ class CustomSensors:
         time = sample * self._period
         when = f" At {time:.3f} s."
         try:
-            found: Any = self._own.read(time, self._shown)
+            readings: Any = self._own.read(time, self._shown)
         except Exception as problem:
             raise SensorsFailed(_failure(self._own, "read", problem) + when) from problem
-        if not isinstance(found, Mapping) or not found.keys() <= self._shapes.keys():
+        if not isinstance(readings, Mapping) or not readings.keys() <= self._shapes.keys():
             raise SensorsFailed(
-                f"{_place(self._own, 'read')} returned {_short(found)}, not readings of {', '.join(self._shapes)} by "
-                f"name.{when}"
+                f"{_place(self._own, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
+                f"by name.{when}"
             )
         reading = np.full(self._layout.readings, np.nan)
-        for name, value in found.items():
+        for name, value in readings.items():
             problem = problem_with(value, self._shapes[name], nan=True)
             if problem:
                 raise SensorsFailed(
@@ -301,10 +301,12 @@ class CustomPlant:
         self._own, self._layout, self._speed, self._period = own, layout, speed, period
         self._needed, self._shown, self._steps = frozenset(needed), frozenset[str](), 0
         self._inputs = np.empty(layout.inputs)
-        given = self._inputs.view()
-        given.flags.writeable = False
-        self._given = {
-            command if name == "command" else name: given[place].reshape(()) if name == "track_force" else given[place]
+        inputs = self._inputs.view()
+        inputs.flags.writeable = False
+        self._inputs_by_name = {
+            command if name == "command" else name: inputs[place].reshape(())
+            if name == "track_force"
+            else inputs[place]
             for name, place in layout.input.items()
         }
         self._shapes = {
@@ -332,7 +334,7 @@ class CustomPlant:
         """Step it and return what it shows, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        shown = self._called("step", lambda: self._own.step(self._given))
+        shown = self._called("step", lambda: self._own.step(self._inputs_by_name))
         if not isinstance(shown, Mapping) or self._shown.symmetric_difference(shown):
             raise PlantFailed(
                 f"{_place(self._own, 'step')} returned {_short(shown)}, not what it showed at the start, "

@@ -35,16 +35,16 @@ _OPPOSITE = ("retardation", "deceleration", "drag", "resistance")
 _LEAST = 0.6
 
 
-def drafted(description: Description, wanted: Mapping[str, tuple[Signal, Causality]]) -> dict[str, str]:
+def drafted(description: Description, signals: Mapping[str, tuple[Signal, Causality]]) -> dict[str, str]:
     """Return our name → variable or pattern of an FMU, best names first, each used once; what fits nothing is left out.
 
     Args:
         description: Of the FMU.
-        wanted: Our signals and what the FMU calls such variables.
+        signals: Our signals and what the FMU calls such variables.
     """
-    found = _arrays(description)
-    names, theirs = list(wanted), list(found)
-    score = np.array([[_score(*wanted[name], pattern, found[pattern]) for pattern in theirs] for name in names])
+    arrays = _arrays(description)
+    names, theirs = list(signals), list(arrays)
+    score = np.array([[_score(*signals[name], pattern, arrays[pattern]) for pattern in theirs] for name in names])
     pairs = zip(*linear_sum_assignment(score, maximize=True), strict=True) if score.size else ()
     return {names[i]: _signed(theirs[j]) for i, j in pairs if score[i, j] >= _LEAST}
 
@@ -55,17 +55,17 @@ def _signed(pattern: str) -> str:
 
 def _arrays(description: Description) -> dict[str, tuple[Variable, int]]:
     """Return pattern → first variable and number of elements, 0 for a scalar; {i} stands for the one index."""
-    found: dict[str, tuple[Variable, int]] = {}
+    arrays: dict[str, tuple[Variable, int]] = {}
     for variable in description.variables.values():
         pattern, indices = re.subn(r"\[(\d+)\]", "[{i}]", variable.name)
-        first, count = found.get(pattern, (variable, 0))
-        found[pattern] = (first, count + 1 if indices == 1 else 0)
-    return found
+        first, count = arrays.get(pattern, (variable, 0))
+        arrays[pattern] = (first, count + 1 if indices == 1 else 0)
+    return arrays
 
 
-def _score(signal: Signal, causality: Causality, pattern: str, found: tuple[Variable, int]) -> float:
+def _score(signal: Signal, causality: Causality, pattern: str, array: tuple[Variable, int]) -> float:
     """Return how alike the names are, 0 to 1; 0 when size, causality or dimension differ."""
-    first, count = found
+    first, count = array
     fits = first.settable and first.causality != "input" if causality == "parameter" else first.causality == causality
     if not fits or count != signal.size or first.kind == "String":
         return 0.0

@@ -142,8 +142,8 @@ class Failure:
         }[self.reason]
         about = f" ({self.detail})" if self.detail else ""
         reached = f"; it came as far as {self.reached:.9g} s" if self.reached is not None else ""
-        said = f"; it says: {self.log[-1]}" if self.log else ""
-        return f"{self.file}: at {self.time:.9g} s {what}{about}{reached}{said}."
+        words = f"; it says: {self.log[-1]}" if self.log else ""
+        return f"{self.file}: at {self.time:.9g} s {what}{about}{reached}{words}."
 
 
 class PlantFailed(RailgripError):

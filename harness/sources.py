@@ -31,7 +31,7 @@ def sources_digest() -> str:
     roots = {room.__name__: Path(room.__file__ or "").parent for room in rooms} | {"modelica": MODELICA}
     digest = hashlib.sha256()
     for name, root in roots.items():
-        for path in sorted(found for found in root.rglob("*") if found.suffix in _KINDS):
+        for path in sorted(file for file in root.rglob("*") if file.suffix in _KINDS):
             # Installed, the other rooms lie inside the package's own folder.
             if any(
                 path.is_relative_to(other) for other in roots.values() if other != root and other.is_relative_to(root)

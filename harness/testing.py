@@ -60,17 +60,17 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
         law = factory()
         runs: list[list[tuple[float, ...]]] = []
         for _ in range(2):
-            controller = _made(lambda law=law, formation=formation: CustomController(law, formation))
-            given = [with_ for with_ in (True, False) if (with_ and estimates) or not (with_ or controller.needs)]
+            controller = _party(lambda law=law, formation=formation: CustomController(law, formation))
+            variants = [with_ for with_ in (True, False) if (with_ and estimates) or not (with_ or controller.needs)]
             demands: list[tuple[float, ...]] = []
-            for estimated in given:
+            for estimated in variants:
                 for observation in observations(formation, estimated=estimated):
-                    kept = copy.deepcopy(observation)
+                    before = copy.deepcopy(observation)
                     try:
                         demands.append(controller.decide(observation))
                     except ControllerFailed as failed:
                         raise ContractBroken(str(failed)) from failed
-                    _demand_unchanged(law, kept, observation)
+                    _demand_unchanged(law, before, observation)
                     _demand_pressures(law, formation, demands[-1])
             runs.append(demands)
         _demand_same(law, "decide", runs)
@@ -89,20 +89,22 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
         own = factory()
         runs: list[list[tuple[float, ...]]] = []
         for _ in range(2):
-            estimator = _made(lambda own=own, formation=formation: CustomEstimator(own, formation))
+            estimator = _party(lambda own=own, formation=formation: CustomEstimator(own, formation))
             values: list[tuple[float, ...]] = []
             for observation in observations(formation, estimated=False):
                 if not np.isfinite(observation.speed):
                     continue
-                kept = copy.deepcopy(observation)
+                before = copy.deepcopy(observation)
                 try:
-                    given = estimator.step(observation)
+                    estimates = estimator.step(observation)
                 except EstimatorFailed as failed:
                     raise ContractBroken(str(failed)) from failed
-                _demand_unchanged(own, kept, observation)
-                for name in (name for name in given if name.endswith("_sd") and np.any(given[name] < 0.0)):
-                    raise ContractBroken(f"{type(own).__name__}.step gives a negative {name}: {given[name].tolist()}")
-                values.append(tuple(np.concatenate([given[name] for name in estimator.provides]).tolist()))
+                _demand_unchanged(own, before, observation)
+                for name in (name for name in estimates if name.endswith("_sd") and np.any(estimates[name] < 0.0)):
+                    raise ContractBroken(
+                        f"{type(own).__name__}.step gives a negative {name}: {estimates[name].tolist()}"
+                    )
+                values.append(tuple(np.concatenate([estimates[name] for name in estimator.provides]).tolist()))
             runs.append(values)
         _demand_same(own, "step", runs)
 
@@ -120,7 +122,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
         own, layout = factory(), layout_of(formation)
         runs: list[list[tuple[float, ...]]] = []
         for _ in range(2):
-            sensors = _made(
+            sensors = _party(
                 lambda own=own, layout=layout, formation=formation: CustomSensors(
                     own, layout, formation, _PERIOD, np.random.default_rng(1)
                 )
@@ -159,7 +161,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
         own, layout = factory(), layout_of(vehicle)
         pressure, runs = tuple(vehicle.pressure_max.tolist()), list[list[tuple[float, ...]]]()
         for _ in range(2):
-            plant = _made(
+            plant = _party(
                 lambda own=own, layout=layout: CustomPlant(
                     own, layout, speed=_SPEED, period=_PERIOD, needed=NEEDED, command="pressure_command"
                 )
@@ -168,8 +170,8 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
                 trial = tried(layout, plant, period=_PERIOD, release=(0.0,) * vehicle.groups, brake=pressure)
             except PlantFailed as failed:
                 raise ContractBroken(str(failed)) from failed
-            found = findings(trial, speed=_SPEED, radius=tuple(vehicle.wheel_radius.tolist()), pressure=pressure)
-            for finding in (finding for finding in found if not finding.good):
+            results = findings(trial, speed=_SPEED, radius=tuple(vehicle.wheel_radius.tolist()), pressure=pressure)
+            for finding in (finding for finding in results if not finding.good):
                 raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
             runs.append([tuple(row) for row in np.nan_to_num(trial.rows).tolist()])
         _demand_same(own, "step", runs)
@@ -213,7 +215,7 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
         yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure, formation.pressure_max)
 
 
-def _made(make: Callable[[], Any]) -> Any:
+def _party(make: Callable[[], Any]) -> Any:
     try:
         return make()
     except ScenarioError as problem:

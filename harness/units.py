@@ -223,28 +223,28 @@ def quantity(text: str) -> tuple[float, Unit]:
         raise UnitError(f"is {short(text)}, whose unit {problem}") from problem
 
 
-def to_si(text: str, wanted: str | Unit) -> float:
+def to_si(text: str, target_unit: str | Unit) -> float:
     """Return the value of `text` in a unit.
 
     Args:
         text: A number followed by any unit of the same dimension, for example "3.4 bar".
-        wanted: The unit, mostly an SI one; "1" for a ratio.
+        target_unit: The unit, mostly an SI one; "1" for a ratio.
 
     Raises:
         UnitError: With the rest of a sentence that begins with a name.
     """
-    number, given = quantity(text)
-    target = unit(wanted) if isinstance(wanted, str) else wanted
+    number, source = quantity(text)
+    target = unit(target_unit) if isinstance(target_unit, str) else target_unit
     try:
-        gain, shift = conversion(given, target)
+        gain, shift = conversion(source, target)
     except UnitError as problem:
-        if not given.name:
+        if not source.name:
             raise UnitError(
                 f"is {short(text)}, which names no unit; write one of the dimension of {target.name!r}, "
                 f"or a bare number in {target.name!r}"
             ) from problem
         raise UnitError(
-            f"is {short(text)}, but '{given.name}' cannot be converted to {target.name!r}{_angle_hint(given, target)}"
+            f"is {short(text)}, but '{source.name}' cannot be converted to {target.name!r}{_angle_hint(source, target)}"
         ) from problem
     return gain * number + shift
 
@@ -291,8 +291,8 @@ def _symbol(symbol: str) -> tuple[float, Mapping[str, int]] | None:
 
 def _reading(symbol: str) -> tuple[str, str]:
     """Return the names of prefix and unit of a symbol; empty where there is none."""
-    found = _registry().parse_unit_name(symbol)
-    return (found[0][0], found[0][1]) if found else ("", "")
+    readings = _registry().parse_unit_name(symbol)
+    return (readings[0][0], readings[0][1]) if readings else ("", "")
 
 
 def _unknown(text: str) -> UnitError:

@@ -115,10 +115,10 @@ class Bench:
         if self._observation is None or self._end is not None:
             raise ScenarioError("bench: reset() comes before step(), and again after the end of a stop")
         groups = self.formation.groups
-        found = problem_with(pressures, (groups,))
-        if found:
+        problem = problem_with(pressures, (groups,))
+        if problem:
             raise ScenarioError(
-                f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {found}"
+                f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
             )
         self._advance(lambda: self._going.send(np.asarray(pressures, dtype=np.float64).tolist()))
         return self._observation

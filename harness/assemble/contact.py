@@ -25,13 +25,13 @@ def compiled_contact(model: Model, parameters: dict[str, float]) -> Contact:
         parameters: Of the creep curve, where they are not those of the class.
     """
     values = {variable.name: variable.start for variable in model.parameters} | parameters
-    given = np.array([values[variable.name] for variable in model.parameters])
+    curve = np.array([values[variable.name] for variable in model.parameters])
     run = _library(model)
 
     def adhesion(slip: Array, speed: Array, load: Array, mu0: Array) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
         result = np.empty(points[0].shape)
-        run(result.size, *(each.ctypes.data for each in points), given.ctypes.data, result.ctypes.data)
+        run(result.size, *(each.ctypes.data for each in points), curve.ctypes.data, result.ctypes.data)
         return result
 
     return adhesion

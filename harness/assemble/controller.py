@@ -137,10 +137,10 @@ def _group_law(vehicle: VehicleData) -> Law:
             return SlipBased(groups, replace(levels, **values))
         except ValueError as problem:
             raise ScenarioError(f"{where}: {problem}") from problem
-    law, base, given = _law_of(scenario, table.kind)
+    law, base, fixed = _law_of(scenario, table.kind)
     values = in_units(where, own, type(base).units())
     try:
-        return law(groups, replace(base, **given, **values))
+        return law(groups, replace(base, **fixed, **values))
     except ValueError as problem:
         raise ScenarioError(f"{where}: {problem}") from problem
 

@@ -161,14 +161,14 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
     if predicted != groups:
         raise ScenarioError(f"{where} is for {predicted} groups, the vehicle has {groups}")
     each = [f"{name}[{g + 1}]" for name in ("w", "mu_b", "alpha") for g in range(groups)]
-    wanted = {
+    needs = {
         "state": (["v", *each], states),
         "parameter": (
             [*_PREDICTION_DATA, *(f"{name}_start[{g + 1}]" for name in ("mu_b", "alpha") for g in range(groups))],
             [variable.name for variable in model.parameters],
         ),
     }
-    for kind, (names, offered) in wanted.items():
+    for kind, (names, offered) in needs.items():
         if missing := [name for name in names if name not in offered]:
             raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(offered)}")
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
@@ -222,11 +222,11 @@ def _element(name: str) -> int:
 def _noise(table: KalmanFilter) -> NoiseSet:
     model = table.model or "TrainPrediction"
     prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(model, model)}_"
-    wanted = f"{prefix}{table.noise}"
-    if wanted not in NOISE_SETS:
+    full_name = f"{prefix}{table.noise}"
+    if full_name not in NOISE_SETS:
         raise ScenarioError(
             f"[estimator] has no noise set '{table.noise}' for model '{model}'; there are "
             + ", ".join(sorted(NOISE_SETS))
             + " (model_noise)."
         )
-    return NOISE_SETS[wanted]
+    return NOISE_SETS[full_name]

@@ -59,7 +59,7 @@ def controller_fmu(scenario: Scenario) -> Source:
 
 def _in_series(law: Sampled, valves: Sampled, groups: int) -> ca.Function:
     """Return one step of both: valves take the demands of the law, and of its inputs the pressures, which are last."""
-    state, given, parameter = (
+    state, inputs, parameter = (
         ca.SX.sym(name, count)
         for name, count in (
             ("state", law.state.size + valves.state.size),
@@ -69,19 +69,19 @@ def _in_series(law: Sampled, valves: Sampled, groups: int) -> ca.Function:
     )
     mine, theirs = ca.vertsplit(state, [0, law.state.size, state.numel()])
     tuning, model = ca.vertsplit(parameter, [0, law.parameters.size, parameter.numel()])
-    following, demand = law.step(mine, given, tuning)
-    onwards, command = valves.step(theirs, ca.vertcat(demand, given[-groups:]), model)
-    return ca.Function("step", [state, given, parameter], [ca.vertcat(following, onwards), command])
+    following, demand = law.step(mine, inputs, tuning)
+    onwards, command = valves.step(theirs, ca.vertcat(demand, inputs[-groups:]), model)
+    return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
 
 
 def _paced(parameters: tuple[Variable, ...], step: ca.Function) -> tuple[tuple[Variable, ...], ca.Function]:
     """Return the parameters without those that say how often the step is called, and the step with their values."""
     free = tuple(variable for variable in parameters if variable.name not in _PERIODS)
     symbols = {variable.name: ca.SX.sym(variable.name) for variable in free}
-    state, given = (ca.SX.sym(name, step.numel_in(place)) for place, name in enumerate(("state", "given")))
+    state, inputs = (ca.SX.sym(name, step.numel_in(place)) for place, name in enumerate(("state", "given")))
     every = [symbols.get(variable.name, ca.SX(variable.start)) for variable in parameters]
-    results = step(state, given, ca.vertcat(*every))
-    return free, ca.Function("step", [state, given, ca.vertcat(*symbols.values())], [*results])
+    results = step(state, inputs, ca.vertcat(*every))
+    return free, ca.Function("step", [state, inputs, ca.vertcat(*symbols.values())], [*results])
 
 
 def _variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:

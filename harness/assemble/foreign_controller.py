@@ -13,7 +13,7 @@ from railgrip.scenario.schema import Scenario
 
 _READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
 _BELIEVED = ("adhesion", "pad_friction")
-_GIVEN = ("demand", "command")
+_DECISIONS = ("demand", "command")
 _UNITS = {
     "speed": "m/s", "acceleration": "m/s2", "wheelset_speed": "rad/s", "pressure": "Pa", "driver_demand": "Pa",
     "demand": "Pa",
@@ -40,7 +40,7 @@ class ForeignController:
         """Decide by an open FMU that has not been started; `gives` names its output, demand or command."""
         self._fmu = fmu
         self._inputs = np.zeros(binding.inputs.size)
-        self._given = binding.outputs.layout[gives]
+        self._decision = binding.outputs.layout[gives]
         self._started = False
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
@@ -59,7 +59,7 @@ class ForeignController:
             decided = self._fmu.step(self._inputs)
         except PlantFailed as failed:
             raise ControllerFailed(f"The controller failed: {failed}") from failed
-        return tuple(decided[self._given].tolist())
+        return tuple(decided[self._decision].tolist())
 
 
 def binding_of(
@@ -71,28 +71,28 @@ def binding_of(
         FmuError: It does not fit the FMU, or the FMU gives nothing that brakes.
     """
     where = f"{scenario.name}: [controller.map]"
-    seen = (*_READ, *(name for name in _BELIEVED if name in estimates))
-    outputs = tuple(name for name in _GIVEN if name in table.map) or _GIVEN
+    inputs = (*_READ, *(name for name in _BELIEVED if name in estimates))
+    outputs = tuple(name for name in _DECISIONS if name in table.map) or _DECISIONS
     binding = bind(
         description,
-        inputs=_signals(seen, groups),
+        inputs=_signals(inputs, groups),
         outputs=_signals(outputs, groups),
         table=table.map,
         where=where,
     )
-    file, given = description.file.name, [name for name in outputs if name not in binding.outputs.absent]
-    if len(given) != 1:
-        found = " and ".join(given) or "neither demand nor command"
+    file, decisions = description.file.name, [name for name in outputs if name not in binding.outputs.absent]
+    if len(decisions) != 1:
+        names = " and ".join(decisions) or "neither demand nor command"
         raise FmuError(
-            f"{where}: {file} gives {found}; wanted is one of demand [Pa] and command of the {groups} groups: say "
+            f"{where}: {file} gives {names}; wanted is one of demand [Pa] and command of the {groups} groups: say "
             'which variables they are, as in demand = "pressure[{i}]".'
         )
-    if given == ["command"] and scenario.actuation.kind != "pneumatic":
+    if decisions == ["command"] and scenario.actuation.kind != "pneumatic":
         raise FmuError(
             f"{where}: {file} commands valves, but [actuation] kind is '{scenario.actuation.kind}', which takes "
             "pressures; make it 'pneumatic', with a plant that has valves."
         )
-    return binding, given[0]
+    return binding, decisions[0]
 
 
 @contextmanager

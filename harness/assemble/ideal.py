@@ -161,10 +161,10 @@ class _Tracking:
             self._due = observation.time + _PEAK_PERIOD
             self._look(observation.time, distance, speed, load)
         group_load = self._formation.summed(load)
-        used = np.minimum(row[at["group_adhesion"]] * self._change, self._limit)
+        adhesion = np.minimum(row[at["group_adhesion"]] * self._change, self._limit)
         slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
         turning = _RATE * (_BELOW * self._slip - slip) * speed - (1.0 - slip) * deceleration
-        torque = used * group_load * brake.r_wheel + brake.J / brake.r_wheel * turning
+        torque = adhesion * group_load * brake.r_wheel + brake.J / brake.r_wheel * turning
         pad_force = torque / (brake.n_units * row[at["pad_friction"]] * brake.r_friction)
         pressure = (pad_force / (brake.eta_rigging * brake.i_rigging) + brake.F_spring) / brake.A_piston
         return tuple(np.clip(pressure, 0.0, brake.p_max).tolist())

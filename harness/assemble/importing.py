@@ -52,18 +52,18 @@ def party_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
     module, _, name = named.partition(":")
     with _path_without_current_folder(folders):
         try:
-            found: Any = importlib.import_module(module)
+            factory: Any = importlib.import_module(module)
         except Exception as problem:
             raise ScenarioError(
                 f"{where} kind {cut(table.kind)}: the module {cut(module)} cannot be imported: "
                 f"{type(problem).__name__}: {problem}; install its package, or name its folder by --import-from DIR"
             ) from problem
     for part in name.split("."):
-        found = getattr(found, part, None)
-    if not callable(found):
+        factory = getattr(factory, part, None)
+    if not callable(factory):
         raise ScenarioError(f"{where} kind {cut(table.kind)}: the module {module} has no class {cut(name)}")
     try:
-        return found(**table.parameters)
+        return factory(**table.parameters)
     except Exception as problem:
         raise ScenarioError(
             f"{where} {name} cannot be made with parameters {dict(table.parameters)}: {type(problem).__name__}: "
@@ -95,8 +95,8 @@ def _source(kind: type) -> str | None:
 
 def _plain_attributes(own: object) -> dict[str, Any]:
     attributes: dict[str, Any] = getattr(own, "__dict__", {})
-    found = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
-    return {name: value for name, value in found.items() if value is not None}
+    values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _plain(value: object) -> Any:

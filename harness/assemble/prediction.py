@@ -112,16 +112,16 @@ def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
     """Return the parts of a train: bogies of two wheelsets with known frames, and the groups of no such bogie."""
     ends = np.cumsum([0, *_wheelsets_per_bogie(formation, data)]).tolist()
     group_of, per_group = formation.group_of_wheelset.tolist(), formation.wheelsets_per_group
-    found: list[_Members] = []
+    parts: list[_Members] = []
     for bogie, (first, end) in enumerate(pairwise(ends)):
         groups = tuple(dict.fromkeys(group_of[first:end]))
         framed = all(f"{name}[{bogie + 1}]" in data or name in data for name in ("m_frame", "I_frame", "wheelbase"))
         if end - first == 2 and framed and sum(per_group[g] for g in groups) == 2:
-            found.append(_Members(groups, (first, first + 1), bogie))
-    alone = set(range(formation.groups)).difference(*(members.groups for members in found))
+            parts.append(_Members(groups, (first, first + 1), bogie))
+    alone = set(range(formation.groups)).difference(*(members.groups for members in parts))
     wheelsets = np.arange(formation.wheelsets)
-    found += [_Members((g,), tuple(wheelsets[formation.group_of_wheelset == g].tolist())) for g in alone]
-    return sorted(found, key=lambda members: members.groups)
+    parts += [_Members((g,), tuple(wheelsets[formation.group_of_wheelset == g].tolist())) for g in alone]
+    return sorted(parts, key=lambda members: members.groups)
 
 
 def _wheelsets_per_bogie(formation: Formation, data: Mapping[str, float]) -> list[int]:

@@ -232,15 +232,15 @@ _SOURCE = {"acceleration_along": "acceleration"} | dict.fromkeys(GNSS, "distance
 
 def _white(scenario: Scenario, table: WhiteTable, layout: Layout) -> WhiteSensors | OnTrack:
     def each(values: Mapping[str, float]) -> NDArray[np.float64]:
-        found = np.zeros(layout.readings)
+        vector = np.zeros(layout.readings)
         for name, value in values.items():
             if name not in layout.reading:
                 raise ScenarioError(
                     f"{scenario.name}: [sensors] names '{name}', which this plant does not show; its sensors read "
                     f"{', '.join(layout.reading)}"
                 )
-            found[layout.reading[name]] = value
-        return found
+            vector[layout.reading[name]] = value
+        return vector
 
     def shown(name: str) -> NDArray[np.intp]:
         source, at = layout.output[_SOURCE.get(name, name)], layout.reading[name]

@@ -103,11 +103,13 @@ def findings(
     shown = {name: trial.rows[:, place] for name, place in trial.layout.output.items()}
     v, x, a = (shown[name][:, 0] for name in ("speed", "distance", "acceleration"))
     last, coasting = trial.coasting - 1, trial.coasting
-    found = [_ratio("speed", v[0], speed, 0.01, "m/s at the start, [start] speed is")]
-    found.append(_ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives"))
+    results = [_ratio("speed", v[0], speed, 0.01, "m/s at the start, [start] speed is")]
+    results.append(
+        _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
+    )
     lost, gained = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
     slowing = -lost / ((len(v) - coasting) * trial.period)
-    found.append(
+    results.append(
         Finding(
             signal="pressure_command",
             good=slowing >= _LEAST_DECELERATION,
@@ -115,7 +117,9 @@ def findings(
         )
     )
     if abs(lost) > 0.1:
-        found.append(_ratio("acceleration", gained, lost, 0.1, "m/s as its integral in braking, the speed changes by"))
+        results.append(
+            _ratio("acceleration", gained, lost, 0.1, "m/s as its integral in braking, the speed changes by")
+        )
     for g, believed in enumerate(radius):
         wheel, slip = shown["wheelset_speed"][last, g], shown["slip"][last, g]
         name = f"wheelset_speed[{g + 1}]"
@@ -127,22 +131,22 @@ def findings(
             hint = (
                 f": a constant slip of {1 - believed / rolling:.0%}; give the controller and the estimator this r_wheel"
             )
-        found.append(Finding(signal=name, good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}"))
+        results.append(Finding(signal=name, good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}"))
         if not math.isnan(slip):
             good = abs(slip) <= 0.02 and shown["slip"][-1, g] > -0.005
             sentence = (
                 f"is {slip:.3g} coasting and {shown['slip'][-1, g]:.3g} in full braking; 0, and then above, is expected"
             )
-            found.append(Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence))
-        found.append(
+            results.append(Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence))
+        results.append(
             _ratio(f"cylinder_pressure[{g + 1}]", shown["cylinder_pressure"][-1, g], pressure[g], 0.5, "Pa of")
         )
     for i, adhesion in enumerate(shown["adhesion"][-1]):
         if not math.isnan(adhesion):
             good = 0 < adhesion <= _GOOD_RAIL * 1.01
             sentence = f"is {adhesion:.3g} in full braking; above 0 and at most mu0 = {_GOOD_RAIL:g} is expected"
-            found.append(Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence))
-    return tuple(found)
+            results.append(Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence))
+    return tuple(results)
 
 
 def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> Finding:

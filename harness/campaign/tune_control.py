@@ -152,7 +152,7 @@ def point_of(ranges: Ranges, values: Mapping[str, float]) -> Vector:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Found:
+class Optimum:
     """Parameters found for a law under one kind of actuation and with one way to know the slip.
 
     Attributes:
@@ -187,7 +187,7 @@ def search(
     planned: Sequence[PlannedStop] | None = None,
     sets: int = _SETS,
     budget: int | None = None,
-) -> Found:
+) -> Optimum:
     """Search the parameters of one law for one kind of actuation and one way to know the slip.
 
     The set of the law's file is among the first that are tried: a search goes on from the one before.
@@ -247,7 +247,7 @@ def search(
     )
     values = parameters_of(tuple(ranges), optimum.x)
     distances = list(pool.map(_distance, [_with(values, stop) for stop in stops]))
-    return Found(
+    return Optimum(
         values=values,
         sets=population * (generations + 1),
         rails=tuple(stop.variants["rail"] for stop in planned),
@@ -257,7 +257,7 @@ def search(
 
 
 def text_of(
-    law: str, results: Mapping[tuple[str, tuning.SlipSource], Found], command: str = "make tune-control"
+    law: str, results: Mapping[tuple[str, tuning.SlipSource], Optimum], command: str = "make tune-control"
 ) -> str:
     """Return the file of a law's parameters: what was found for each kind of actuation, on what, by which command."""
     lines = [f"# Parameters of {law}, written by `{command}`; in brackets two-state control at 10 and 15 %."]

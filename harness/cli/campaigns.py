@@ -17,7 +17,7 @@ from railgrip.report.panels import Panels
 
 if TYPE_CHECKING:
     from railgrip.campaign.run import CampaignRun
-    from railgrip.campaign.tune_control import Found
+    from railgrip.campaign.tune_control import Optimum
     from railgrip.controllers.tuning import SlipSource
     from railgrip.report.baseline import Baseline, Findings
     from railgrip.report.row import Row
@@ -51,17 +51,17 @@ def campaign(
 
     planned = [load_campaign(file, overrides or []) for file in files]
     own = out if out is not None and len(files) == 1 else None
-    asked = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in planned]
-    twice = next((one for one in asked if [a.directory for a in asked].count(one.directory) > 1), None)
+    runs = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in planned]
+    twice = next((one for one in runs if [a.directory for a in runs].count(one.directory) > 1), None)
     if twice is not None:
         raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
 
     def draw(number: int, drawing: Callable[[str], None]) -> None:
-        one = asked[number]
+        one = runs[number]
         write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
 
-    problem = _run_campaigns(asked, workers=workers, fresh=fresh, finished=draw, import_from=import_from or ())
-    for one in asked:
+    problem = _run_campaigns(runs, workers=workers, fresh=fresh, finished=draw, import_from=import_from or ())
+    for one in runs:
         _show_distances(rows_of(read_results(one.directory)))
         say(f"{one.directory}/index.html")
     if problem:
@@ -94,16 +94,16 @@ def conditioning(
     chosen = whole.only(lambda stop: fnmatch(stop.name, stops))
     if not chosen.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {whole.stops[0].name} and others")
-    kept = {} if stops == "*" else _repeated_before(whole.conditioning, relative)
+    others = {} if stops == "*" else _repeated_before(whole.conditioning, relative)
     repeated = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in chosen.stops}
     directory = out / whole.name
     problem = _run_campaigns([CampaignRun(campaign_of(chosen, repeated), directory)], workers=workers, fresh=fresh)
     # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
-    found = conditioning_of(chosen, repeated, directory, relative)
-    write_text(whole.conditioning, text_of(found.model_copy(update={"stops": kept | found.stops})))
+    results = conditioning_of(chosen, repeated, directory, relative)
+    write_text(whole.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
-        for name, stop in found.stops.items()
+        for name, stop in results.stops.items()
     ]
     metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
     show_table(Table(rows, {**metres, "spreads": yes_no}))
@@ -155,7 +155,7 @@ def regress(
             if baseline.campaign is None:
                 continue
             baseline = baseline.across_compilers()
-        code, findings = _found(baseline, path, out / path.stem, workers)
+        code, findings = _numbers_of(baseline, path, out / path.stem, workers)
         problem = code or problem
         comparisons = compare(baseline, findings)
         show_table(comparison_table(comparisons, path.name), "nothing changed")
@@ -257,13 +257,13 @@ def tune_control(
     options = {"--cases": cases, "--budget": budget}
     with processes(workers) as pool:
         for each in law or RANGES:
-            found: dict[tuple[str, SlipSource], Found] = {}
+            optima: dict[tuple[str, SlipSource], Optimum] = {}
             for actuation, slip in (kind for kind in RANGES[each] if kind[0] in searched):
                 name = f"{each}, {actuation} actuation, {slip} slip"
                 with progress(name):
                     tell = partial(note, name)
-                    found[actuation, slip] = search(each, actuation, slip, tell, pool, planned=planned, budget=budget)
-                say(text_of(each, {(actuation, slip): found[actuation, slip]}))
+                    optima[actuation, slip] = search(each, actuation, slip, tell, pool, planned=planned, budget=budget)
+                say(text_of(each, {(actuation, slip): optima[actuation, slip]}))
             command = " ".join(
                 (
                     f"railgrip tune-control --law {each}",
@@ -271,15 +271,15 @@ def tune_control(
                 )
             )
             path = out / f"{each}.toml"
-            text = text_of(each, found, command if any(options.values()) else "make tune-control")
-            write_text(path, text + _others(path, found))
+            text = text_of(each, optima, command if any(options.values()) else "make tune-control")
+            write_text(path, text + _others(path, optima))
 
 
-def _others(path: Path, found: "Mapping[tuple[str, SlipSource], Found]") -> str:
+def _others(path: Path, optima: "Mapping[tuple[str, SlipSource], Optimum]") -> str:
     """Return the tables of a file of parameters that were not searched."""
     sets = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     lines: list[str] = []
-    for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in found):
+    for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in optima):
         values = sets[actuation][slip]
         lines += ["", "# Not searched then.", f"[{actuation}.{slip}]", *(f"{k} = {v!r}" for k, v in values.items())]
     return "".join(f"{line}\n" for line in lines)
@@ -303,7 +303,7 @@ def readme(
 
 
 def _run_campaigns(
-    asked: "Sequence[CampaignRun]",
+    runs: "Sequence[CampaignRun]",
     *,
     workers: int,
     fresh: bool,
@@ -316,8 +316,8 @@ def _run_campaigns(
     """
     from railgrip.campaign.run import Report, run_campaigns
 
-    names = ", ".join(one.campaign.name for one in asked)
-    with progress(names, sum(len(one.campaign.stops) for one in asked), counted=True) as shown:
+    names = ", ".join(one.campaign.name for one in runs)
+    with progress(names, sum(len(one.campaign.stops) for one in runs), counted=True) as shown:
 
         def tell(report: Report) -> None:
             shown.advance()
@@ -329,7 +329,7 @@ def _run_campaigns(
             shown.update(doing="")
 
         reports = run_campaigns(
-            asked, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
+            runs, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
         )
     states = {report.state for reported in reports for report in reported}
     if "refused" in states:
@@ -337,7 +337,7 @@ def _run_campaigns(
     return RUN_FAILED if states & {"failed", "ended_badly"} else 0
 
 
-def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
+def _numbers_of(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
     from railgrip.campaign.run import CampaignRun
     from railgrip.report.baseline import findings_of, write_findings
@@ -345,8 +345,8 @@ def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[
     from railgrip.scenario.campaign import load_campaign
 
     if baseline.campaign is not None:
-        asked = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
-        code = _run_campaigns(asked, workers=workers, fresh=False)
+        runs = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
+        code = _run_campaigns(runs, workers=workers, fresh=False)
         return code, findings_of(read_results(out))
     from railgrip.studies.headlines import headlines
 
@@ -357,10 +357,10 @@ def _found(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[
 
 
 def _baseline_files(folder: Path) -> list[Path]:
-    found = sorted(folder.glob("*.toml"))
-    if not found:
+    files = sorted(folder.glob("*.toml"))
+    if not files:
         raise ScenarioError(f"{folder}: there is no baseline file (*.toml) in it")
-    return found
+    return files
 
 
 def _show_distances(rows: "Sequence[Row]") -> None:

@@ -95,14 +95,14 @@ def estimate(
     _say_flags(recording)
     with progress(f"{specification.name}: filter"):
         prediction = prediction_for(specification)
-        told = estimate_of(specification, recording)
-    write_bytes(folder / "estimates.nc", bytes(told.to_netcdf(engine="h5netcdf")))
-    _print_errors(recording, told)
-    strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(told)
+        estimates = estimate_of(specification, recording)
+    write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
+    _print_errors(recording, estimates)
+    strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(estimates)
     with progress(f"{specification.name}: figure"):
-        picture = estimated(recording, told, prediction.inputs, folder / "estimates.png")
+        picture = estimated(recording, estimates, prediction.inputs, folder / "estimates.png")
     say(f"{folder}/estimates.nc, {picture}")
-    problems = [*strange, *([told.attrs["ended"]] if told.attrs["ended"] else [])]
+    problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
     if problems:
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
 
@@ -125,16 +125,16 @@ def _say_flags(recording: "xarray.Dataset") -> None:
         say(f"{recording.attrs['name']}: {sentence}")
 
 
-def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
+def _print_errors(recording: "xarray.Dataset", estimates: "xarray.Dataset") -> None:
     """Print how far off each state was whose truth is known."""
     from railgrip.estimation.judge import judge
     from railgrip.trace.samples import knows
 
     say(
-        f"{recording.attrs['name']}: median NIS is {told.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
+        f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
         "filter is surer than its readings allow."
     )
-    known = [str(state) for state in told["state"].values if knows(recording, str(state))]
+    known = [str(state) for state in estimates["state"].values if knows(recording, str(state))]
     if not known:
         return
     rows = [
@@ -148,7 +148,7 @@ def _print_errors(recording: "xarray.Dataset", told: "xarray.Dataset") -> None:
             "within 2 sd": judged.covered,
         }
         for state in known
-        for judged in (judge(recording, told, state),)
+        for judged in (judge(recording, estimates, state),)
     ]
     forms: dict[str, Form] = {
         **dict.fromkeys(("rmse", "of the best constant", "largest"), "{:.4g}"),

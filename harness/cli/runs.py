@@ -42,12 +42,14 @@ def run(
         )
     metrics = stop.metrics
     # A plant from outside may not show its adhesion; then there is no share of it to tell.
-    used = f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    share = (
+        f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
+    )
     if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
-        used += (
+        share += (
             f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
         )
-    say(f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{used}")
+    say(f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{share}")
     for sentence in metrics.doubts():
         say(f"{scenario.name}: {sentence}")
     say(f"{directory}/stop.json")
@@ -72,8 +74,8 @@ def export(
     from railgrip.assemble.export import controller_fmu
     from railgrip.fmus.native.package import pack
 
-    made = pack(controller_fmu(scenario), place)
-    say(str(made))
+    fmu = pack(controller_fmu(scenario), place)
+    say(str(fmu))
 
 
 @app.command(name="map")
@@ -100,12 +102,12 @@ def map_(
     description = describe(file)
     formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or catalogue_counts()))
     inputs, outputs, start = plant_signals(layout_of(formation), pneumatic=False, track_force=False)
-    wanted: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
-    wanted |= {s.name: (s, "output") for s in outputs}
-    wanted[start.name] = (start, "parameter")
-    table = drafted(description, wanted)
+    signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
+    signals |= {s.name: (s, "output") for s in outputs}
+    signals[start.name] = (start, "parameter")
+    table = drafted(description, signals)
     say("[vehicle.map]")
-    for name, (signal, _) in wanted.items():
+    for name, (signal, _) in signals.items():
         if name in table:
             say(f'{name} = "{table[name]}"')
         elif signal.needed:

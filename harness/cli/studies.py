@@ -63,17 +63,17 @@ def ride(
     from railgrip.report.style import save
     from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 
-    asked = read_ride(file)
-    folder = out or Path("build/rides") / asked.name
-    with progress(asked.name, 1.0) as shown:
-        ridden = ride_beside(asked, file.parent, lambda share: shown.update(done=share), remark)
+    specification = read_ride(file)
+    folder = out or Path("build/rides") / specification.name
+    with progress(specification.name, 1.0) as shown:
+        ridden = ride_beside(specification, file.parent, lambda share: shown.update(done=share), remark)
     write_bytes(folder / "ride.nc", bytes(ridden.trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(ridden.trace), folder / "ride.png")
     last = ridden.trace.isel(time=-1)
-    sentence = f"{asked.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
+    sentence = f"{specification.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
     if float(last["friction_sd"]) > 0:
         sentence += f" ± {float(last['friction_sd']):.3f}"
-    sentence += f", true {asked.car.friction:.3f} in the mean"
+    sentence += f", true {specification.car.friction:.3f} in the mean"
     if ridden.apart is not None:
         sentence += f"; sample by sample within {ridden.apart:.1e} of the same readings at once"
     say(sentence)
@@ -124,7 +124,7 @@ def tune(
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
     with progress("generations", generations, counted=True) as shown:
-        found = search_for(
+        optimum = search_for(
             kind,
             tasks,
             model,
@@ -137,16 +137,16 @@ def tune(
         f"--out {out}"
     )
     save_noise(
-        found.noise,
+        optimum.noise,
         out,
         title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
         command=command,
-        results={"objective": found.value, "generations": float(len(found.history))},
+        results={"objective": optimum.value, "generations": float(len(optimum.history))},
     )
-    say(f"{kind}: {found.value:.6f} m/s after {len(found.history)} generations")
+    say(f"{kind}: {optimum.value:.6f} m/s after {len(optimum.history)} generations")
     filter_ = filter_of(model, tasks[0].period)
-    for case, task in zip(driven, tasks, strict=True) if found.value < DIVERGED else ():
-        instant = lost(task, follow(task, filter_, found.noise))
+    for case, task in zip(driven, tasks, strict=True) if optimum.value < DIVERGED else ():
+        instant = lost(task, follow(task, filter_, optimum.noise))
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
     say(str(out))
@@ -165,7 +165,7 @@ def lateral(
     plan = QUICK if quick else FULL
     folder = out / "quick" if quick else out
     with progress("lateral", len(plan.cases), counted=True) as shown:
-        results = conduct(plan, folder, workers=workers, tell=lambda case, found: shown.advance())
+        results = conduct(plan, folder, workers=workers, tell=lambda case, result: shown.advance())
         shown.update(doing="report")
         page = write_report(plan, results, folder, tell=lambda what: shown.update(doing=what))
     say(str(page))
@@ -186,20 +186,20 @@ def monitor(
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     with progress("reading") as shown:
-        found = stops_in(
+        stops = stops_in(
             folder,
             None if column_map is None else load_specification(column_map),
             lambda done, of: shown.update(doing=f"stop {done} of {of}"),
         )
-    for sentence in found.sentences:
+    for sentence in stops.sentences:
         say(sentence)
-    if not found.evidence:
+    if not stops.evidence:
         from railgrip.errors import EstimationError
 
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()
-    history = watch(found.evidence, design)
-    show_table(health_table(history, found.names))
+    history = watch(stops.evidence, design)
+    show_table(health_table(history, stops.names))
     say(verdict_on(history, design))
     say(str(draw(history, design, out or folder / "monitor.png")))
 
@@ -219,11 +219,11 @@ def monitor_study(
     from railgrip.studies.pad_monitor.study import evidence_of_life, lives, study
     from railgrip.studies.pad_monitor.watch import Design, watch
 
-    design, asked = Design(), lives(seeds, stops, pressure_offset)
+    design, plan = Design(), lives(seeds, stops, pressure_offset)
     with progress("lives", seeds, counted=True) as shown:
-        verdict = study(asked, design, workers=workers, tell=lambda done: shown.update(done=done))
+        verdict = study(plan, design, workers=workers, tell=lambda count: shown.update(done=count))
     show_table(verdict.table())
-    first = watch(evidence_of_life(asked[0]), design)
+    first = watch(evidence_of_life(plan[0]), design)
     say(str(draw(first, design, out / "life.png")))
 
 
@@ -264,12 +264,12 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
 
     size = QUICK if quick else FULL
     with progress("learn", pieces(size), counted=True) as shown:
-        made = study(size, inputs=inputs or "longitudinal", workers=workers, tell=shown.advance)
+        results = study(size, inputs=inputs or "longitudinal", workers=workers, tell=shown.advance)
         shown.update(doing="figures and FMUs")
-        drawn = draw(made, out)
-        _export(estimators_of(made), out)
+        drawn = draw(results, out)
+        _export(estimators_of(results), out)
     page = out / "report.md"
-    write_text(page, report(made, [path.stem for path in drawn]))
+    write_text(page, report(results, [path.stem for path in drawn]))
     return page
 
 
@@ -280,12 +280,12 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
     from railgrip.studies.axle_box.own_file import read_own
     from railgrip.studies.axle_box.users import read_folder, read_labels
 
-    asked = read_own(file)
-    network = asked.network if inputs is None else asked.network.model_copy(update={"inputs": inputs})
-    folder = out or OUT.with_name(f"learn_{asked.name}")
-    labels = file.parent / asked.runs.labels
+    specification = read_own(file)
+    network = specification.network if inputs is None else specification.network.model_copy(update={"inputs": inputs})
+    folder = out or OUT.with_name(f"learn_{specification.name}")
+    labels = file.parent / specification.runs.labels
     with progress("learn", len(read_labels(labels)), counted=True) as shown:
-        read = read_folder(file.parent / asked.runs.folder, labels, asked.data, shown.advance)
+        read = read_folder(file.parent / specification.runs.folder, labels, specification.data, shown.advance)
         shown.update(doing="training and judging", total=len(read.runs) + own_pieces(read.runs))
         text, trained = judge_own(
             read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=shown.advance

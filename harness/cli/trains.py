@@ -62,12 +62,12 @@ def check(file: TrainFile) -> None:
     from railgrip.scenario.file import installed
 
     train = load_train(file)
-    found = findings(train)
+    results = findings(train)
     name = installed(file, "trains").name
-    for one in found:
+    for one in results:
         if not one.wrong:
             remark(f"{name}: {one}")
-    wrong = [f"{name}: {one}" for one in found if one.wrong]
+    wrong = [f"{name}: {one}" for one in results if one.wrong]
     if wrong:
         raise InputError("\n".join(wrong))
     for speed, stop in stops_by_hand(train).items():
@@ -97,11 +97,11 @@ def study(
         files = [Path(folder) / f"{model}_{count}.toml" for count in counts]
         for file, count in zip(files, counts, strict=True):
             file.write_text(multiplied(text, count), encoding="utf-8")
-        found: list[DryStop] = []
+        dry_stops: list[DryStop] = []
         for train in (*names, *files):
-            found.append(dry_stop(train))
+            dry_stops.append(dry_stop(train))
             shown.advance()
-        stops, series = found[: len(names)], found[len(names) :]
+        stops, series = dry_stops[: len(names)], dry_stops[len(names) :]
         protected = [protected_stop(period) for period in (1e-3, 10e-3)]
         shown.advance()
         density, comparisons = compare(trial)

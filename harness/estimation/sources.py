@@ -10,7 +10,7 @@ from railgrip.estimation.run import model_of, units_of
 from railgrip.estimation.spec import Specification, check_mass
 from railgrip.scenario.quantity import in_units
 from railgrip.trace.netcdf import FILE_NAME, read_trace
-from railgrip.trace.read import Taken, recorded
+from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.samples import evenly, with_signals
 
 
@@ -59,7 +59,7 @@ def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dat
     return with_signals(trace, {name: (np.full(count, value), units[name]) for name, value in values.items()})
 
 
-def recording_for(specification: Specification, path: Path) -> Taken:
+def recording_for(specification: Specification, path: Path) -> FileRecording:
     """Return the recording in a file, and what had to be mended: a trace as it is, others by the estimation's [data].
 
     Raises:
@@ -69,7 +69,9 @@ def recording_for(specification: Specification, path: Path) -> Taken:
     if path.suffix == ".nc":
         trace = read_trace(path)
         # A stop's trace has the name of its folder.
-        return Taken(recording=evenly(trace, path.parent.name if path.name == FILE_NAME else path.stem), flags=())
+        return FileRecording(
+            recording=evenly(trace, path.parent.name if path.name == FILE_NAME else path.stem), flags=()
+        )
     if specification.data is None:
         raise EstimationError(
             f"{specification.name}: has no [data], which says what the columns of {path.name} are; see "

@@ -37,10 +37,10 @@ class Finding:
 
 def findings(train: Train) -> list[Finding]:
     """Return all that does not fit or is unusual, what is wrong first."""
-    found = [*_masses(train), *_places(train), *_brakes(train)]
-    if not any(one.wrong for one in found):
-        found += _stops(train)
-    return sorted(found, key=lambda one: not one.wrong)
+    results = [*_masses(train), *_places(train), *_brakes(train)]
+    if not any(one.wrong for one in results):
+        results += _stops(train)
+    return sorted(results, key=lambda one: not one.wrong)
 
 
 def stops_by_hand(train: Train) -> dict[float, HandCalculation]:

@@ -166,9 +166,9 @@ class Bogie(Sourced):
         if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
             raise broken("has axles that are not evenly apart; a bogie of RailBraking is")
         for key in ("units", "inertia"):
-            found = len(getattr(self, key))
-            if found not in (1, len(self.axles)):
-                raise broken(f"has {len(self.axles)} axles and {found} {key}; give one for all, or one for each")
+            count = len(getattr(self, key))
+            if count not in (1, len(self.axles)):
+                raise broken(f"has {len(self.axles)} axles and {count} {key}; give one for all, or one for each")
         return self
 
     @property
@@ -325,13 +325,13 @@ class Train(Table):
     @cached_property
     def bogies_in_train(self) -> tuple[BogieInTrain, ...]:
         """All bogies, leading first."""
-        found: list[BogieInTrain] = []
+        bogies: list[BogieInTrain] = []
         front, first = 0.0, 0
         for number, car in enumerate(self.cars):
             for placed in car.bogies:
                 data = self.bogies[placed.kind]
                 last = first + len(data.axles)
-                found.append(
+                bogies.append(
                     BogieInTrain(
                         kind=placed.kind,
                         data=data,
@@ -346,12 +346,12 @@ class Train(Table):
                 )
                 first = last
             front += car.length
-        return tuple(found)
+        return tuple(bogies)
 
     @cached_property
     def axles(self) -> tuple[Axle, ...]:
         """All axles, leading first."""
-        found: list[Axle] = []
+        axles: list[Axle] = []
         group = 0
         masses = [mass for car in self.cars for mass in self._axle_masses(car)]
         for number, bogie in enumerate(self.bogies_in_train):
@@ -365,10 +365,10 @@ class Train(Table):
             for index, offset in enumerate(offsets):
                 # Of a bogie under two cars each has its share.
                 car = bogie.cars[0] if len(bogie.cars) == 1 or index < half else bogie.cars[1]
-                found.append(
+                axles.append(
                     Axle(
                         position=bogie.position + offset,
-                        mass=masses[len(found)],
+                        mass=masses[len(axles)],
                         inertia=inertia[index],
                         units=units[index],
                         bogie=number,
@@ -378,7 +378,7 @@ class Train(Table):
                 )
                 group += not data.coupled
             group += data.coupled
-        return tuple(found)
+        return tuple(axles)
 
     @cached_property
     def groups(self) -> tuple[tuple[int, ...], ...]:

@@ -79,29 +79,31 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     match adhesion:
         case Constant(mu0=mu0):
             _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
-            found = np.broadcast_to(mu0, (axis.size, wheelsets))
+            friction = np.broadcast_to(mu0, (axis.size, wheelsets))
         case Points():
-            found = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
+            friction = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
             if adhesion.correlation is not None:
                 correlation = adhesion.extent("correlation")
                 spacing = step if over_time else correlation / 20
                 points, noise = _noise(correlation, places, spacing, scenario.seed)
-                found = found * (1.0 + adhesion.scatter * np.interp(places, points, np.clip(noise, -3.0, 3.0)))
+                friction = friction * (1.0 + adhesion.scatter * np.interp(places, points, np.clip(noise, -3.0, 3.0)))
         case Trapezoid():
-            found = _trapezoid(adhesion, places)
+            friction = _trapezoid(adhesion, places)
         case SineSweep():
-            found = _sine_sweep(adhesion, places)
+            friction = _sine_sweep(adhesion, places)
         case Random():
-            found = _random(adhesion, places, scenario.seed)
+            friction = _random(adhesion, places, scenario.seed)
         case FromTable(curve=curve):
             _check_count(scenario, f"[adhesion] file {adhesion.file.written}", curve.mu0.shape[1], wheelsets)
-            found = _from_curve(curve, np.broadcast_to(places, (axis.size, max(places.shape[1], curve.mu0.shape[1]))))
+            friction = _from_curve(
+                curve, np.broadcast_to(places, (axis.size, max(places.shape[1], curve.mu0.shape[1])))
+            )
         case _:
             assert_never(adhesion)
     for patch in adhesion.patch:
         _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
-        found = found + _inside(patch, places) * (np.array(patch.mu0) - found)
-    mu0 = _conditioned(adhesion.factor * found, adhesion.conditioning, formation)
+        friction = friction + _inside(patch, places) * (np.array(patch.mu0) - friction)
+    mu0 = _conditioned(adhesion.factor * friction, adhesion.conditioning, formation)
     if mu0.max() > 1:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"

@@ -119,7 +119,7 @@ class Campaign:
 
     def reference_for(self, stop: PlannedStop) -> Reference | None:
         """Return the first published distance that is for this stop."""
-        return next((found for found in self.references if _matches(found.match, stop.variants)), None)
+        return next((reference for reference in self.references if _matches(reference.match, stop.variants)), None)
 
 
 def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
@@ -216,8 +216,8 @@ def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
 
 def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, str]) -> bool:
     return all(
-        variants.get(axis) == wanted if isinstance(wanted, str) else variants.get(axis) in wanted
-        for axis, wanted in entry.items()
+        variants.get(axis) == choice if isinstance(choice, str) else variants.get(axis) in choice
+        for axis, choice in entry.items()
     )
 
 
@@ -225,16 +225,16 @@ def _demand_known(path: Path, written: CampaignFile, axes: Mapping[str, Mapping[
     """Refuse a match that names an axis or variant that is not there: it would never be one."""
     matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
         "exclude": written.exclude,
-        "reference": [found.match for found in written.reference],
+        "reference": [reference.match for reference in written.reference],
         "draws": [written.draws.match] if written.draws else [],
     }
     for table, entries in matches.items():
-        for axis, wanted in (pair for entry in entries for pair in entry.items()):
+        for axis, choice in (pair for entry in entries for pair in entry.items()):
             if axis == _AXIS_OF_SCENARIOS:
                 continue
             if axis not in axes:
                 raise ScenarioError(f"{path.name}: [{table}] names the axis '{axis}'; there is {', '.join(axes)}")
-            for variant in (wanted,) if isinstance(wanted, str) else wanted:
+            for variant in (choice,) if isinstance(choice, str) else choice:
                 if variant not in axes[axis]:
                     known = ", ".join(axes[axis])
                     raise ScenarioError(f"{path.name}: [{table}] names '{variant}' of axis '{axis}'; it has {known}")

@@ -64,8 +64,8 @@ class Repeated(Table):
 
         A digest does not cover the controllers: the distance does, which lies elsewhere with another one.
         """
-        found = math.inf if distance is None else distance
-        return digest == self.digest and self.lowest - self.margin <= found <= self.highest + self.margin
+        length = math.inf if distance is None else distance
+        return digest == self.digest and self.lowest - self.margin <= length <= self.highest + self.margin
 
     def _all(self) -> list[float]:
         return [math.inf if distance is None else distance for distance in self.distances]

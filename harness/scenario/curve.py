@@ -61,30 +61,30 @@ def read_columns(
     header = [cell.strip() for cell in rows[0][1]]
     each = [f"{name}_{number}" for number in range(1, len(header))]
     known = {*axes, name, *each}
-    given = [axis for axis in axes if axis in header]
-    columns = next((wanted for wanted in ([name], each) if set(header) == {*given, *wanted}), None)
-    if len(given) != 1 or columns is None or len(header) != 1 + len(columns):
-        wanted = " or ".join(f"{axis} [{unit}]" for axis, unit in axes.items())
+    axes_in_header = [axis for axis in axes if axis in header]
+    columns = next((expected for expected in ([name], each) if set(header) == {*axes_in_header, *expected}), None)
+    if len(axes_in_header) != 1 or columns is None or len(header) != 1 + len(columns):
+        expected = " or ".join(f"{axis} [{unit}]" for axis, unit in axes.items())
         raise ValueError(
-            f"has {len(header)} columns; its first line wants to name {wanted}, and {name} for all or {name}_1, "
+            f"has {len(header)} columns; its first line wants to name {expected}, and {name} for all or {name}_1, "
             f"{name}_2 … for each, and names of these {', '.join(sorted({*header} & known)) or 'none'}"
         )
     values = np.array([_numbers(line, row, len(header)) for line, row in rows[1:]])
     if len(values) < 2:
         raise ValueError(f"has {len(values)} rows of numbers; a curve takes two or more")
-    axis = values[:, header.index(given[0])]
-    found = values[:, [header.index(column) for column in columns]]
+    axis = values[:, header.index(axes_in_header[0])]
+    quantity = values[:, [header.index(column) for column in columns]]
     if not np.all(np.diff(axis) > 0):
         line = rows[1:][int(np.argmin(np.diff(axis) > 0)) + 1][0]
-        raise ValueError(f"line {line}: {given[0]} does not rise")
+        raise ValueError(f"line {line}: {axes_in_header[0]} does not rise")
     least, most = span
-    inside = np.all(((found > least) if above else (found >= least)) & (found <= most), axis=1)
+    inside = np.all(((quantity > least) if above else (quantity >= least)) & (quantity <= most), axis=1)
     if not np.all(inside):
         line = rows[1:][int(np.argmin(inside))][0]
         raise ValueError(
             f"line {line}: {name} must be {'above' if above else 'at least'} {least:g} and at most {most:g}"
         )
-    return given[0], axis, found
+    return axes_in_header[0], axis, quantity
 
 
 def _numbers(line: int, row: list[str], count: int) -> list[float]:

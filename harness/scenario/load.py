@@ -75,16 +75,16 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ScenarioError(f"{shown}: cannot be read: {problem}") from problem  # a path with a null in it
 
 
-def demand_kind(table: Mapping[str, Any], wanted: Kind, path: Path) -> None:
+def demand_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:
     """Refuse a file of another kind, in one sentence in place of one for each of its keys.
 
     Raises:
         ScenarioError: It says which command is for the file.
     """
-    found = next((kind for kind, keys in _MARKS.items() if all(key in table for key in keys)), wanted)
-    if found != wanted:
-        command = {"scenario": "run", "campaign": "campaign", "estimation": "estimate"}[found]
-        raise ScenarioError(f"{path.name}: is a file of the kind {found}; use `railgrip {command} {path.name}`")
+    kind_of_file = next((kind for kind, keys in _MARKS.items() if all(key in table for key in keys)), kind_of_command)
+    if kind_of_file != kind_of_command:
+        command = {"scenario": "run", "campaign": "campaign", "estimation": "estimate"}[kind_of_file]
+        raise ScenarioError(f"{path.name}: is a file of the kind {kind_of_file}; use `railgrip {command} {path.name}`")
 
 
 def scenario_of(table: Mapping[str, Any], *, directory: Path, origin: str) -> Scenario:
@@ -121,8 +121,8 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
         return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), known)}"
     if kind == "missing":
         whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
-        wanted = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
-        return f"{wanted}; it is wanted and has no default"
+        problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
+        return f"{problem}; it is wanted and has no default"
     if kind == "union_tag_not_found":
         return f"{_table(path)} has no 'kind'; it is wanted and has no default"
     if kind == "union_tag_invalid":
@@ -165,7 +165,7 @@ def _place(
             continue
         known = sorted({name for branch in branches for name in branch.model_fields})
         annotations = [branch.model_fields[str(step)].annotation for branch in branches if step in branch.model_fields]
-        branches = [found for annotation in annotations for found in _models(annotation)] or branches
+        branches = [table_model for annotation in annotations for table_model in _models(annotation)] or branches
         path.append(step)
         if isinstance(node, Mapping):
             node = node.get(step)
@@ -179,7 +179,7 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     inner = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
-    return [found for part in inner for found in _models(part)]
+    return [table_model for part in inner for table_model in _models(part)]
 
 
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:

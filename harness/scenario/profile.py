@@ -153,9 +153,9 @@ class Trapezoid(_Varying):
         self._check_extents("first_fall", "period", "low", "ramp", zero=("first_fall", "low"))
         if self.minimum > self.maximum:
             raise broken(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
-        taken = self.extent("low") + 2 * self.extent("ramp")
-        if taken > self.extent("period"):
-            raise broken(f"low and two ramps take {taken:g} {self.unit}, longer than period {self.extent('period'):g}")
+        width = self.extent("low") + 2 * self.extent("ramp")
+        if width > self.extent("period"):
+            raise broken(f"low and two ramps take {width:g} {self.unit}, longer than period {self.extent('period'):g}")
         return self
 
 

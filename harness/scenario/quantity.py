@@ -112,14 +112,14 @@ class Magnitude:
             raise ValueError(f"is {short(written)}, but a finite number is wanted")
         self.written = written
 
-    def si(self, wanted: str | units.Unit | None) -> float:
+    def si(self, unit: str | units.Unit | None) -> float:
         """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio.
 
         Raises:
             ValueError: The file states a unit of another dimension, in words that follow the parameter's
             name.
         """
-        return to_si(self.written, wanted or "1") if isinstance(self.written, str) else float(self.written)
+        return to_si(self.written, unit or "1") if isinstance(self.written, str) else float(self.written)
 
     def __eq__(self, other: object) -> bool:
         """Say whether both were written alike."""
@@ -169,42 +169,44 @@ _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
 """Unit → least and largest value of a parameter in it, and why: an order of magnitude or more beyond any vehicle."""
 
 
-def in_units(where: str, written: Mapping[str, Magnitude], wanted: Mapping[str, str | units.Unit]) -> dict[str, float]:
+def in_units(
+    where: str, written: Mapping[str, Magnitude], expected: Mapping[str, str | units.Unit]
+) -> dict[str, float]:
     """Return what a table of parameters says in the units of those who take it.
 
     Args:
         where: The table, and its file where several are at hand, to open sentences with.
         written: By name.
-        wanted: Unit of every name that may be written.
+        expected: Unit of every name that may be written.
 
     Raises:
         ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value.
     """
     values: dict[str, float] = {}
     for name, magnitude in written.items():
-        if name not in wanted:
-            near = get_close_matches(name, wanted, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(sorted(wanted)) or 'none'}."
+        if name not in expected:
+            near = get_close_matches(name, expected, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(sorted(expected)) or 'none'}."
             raise ScenarioError(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
         try:
-            values[name] = magnitude.si(wanted[name])
+            values[name] = magnitude.si(expected[name])
         except ValueError as problem:
             raise ScenarioError(f"{where} {name} {problem}") from problem
-        _demand_plausible(f"{where} {name}", values[name], wanted[name])
+        _demand_plausible(f"{where} {name}", values[name], expected[name])
     return values
 
 
-def _demand_plausible(who: str, value: float, given: str | units.Unit) -> None:
+def _demand_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:
     """Refuse a value that no vehicle has; what is measured in a unit of one's own is not judged."""
     try:
-        known = unit(given) if isinstance(given, str) else given
+        known = unit(unit_of_value) if isinstance(unit_of_value, str) else unit_of_value
     except ValueError:
         return
     for name, (least, most, why) in _PLAUSIBLE.items():
         if unit(name).exponents == known.exponents:
-            found = known.factor * value + known.offset
-            if not least <= found <= most:
-                raise ScenarioError(f"{who} must be between {least:g} and {most:g} {name}, got {found:g}; {why}.")
+            si = known.factor * value + known.offset
+            if not least <= si <= most:
+                raise ScenarioError(f"{who} must be between {least:g} and {most:g} {name}, got {si:g}; {why}.")
 
 
 def _spell(written: object) -> str:

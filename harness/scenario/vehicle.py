@@ -128,9 +128,9 @@ class Vehicle(Table):
     def _one_plant(self) -> Self:
         if (self.model is None) != (self.library is None):
             raise broken("a class of one's own wants both, 'model' and the 'library' it is in")
-        given = sum(one is not None for one in (self.plant, self.model, self.train))
-        if given != 1:
-            wrong = "has two plants" if given else "has no plant"
+        plants = sum(one is not None for one in (self.plant, self.model, self.train))
+        if plants != 1:
+            wrong = "has two plants" if plants else "has no plant"
             raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'")
         return self
 

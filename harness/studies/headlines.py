@@ -141,7 +141,7 @@ def learn(tell: Tell) -> list[Finding]:
 def trains(tell: Tell) -> list[Finding]:
     """Return dry distances of named trains, and two rows of the trial of sanders with its density of sand."""
     from railgrip.assemble import braking_distance
-    from railgrip.studies.trains.sanders import scenario_tables, stopped, trial_of
+    from railgrip.studies.trains.sanders import distance_of, scenario_tables, trial_of
     from railgrip.studies.trains.stops import dry_scenario
 
     findings: list[Finding] = []
@@ -157,7 +157,7 @@ def trains(tell: Tell) -> list[Finding]:
     for row in trial.rows:
         if row.sanders in ("two fixed", "two variable"):
             tell(f"trains, {row.sanders}")
-            distance = _stopped(stopped(trial, row, _SAND, tables), row.sanders)
+            distance = _stopped(distance_of(trial, row, _SAND, tables), row.sanders)
             findings.append(
                 Finding(
                     name=f"trains, sanders {row.sanders}: distance", value=distance, unit="m", tolerance=SLIP * distance

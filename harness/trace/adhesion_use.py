@@ -16,11 +16,11 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     if "ideal_share" not in trace:
         return unknown
     time, load = trace["time"].values, trace["wheelset_load"].values
-    used = np.trapezoid(trace["adhesion"].values * load, time, axis=0)
+    impulse = np.trapezoid(trace["adhesion"].values * load, time, axis=0)
     possible = np.trapezoid(trace["ideal_share"].values * load, time, axis=0)
     if not np.all(possible > 0):
         return unknown
-    return float(used.sum() / possible.sum()), tuple(map(float, used / possible))
+    return float(impulse.sum() / possible.sum()), tuple(map(float, impulse / possible))
 
 
 def over_the_rail(trace: xarray.Dataset) -> float:
@@ -31,11 +31,11 @@ def over_the_rail(trace: xarray.Dataset) -> float:
     if "peak_adhesion" not in trace:
         return float("nan")
     load = formation_in(trace).summed(trace["wheelset_load"].values)
-    used, possible = (
+    impulse, possible = (
         np.trapezoid((trace[name].values * load).sum(axis=1), trace["time"].values)
         for name in ("group_adhesion", "peak_adhesion")
     )
-    return float(used / possible) if possible > 0 else float("nan")
+    return float(impulse / possible) if possible > 0 else float("nan")
 
 
 def time_over_limit(trace: xarray.Dataset, alpha_max: float) -> tuple[float, ...]:

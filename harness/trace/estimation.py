@@ -102,9 +102,9 @@ def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
     """
     if "estimate_nis" not in trace:
         return None, None
-    nis, used = trace["estimate_nis"].values, trace["estimate_readings"].values
-    divergence = lost_at(nis, used)
-    return nis_ratio(nis, used), None if divergence is None else float(trace["time"].values[divergence])
+    nis, readings = trace["estimate_nis"].values, trace["estimate_readings"].values
+    divergence = lost_at(nis, readings)
+    return nis_ratio(nis, readings), None if divergence is None else float(trace["time"].values[divergence])
 
 
 def _row(values: Array) -> tuple[float, ...]:

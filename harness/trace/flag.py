@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Kind = Literal["gap", "bridged", "frozen", "spike", "range", "zero", "time", "timing"]
 
-DONE: dict[Kind, str] = {
+TREATMENTS: dict[Kind, str] = {
     "gap": "no samples; nothing is new there",
     "bridged": "no samples; interpolated between the neighbours",
     "frozen": "does not move; left out",
@@ -46,7 +46,7 @@ class Flag:
         """Say it in one sentence."""
         span = f"{self.begin:.3f} s" if self.begin == self.end else f"{self.begin:.3f}–{self.end:.3f} s"
         count = f" ({self.samples} samples)" if self.samples else ""
-        return f"{self.signal}, {span}{count}: {DONE[self.kind]}{'; ' + self.remark if self.remark else ''}."
+        return f"{self.signal}, {span}{count}: {TREATMENTS[self.kind]}{'; ' + self.remark if self.remark else ''}."
 
 
 def intervals(where: NDArray[np.bool_]) -> list[tuple[int, int]]:

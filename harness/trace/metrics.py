@@ -148,7 +148,7 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
     """
     trace = motion.since_brake_demand(trace)
     jerk_mean, jerk_rms = motion.jerk(trace)
-    used, used_each = adhesion_use.utilisation(trace)
+    share, share_each = adhesion_use.utilisation(trace)
     errors = estimation.adhesion_errors(trace)
     nis_ratio, divergence = estimation.innovations(trace)
     return Metrics(
@@ -158,8 +158,8 @@ def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metri
         jerk_mean=jerk_mean,
         jerk_rms=jerk_rms,
         energy_residual=motion.energy_residual(trace),
-        utilisation=used,
-        utilisation_wheelset=used_each,
+        utilisation=share,
+        utilisation_wheelset=share_each,
         time_over_alpha_max=adhesion_use.time_over_limit(trace, alpha_max),
         slip_histogram=slide.slip_histogram(trace),
         time_in_deep_slide=slide.time_in_deep_slide(trace),

@@ -32,7 +32,7 @@ _LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still tells micros
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Taken:
+class FileRecording:
     """A recording out of a file.
 
     Attributes:
@@ -46,7 +46,7 @@ class Taken:
 
 def recorded(
     path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], outputs: Sequence[str]
-) -> Taken:
+) -> FileRecording:
     """Return the recording in a file.
 
     Inputs are needed at every instant, so the grid lies where all of them are, and a gap that cannot be bridged is
@@ -119,7 +119,7 @@ def recorded(
         name=path.stem,
     )
     recording.attrs["flags"] = summary(flags)
-    return Taken(recording=recording, flags=tuple(flags))
+    return FileRecording(recording=recording, flags=tuple(flags))
 
 
 def _known_signals(path: Path, table: DataTable, signals: Sequence[str], inputs: Sequence[str]) -> None:

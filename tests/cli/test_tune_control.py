@@ -11,7 +11,7 @@ from one_process import Here
 
 from railgrip.assemble.controller import controller_of
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.campaign.tune_control import EDGES, RANGES, Found, parameters_of, search, text_of
+from railgrip.campaign.tune_control import EDGES, RANGES, Optimum, parameters_of, search, text_of
 from railgrip.controllers.adhesion_based import PeakSeekingTuning
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.scenario.campaign import load_campaign
@@ -99,7 +99,7 @@ def test_every_pair_of_levels_that_is_searched_can_switch():
 
 def test_the_file_says_what_was_found_and_on_what():
     values = {"low": 0.01, "high": 0.02}
-    optimum = Found(values=values, sets=16, rails=("even", "rough"), distances=(80.0, 90.0), reference=(100.0, 100.0))
+    optimum = Optimum(values=values, sets=16, rails=("even", "rough"), distances=(80.0, 90.0), reference=(100.0, 100.0))
     text = text_of("slip_two_state", {("ideal", "read"): optimum})
     assert tomllib.loads(text)["ideal"]["read"] == values
     # The geometric mean of 0.8 and 0.9 is 0.8485.

@@ -13,7 +13,7 @@ from railgrip.scenario.load import validated
 from railgrip.trace.cleaning import spikes, standing
 from railgrip.trace.flag import Flag, summary
 from railgrip.trace.grid import input_on_grid, on_grid
-from railgrip.trace.read import Taken, recorded
+from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.samples import reading_of, unit_of
 from railgrip.trace.table import DataTable
 
@@ -55,7 +55,7 @@ def table(**changes: Any) -> DataTable:
     return validated(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
 
 
-def taken(path: Path, **changes: Any) -> Taken:
+def taken(path: Path, **changes: Any) -> FileRecording:
     return recorded(path, table(**changes), UNITS, INPUTS, OUTPUTS)
 
 

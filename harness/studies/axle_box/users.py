@@ -22,7 +22,7 @@ from railgrip.estimators.learned.online import BOXES
 from railgrip.studies.axle_box.gather import SETTLED
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Readings, Run, reduce
 from railgrip.trace.flag import Flag, summary
-from railgrip.trace.read import Taken, recorded
+from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import Column, DataTable, TimeColumn
 
@@ -121,7 +121,7 @@ def read_labels(file: Path) -> dict[str, Label]:
     return out
 
 
-def _recording(file: Path, table: DataTable) -> Taken:
+def _recording(file: Path, table: DataTable) -> FileRecording:
     if abs(table.period / PERIOD - 1) > 1e-6:
         raise EstimationError(
             f"[data] period is {1e6 * table.period:g} us; write '{1e6 * PERIOD:g} us', {SLOW.rate} samples a second: "
@@ -133,7 +133,7 @@ def _recording(file: Path, table: DataTable) -> Taken:
     return recorded(file, table, UNITS, ["speed"], list(BOXES))
 
 
-def _readings(name: str, record: Taken, table: DataTable, label: Label, flags: list[Flag]) -> Readings:
+def _readings(name: str, record: FileRecording, table: DataTable, label: Label, flags: list[Flag]) -> Readings:
     """Return what a file says of a run; `flags` is told of what was interpolated."""
     recording = record.recording
     boxes = np.column_stack([_whole(name, box, record, table.longest_gap, flags) for box in BOXES])
@@ -154,7 +154,7 @@ def _readings(name: str, record: Taken, table: DataTable, label: Label, flags: l
     )  # fmt: skip
 
 
-def _whole(name: str, box: str, record: Taken, longest_gap: float, flags: list[Flag]) -> Array:
+def _whole(name: str, box: str, record: FileRecording, longest_gap: float, flags: list[Flag]) -> Array:
     """Return an acceleration without holes: short ones are bridged, NaN stands before and after all samples.
 
     Raises:
@@ -181,7 +181,7 @@ def _whole(name: str, box: str, record: Taken, longest_gap: float, flags: list[F
     return np.interp(time, time[finite], values[finite], left=np.nan, right=np.nan)
 
 
-def _why(box: str, record: Taken) -> str:
+def _why(box: str, record: FileRecording) -> str:
     kinds = dict.fromkeys(flag.kind for flag in record.flags if flag.signal == box and flag.kind != "timing")
     return f" ({', '.join(kinds)})" if kinds else ""
 
