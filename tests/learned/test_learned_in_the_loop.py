@@ -196,9 +196,9 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
 
 
 @pytest.mark.parametrize("trusted", [False, True])
-def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, exported):
+def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
     sentences = []
-    with in_fmu(exported["paper"], RATE, trusted=trusted, tell=sentences.append) as estimator:
+    with in_fmu(files["paper"], RATE, trusted=trusted, tell=sentences.append) as estimator:
         estimator.seen[:] = 0.0
         estimator.advance()
     assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
