@@ -56,13 +56,13 @@ def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, availabl
 
 
 def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch):
-    """4·10⁶ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed."""
+    """10⁷ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed."""
     specification, scenario, _ = vt642
     monkeypatch.setattr(brake_module, "PARTS", 1)
     specification = specification.model_copy(update={"speed_steps": ()})
     brake = brake_of_scenario(specification, scenario)
     result = quasi_static(specification, brake)
-    random, count, chunk = np.random.default_rng(11), 4_000_000, 4_000
+    random, count, chunk = np.random.default_rng(11), 10_000_000, 4_000
     failures = specification.failures
     # Failures of all trains first, for trains of the same units are braked together.
     places = np.array(brake.units) + 1
