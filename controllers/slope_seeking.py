@@ -317,37 +317,48 @@ def _without_lag(draft: Draft, seen: GroupObservation, t: Mapping[str, Expressio
     return seen.adhesion + t["pressure_lag"] * rate / (brake["load"] * brake["wheel_radius"])
 
 
+def _slope(
+    draft: Draft, train: Sequence[_Wheels], signs: Sequence[float], t: Mapping[str, Expression], rolling: Expression
+) -> tuple[Expression, Expression]:
+    """Return the elasticity of adhesion over slip, and from 0 to 1 how far it is believed.
+
+    Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by what they hold;
+    nothing changes while one of the two has none. Where all have one sign their mean stands for the difference.
+    """
+    loads = [each.seen.brake["load"] for each in train]
+
+    def mean(part: Sequence[int], values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
+        return _mean([(train[g].sliding, values[g]) for g in part], [weights[g] for g in part])
+
+    def changes(part: Sequence[int]) -> Expression:
+        """Return those of ln s and ln a since the last sample."""
+        adhesion = mean(part, [each.adhesion for each in train], loads)
+        change = mean(part, [each.adhesion_change for each in train], loads)
+        forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
+        slip_change = mean(part, [each.slip_change for each in train], forces)
+        return ca.vertcat(slip_change, change / ca.fmax(adhesion, 1e-3))
+
+    parts = [[g for g, other in enumerate(signs) if other == sign] for sign in dict.fromkeys(signs)]
+    comparable = every(*(either(*(train[g].sliding for g in part)) for part in parts))
+    each = [changes(part) for part in parts]
+    x, y = ca.vertsplit(each[0] if len(each) == 1 else 0.5 * (each[0] - each[1]))
+    compared = choose(comparable, x, 0.0), choose(comparable, y, 0.0)
+    elasticity, variance = _regression(draft, t, compared, rolling)
+    spread = t["elasticity_spread"] ** 2
+    weight = spread / (spread + variance)
+    draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
+    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight)
+    return elasticity, weight
+
+
 def _targets(
     draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]
 ) -> list[tuple[Expression, Expression]]:
     """Return the slip that is sought of each group, dither included, and its rate."""
     period, speed = t["period"], train[0].seen.speed
-    loads = [each.seen.brake["load"] for each in train]
-    # Weighted by what each holds: the sum is what the train's retardation tells, and far better known than its parts.
-    forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
-
-    def changes(groups: Sequence[int]) -> tuple[Expression, Expression]:
-        """Return those of ln s and ln a since the last sample, of the sliding ones of some groups."""
-
-        def mean(values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
-            return _mean([(train[g].sliding, values[g]) for g in groups], [weights[g] for g in groups])
-
-        adhesion = mean([each.adhesion for each in train], loads)
-        change = mean([each.adhesion_change for each in train], loads)
-        return mean([each.slip_change for each in train], forces), change / ca.fmax(adhesion, 1e-3)
-
     signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
-    parts = [[g for g, other in enumerate(signs) if other == sign] for sign in sorted(set(signs), reverse=True)]
-    excited = every(*(either(*(train[g].sliding for g in part)) for part in parts))
-    apart = [ca.vertcat(*changes(part)) for part in parts]
-    difference = apart[0] if len(parts) == 1 else 0.5 * (apart[0] - apart[1])
-    difference = [choose(excited, difference[i], 0.0) for i in range(2)]
-    elasticity, variance = _regression(draft, t, (difference[0], difference[1]), rolling)
-    spread = t["elasticity_spread"] ** 2
-    weight = spread / (spread + variance)
-    draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
-    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight)
+    elasticity, weight = _slope(draft, train, signs, t, rolling)
 
     usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
     kept = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
@@ -355,6 +366,7 @@ def _targets(
     expected = weight * (elasticity + t["elasticity_bias"]) + (1.0 - weight) * t["pull"] * (usual - last)
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
+    forces = [each.seen.brake["load"] * each.adhesion for each in train]
     present = _mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
     near = within(moved, present - _LEASH, present + _LEASH)
     set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
