@@ -75,6 +75,13 @@ def test_a_dead_sensor_of_a_released_wheel_is_none_either(watch):
     assert not given_within(watch, 2.0, (NAN, 18.0), (OFF, ON))
 
 
+def test_a_released_wheel_that_is_slower_than_a_braked_one_is_none(watch):
+    """Its sensor counts too few teeth: nothing that brakes makes a wheel faster than one that rolls."""
+    over(watch, 3.0, NAN, (9.0, 18.0), (ON, ON))
+    assert not given_within(watch, 2.0, (9.0, 18.0), (OFF, ON))
+    assert given_within(watch, 2.0, (9.0, 8.0), (OFF, ON))
+
+
 def test_where_no_law_releases_a_group_each_is_in_its_turn(watch):
     """In vain here: pressures do not follow, so no wheel rolls."""
     order, last = [], (0.0, 0.0)
