@@ -1,7 +1,7 @@
 """The brake equipment as a controller knows it: torque from pressure and pressure from torque."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 
 from railgrip.controllers.sampled import Expression, choose
@@ -53,6 +53,11 @@ class BrakeGroup:
                 f"BrakeGroup: the return spring ({self.spring_force} N) holds the piston back at pressure_max "
                 f"({self.pressure_max} Pa on {self.piston_area} m²); check both."
             )
+
+
+def by_name(groups: Sequence[BrakeGroup]) -> dict[str, float]:
+    """Return the data of all groups by the names of a formula's parameters, `load[1]` the first group's."""
+    return {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
 
 
 def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[str, Expression]) -> Expression:

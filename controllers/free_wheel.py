@@ -1,11 +1,10 @@
 """Speed over ground from a wheel that rolls, while the radar is silent."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from functools import cache
 from types import MappingProxyType
 
-from railgrip.controllers.brake import BRAKE, BrakeGroup
+from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose, either, every
 
 PARAMETERS = MappingProxyType(
@@ -30,6 +29,7 @@ VALUES = MappingProxyType(
 be vented for 5 to 10 s before it has to brake again."""
 
 _ANY_SPEED = 1e6  # m/s
+_DATA = ("wheel_radius", "piston_area", "spring_force")
 
 
 class FreeWheel(Sampled):
@@ -41,8 +41,7 @@ class FreeWheel(Sampled):
 
     def __init__(self, groups: Sequence[BrakeGroup], period: float) -> None:
         """Watch the wheels of `groups`, every `period` [s]."""
-        brakes = {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
-        super().__init__(free_wheel(len(groups)), {"period": period, **VALUES, **brakes})
+        super().__init__(free_wheel(len(groups)), {"period": period, **VALUES, **by_name(groups)})
 
 
 @cache
@@ -69,7 +68,7 @@ def free_wheel(groups: int) -> Formula:
     fastest: Expression = 0.0
     free: Expression = 0.0
     for g, wheel, pressure in zip(numbers, wheels, pressures, strict=True):
-        brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
+        brake = {name: draft.parameter(f"{name}[{g}]", *BRAKE[name]) for name in _DATA}
         rim = wheel * brake["wheel_radius"]
         filtered = draft.state(f"rim[{g}]", "m/s", "filtered speed of the rim")
         released = draft.state(f"released[{g}]", "s", "for how long the brake has been off")

@@ -1,12 +1,12 @@
 """What control laws share: what they see, what they give, and the groups' brakes among their parameters."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import isfinite
 from types import MappingProxyType
 from typing import ClassVar
 
-from railgrip.controllers.brake import BRAKE, BrakeGroup
+from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose
 
@@ -136,8 +136,7 @@ class Law(Sampled):
 
     def __init__(self, formula: Formula, groups: Sequence[BrakeGroup], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` are those that are not of a group, by name."""
-        brakes = {f"{name}[{g}]": value for g, group in enumerate(groups, 1) for name, value in asdict(group).items()}
-        super().__init__(formula, brakes | {name: float(value) for name, value in parameters.items()})
+        super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
         self._count = len(groups)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:

@@ -13,9 +13,6 @@ from railgrip.scenario.quantity import Unit
 _SETS = Path(__file__).parent / "library" / "polach.toml"
 
 
-_FALL = "friction falls over centimetres a second or more of slip velocity"
-
-
 @cache
 def named_sets() -> dict[str, dict[str, Any]]:
     """Return the sets of library/polach.toml: name → k_A, k_S, A, B and source."""

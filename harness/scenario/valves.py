@@ -2,11 +2,9 @@
 
 import math
 from fractions import Fraction
-from typing import Annotated, Final
+from typing import Final
 
-from pydantic import AfterValidator
-
-from railgrip.scenario.table import Duration, broken
+from railgrip.scenario.table import broken
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the plants of this project, and the time between two [s]: offset and period
@@ -35,7 +33,3 @@ def off_the_samples(step: float) -> float:
             f"{float(first):g} s on, where rounding decides which command they see; take whole milliseconds"
         )
     return step
-
-
-ValveStep = Annotated[Duration, AfterValidator(off_the_samples)]
-"""A communication step for a plant that has valves."""

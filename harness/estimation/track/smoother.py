@@ -35,7 +35,7 @@ def smooth(
     Args:
         transition: F, shape (n, n).
         noise: Covariance of q, shape (n, n).
-        sight: H of every instant, shape (k, m, n).
+        observation: H of every instant, shape (k, m, n).
         reading_noise: Variances of independent r, shape (m,).
         readings: Readings, shape (k, m); NaN where there is none.
         start: Mean at the first instant before its readings, shape (n,).

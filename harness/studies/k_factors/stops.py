@@ -21,7 +21,7 @@ class Stops:
     """A pool of processes and the journal of the stops they have run.
 
     Attributes:
-        asked: Stops that were asked for.
+        requests: Stops that were asked for.
         run: Those of them that were not in the journal.
     """
 
