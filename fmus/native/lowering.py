@@ -1,33 +1,31 @@
 """From a flat class to CasADi functions in states, inputs and free parameters alone."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import casadi as ca
 
 from railgrip.errors import TranslationError
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.model import Model, Variable
-from railgrip.fmus.native.system import System, column, explicit
+from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.variables import Scalar, vector
 
 
-def lowered(class_name: str, modelica_path: Path) -> Model:
-    """Return the explicit ODE of a Modelica class; see `railgrip.fmus.native.lower`."""
-    return _without_events(explicit(read(class_name, modelica_path)))
+def model_of(system: System) -> Model:
+    """Return a system as a plain differential equation.
 
-
-def _without_events(system: System) -> Model:
+    Raises:
+        TranslationError: It has events, discrete variables or nonlinear loops.
+    """
     hindrances = {
         "relations that cause events (write noEvent(...) or smooth(...))": system.relation.numel(),
         "discrete variables": system.d.numel(),
         "time events": system.instants.numel() + len(system.clocks),
         "nonlinear algebraic loops": len(system.loops.guesses) + len(system.start_loops.guesses),
     }
-    found = [f"{count} {what}" for what, count in hindrances.items() if count]
-    if found:
-        raise TranslationError(f"{system.class_name} is not a plain differential equation: it has {', '.join(found)}.")
+    parts = [f"{count} {what}" for what, count in hindrances.items() if count]
+    if parts:
+        raise TranslationError(f"{system.class_name} is not a plain differential equation: it has {', '.join(parts)}.")
     v = system.variables
     free = vector(v.free)
     arguments = [system.time, system.x, system.u, free]

@@ -1,13 +1,9 @@
-"""A Modelica class as CasADi functions, for whoever wants its equations without an FMU."""
+"""The explicit ODE of a Modelica class as CasADi functions: what lowering gives and the user's cache keeps."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from railgrip import cache
-from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import LIBRARY, sources_digest
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -56,57 +52,23 @@ class Model:
     output: "ca.Function"
     initial: "ca.Function"
 
+    @classmethod
+    def from_bytes(cls, content: bytes) -> "Model":
+        """Return the model that `to_bytes` wrote."""
+        import casadi as ca
 
-def lower(class_name: str, modelica_path: Path | None = None) -> Model:
-    """Return the explicit ODE of a Modelica class.
+        fields: Mapping[str, Any] = json.loads(content)
+        return cls(
+            class_name=fields["class_name"],
+            **{group: tuple(Variable(**v) for v in fields[group]) for group in GROUPS},
+            **{name: ca.Function.deserialize(fields[name]) for name in FUNCTIONS},
+        )
 
-    Args:
-        class_name: Full name, such as `RailBraking.FMUs.TrainPrediction`.
-        modelica_path: A `.mo` file or a library's folder; RailBraking when absent.
-
-    Raises:
-        InputError: No such file or class, or Modelica has an error.
-        TranslationError: The class has events, discrete variables, nonlinear loops, or what is not translated.
-    """
-    library = LIBRARY if modelica_path is None else Path(modelica_path)
-    if not library.exists():
-        return _lowered(class_name, library)  # which says so
-    # Kept once it is lowered: every process of a campaign needs it.
-    key = digest([class_name, sources_digest(library), compiler_digest()])
-    file = cache.find("models", key, f"{class_name}.json")
-    # Also the first time what was written is read, so that every process computes with the same functions.
-    return _read(file or _keep(key, _lowered(class_name, library)))
-
-
-def _lowered(class_name: str, modelica_path: Path) -> Model:
-    # A process that finds what it needs does without rumoca and scipy's graphs, a quarter of a second of imports.
-    from railgrip.fmus.native.lowering import lowered
-
-    return lowered(class_name, modelica_path)
-
-
-def _keep(key: str, model: Model) -> Path:
-    content = {
-        "class_name": model.class_name,
-        **{group: [asdict(v) for v in getattr(model, group)] for group in GROUPS},
-        **{name: getattr(model, name).serialize() for name in FUNCTIONS},
-    }
-    return cache.keep("models", key, f"{model.class_name}.json", json.dumps(content).encode())
-
-
-def _read(file: Path) -> Model:
-    import casadi as ca
-
-    content = json.loads(file.read_text())
-    states, inputs, parameters, outputs = (tuple(Variable(**v) for v in content[group]) for group in GROUPS)
-    derivative, output, initial = (ca.Function.deserialize(content[name]) for name in FUNCTIONS)
-    return Model(
-        class_name=content["class_name"],
-        states=states,
-        inputs=inputs,
-        parameters=parameters,
-        outputs=outputs,
-        derivative=derivative,
-        output=output,
-        initial=initial,
-    )
+    def to_bytes(self) -> bytes:
+        """Return the model as JSON, its functions as CasADi writes them."""
+        content = {
+            "class_name": self.class_name,
+            **{group: [asdict(v) for v in getattr(self, group)] for group in GROUPS},
+            **{name: getattr(self, name).serialize() for name in FUNCTIONS},
+        }
+        return json.dumps(content).encode()

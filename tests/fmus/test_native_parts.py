@@ -10,7 +10,7 @@ import pytest
 from small_fmus import FEATURES
 
 from railgrip.errors import BuildFailed, CompilerMissing
-from railgrip.fmus.native import lower, model, toolchain
+from railgrip.fmus.native import equations, lower, toolchain
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.elimination import MOST_ENTRIES, eliminate
 from railgrip.fmus.native.straight import LONGEST, straight
@@ -184,7 +184,7 @@ def test_a_class_of_a_library_is_lowered_once_and_again_when_the_library_changes
 
     assert pull() == -1
     with monkeypatch.context() as kept:
-        kept.setattr(model, "_lowered", lambda *_: pytest.fail("it was kept"))
+        kept.setattr(equations, "_translation", lambda *_: pytest.fail("it was kept"))
         assert pull() == -1
     file = library / "Oscillator.mo"
     file.write_text(file.read_text().replace("-4*x", "-9*x"))
