@@ -41,17 +41,17 @@ def build_command(
     if library is not None:
         if names is None or len(names) != 1:
             raise InputError("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
-        built = build_class(names[0], library, compiler=_compiler(compiler))
-        file = Path(f"{built.name}.fmu") if output is None else output
+        artifact = build_class(names[0], library, compiler=_compiler(compiler))
+        file = Path(f"{artifact.name}.fmu") if output is None else output
         file.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(built.path, file)
-        out.print(f"{file}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)
+        shutil.copyfile(artifact.path, file)
+        out.print(f"{file}  {artifact.action} ({artifact.compiler})", highlight=False, soft_wrap=True)
         return
     if output is not None:
         raise InputError("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
     with err.status("building"):
-        for built in build(names or (), _compiler(compiler)):
-            out.print(f"{built.path}  {built.action} ({built.compiler})", highlight=False, soft_wrap=True)
+        for artifact in build(names or (), _compiler(compiler)):
+            out.print(f"{artifact.path}  {artifact.action} ({artifact.compiler})", highlight=False, soft_wrap=True)
 
 
 @app.command("list")
@@ -89,17 +89,17 @@ def check_command(
     book = read_recipes()
     complaints: list[str] = []
     faces: dict[str, Entry] = {}
-    chosen = _compiler(compiler)
-    for built in build(() if update else names or (), chosen):
-        complaints += [f"{built.name}.fmu: {problem}" for problem in validate_fmu(str(built.path))]
+    actual = _compiler(compiler)
+    for artifact in build(() if update else names or (), actual):
+        complaints += [f"{artifact.name}.fmu: {problem}" for problem in validate_fmu(str(artifact.path))]
         # The lock file records the built-in compiler's view, whichever compiler made the FMU.
-        faces[built.name] = built.face or translate(book[built.name])[1]
+        faces[artifact.name] = artifact.face or translate(book[artifact.name])[1]
     if update:
         write_lock(book, faces)
         out.print(f"{LOCK} written", highlight=False)
     else:
-        locked = read_lock()
-        complaints += [f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, locked, face)]
+        lock = read_lock()
+        complaints += [f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, lock, face)]
     for complaint in complaints:
         err.print(complaint, highlight=False, markup=False, soft_wrap=True)
     if complaints:

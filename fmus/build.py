@@ -48,7 +48,7 @@ class Stamp:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Built:
+class Artifact:
     """An FMU that is up to date.
 
     Attributes:
@@ -76,7 +76,7 @@ def fmu(name: str, compiler: Compiler = "auto") -> Path:
 def build_one(
     name: str, compiler: Compiler = "auto", directory: Path | None = None, *, book: Cookbook | None = None,
     library: Path | None = None,
-) -> Built:  # fmt: skip
+) -> Artifact:  # fmt: skip
     """Bring the FMU of one recipe up to date, from the library of its class unless another is given.
 
     Only the user's cache is ever taken for up to date; `directory` gets a copy.
@@ -92,7 +92,7 @@ def build_one(
 def build_class(
     class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto",
     directory: Path | None = None,
-) -> Built:  # fmt: skip
+) -> Artifact:  # fmt: skip
     """Bring the FMU of a class of the user's own up to date; it is named after the last part of the class's name.
 
     Args:
@@ -122,9 +122,9 @@ def build_class(
     )
 
 
-def _up_to_date(order: "_Order") -> Built:
+def _up_to_date(order: "_Order") -> Artifact:
     inputs = _inputs_digest(order.recipe, order.compiler, sources_digest(order.library))
-    return _current(order, inputs) or _made(order, inputs, _translated(order))
+    return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
 
 
 def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", dict[str, Any]]:
@@ -148,7 +148,7 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
 
 def build(
     names: Iterable[str] = (), compiler: Compiler = "auto", directory: Path | None = OUTPUT, *, jobs: int = JOBS
-) -> Iterator[Built]:
+) -> Iterator[Artifact]:
     """Bring FMUs up to date, all of them when none is named, and yield each when it is; `directory` gets copies.
 
     Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `jobs` C compilers
@@ -158,30 +158,30 @@ def build(
         RailgripError: The first one that could not be built; those begun before it still finish.
     """
     book = read_recipes()
-    wanted = list(names) or list(book.recipes)
-    chosen = choose(compiler)
+    selection = list(names) or list(book.recipes)
+    actual = choose(compiler)
     read = lru_cache(sources_digest)
     orders = [
-        _Order(name=name, recipe=book[name], library=book[name].library, compiler=chosen, directory=directory)
-        for name in wanted
+        _Order(name=name, recipe=book[name], library=book[name].library, compiler=actual, directory=directory)
+        for name in selection
     ]
     stale: list[tuple[_Order, str]] = []
     for order in orders:
-        inputs = _inputs_digest(order.recipe, chosen, read(order.library))
+        inputs = _inputs_digest(order.recipe, actual, read(order.library))
         if (current := _current(order, inputs)) is not None:
             yield current
         else:
             stale.append((order, inputs))
-    running: set[Future[Built]] = set()
+    running: set[Future[Artifact]] = set()
     with ThreadPoolExecutor(jobs) as pool:
         try:
             for order, inputs in stale:
-                running.add(pool.submit(_made, order, inputs, _translated(order)))
-                for done in [future for future in running if future.done()]:
-                    running.remove(done)
-                    yield done.result()
-            for done in as_completed(running):
-                yield done.result()
+                running.add(pool.submit(_compile, order, inputs, _translation_of(order)))
+                for job in [future for future in running if future.done()]:
+                    running.remove(job)
+                    yield job.result()
+            for job in as_completed(running):
+                yield job.result()
         except RailgripError:
             pool.shutdown(cancel_futures=True)
             raise
@@ -197,56 +197,56 @@ class _Order:
     compiler: Literal["openmodelica", "native"]
     directory: Path | None
 
-    def kept(self, source: str) -> Path | None:
+    def entry(self, source: str) -> Path | None:
         return cache.find(KIND, source, f"{self.name}.fmu")
 
-    def built(self, action: Action, kept: Path, face: dict[str, Any]) -> Built:
-        path = kept if self.directory is None else _copied(kept, self.directory)
-        return Built(name=self.name, path=path, compiler=self.compiler, action=action, face=face)
+    def artifact(self, action: Action, entry: Path, face: dict[str, Any]) -> Artifact:
+        path = entry if self.directory is None else _copy(entry, self.directory)
+        return Artifact(name=self.name, path=path, compiler=self.compiler, action=action, face=face)
 
 
 _Translation = tuple["Source", dict[str, Any]]
 
 
-def _current(order: _Order, inputs: str) -> Built | None:
+def _current(order: _Order, inputs: str) -> Artifact | None:
     """Return the FMU when it was made from these very inputs before."""
     file = cache.find(KIND, inputs, f"{order.name}.json")
     if file is None:
         return None
     stamp = Stamp(**json.loads(file.read_text()))
-    kept = order.kept(stamp.source)
-    return None if kept is None else order.built("current", kept, stamp.face)
+    entry = order.entry(stamp.source)
+    return None if entry is None else order.artifact("current", entry, stamp.face)
 
 
-def _translated(order: _Order) -> _Translation | None:
+def _translation_of(order: _Order) -> _Translation | None:
     return translate(order.recipe, order.library) if order.compiler == "native" else None
 
 
-def _made(order: _Order, inputs: str, translation: _Translation | None) -> Built:
+def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:
     """Compile what was translated, unless it was before, and leave a stamp."""
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
         stamp = Stamp(source=inputs, face={})
         with tempfile.TemporaryDirectory() as scratch:
             content = openmodelica.export(order.recipe, order.library, Path(scratch) / file).read_bytes()
-        kept = cache.keep(KIND, stamp.source, file, content)
+        entry = cache.keep(KIND, stamp.source, file, content)
     else:
         from railgrip.fmus.native import package
 
         source, face = translation
         stamp = Stamp(source=digest([source.digest, toolchain_digest()]), face=face)
-        kept = order.kept(stamp.source)
-        if kept is None:
-            kept = cache.keep(KIND, stamp.source, file, package.zipped(source))
+        entry = order.entry(stamp.source)
+        if entry is None:
+            entry = cache.keep(KIND, stamp.source, file, package.archive_bytes(source))
         else:
             action = "unchanged"
     cache.keep(KIND, inputs, f"{order.name}.json", json.dumps(asdict(stamp)).encode())
-    return order.built(action, kept, stamp.face)
+    return order.artifact(action, entry, stamp.face)
 
 
-def _copied(kept: Path, directory: Path) -> Path:
+def _copy(entry: Path, directory: Path) -> Path:
     """Return a copy of a kept FMU in a folder, written only where it is not there already."""
-    path, content = directory / kept.name, kept.read_bytes()
+    path, content = directory / entry.name, entry.read_bytes()
     if not path.is_file() or path.read_bytes() != content:
         directory.mkdir(parents=True, exist_ok=True)
         half = path.with_suffix(f".{os.getpid()}.part")  # two processes may copy it at once

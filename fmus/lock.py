@@ -1,5 +1,6 @@
 """lock.toml: what the FMUs look like from outside, so that a change of the models is seen in review."""
 
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -79,25 +80,20 @@ def write_lock(book: Cookbook, entries: Mapping[str, Entry], file: Path = LOCK) 
 
 
 def _toml(value: object) -> str:
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
-    if isinstance(value, list):
-        return f"[{', '.join(_toml(v) for v in value)}]"
-    return str(value)
+    return json.dumps(value, ensure_ascii=False)  # of texts, numbers and lists of them the same in TOML
 
 
-def differences(name: str, locked: Mapping[str, Entry], found: Entry) -> list[Difference]:
+def differences(name: str, lock: Mapping[str, Entry], entry: Entry) -> list[Difference]:
     """Return what is not as locked.
 
     The digest is compared only under the tool versions it was made with: another CasADi may write other C.
     """
-    if name not in locked:
+    if name not in lock:
         return [Difference(name, "is not in lock.toml")]
-    same_tools = all(locked.get("tools", {}).get(tool) == version(tool) for tool in ("rumoca", "casadi"))
+    same_tools = all(lock.get("tools", {}).get(tool) == version(tool) for tool in ("rumoca", "casadi"))
     out: list[Difference] = []
-    for key, value in found.items():
-        before = locked[name].get(key)
+    for key, value in entry.items():
+        before = lock[name].get(key)
         if before == value or (key == "digest" and not same_tools):
             continue
         if isinstance(value, dict) and isinstance(before, dict):

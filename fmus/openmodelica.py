@@ -53,7 +53,7 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     lines = [
         *(f'setCommandLineOptions("{option}");' for option in options),
         "getErrorString();",
-        *(f'loadFile("{_escaped(str(package.resolve()))}");' for package in packages),
+        *(f'loadFile("{_escape(str(package.resolve()))}");' for package in packages),
         *also,
         "getErrorString();",
         f'buildModelFMU({recipe.class_name}, version="2.0", fmuType="{kind}", fileNamePrefix="{prefix}", '
@@ -75,27 +75,27 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
         CompilerMissing: There is no omc on the PATH.
         BuildFailed: omc hands over no FMU; the message carries its words, a long log of the C compiler cut short.
     """
-    told: list[str] = []
+    messages: list[str] = []
     for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
         with tempfile.TemporaryDirectory() as scratch:
-            made, said = _run(script(recipe, library, derivatives=derivatives), recipe, Path(scratch))
-            told += [said] if said else []
-            if made is None:
+            fmu, message = _run(script(recipe, library, derivatives=derivatives), recipe, Path(scratch))
+            messages += [message] if message else []
+            if fmu is None:
                 continue
             path.parent.mkdir(parents=True, exist_ok=True)
             half = path.with_suffix(".part")
-            shutil.copyfile(made, half)
+            shutil.copyfile(fmu, half)
             half.replace(path)
-        if told:
+        if messages:
             how = "" if derivatives or "cs" in recipe.interfaces else " without directional derivatives"
-            words = _shortened(told[0], path.with_suffix(".log"))
+            words = _excerpt(messages[0], path.with_suffix(".log"))
             warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but says:\n{words}", stacklevel=2)
         return path
-    words = _shortened(told[-1], path.with_suffix(".log"))
+    words = _excerpt(messages[-1], path.with_suffix(".log"))
     raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{words}")
 
 
-def _shortened(text: str, log: Path) -> str:
+def _excerpt(text: str, log: Path) -> str:
     """Return the lines of a build log that speak of errors, or else its last ones; a long one is kept whole in `log`.
 
     When the C compiler fails, omc hands over all that make and the compiler printed as one message.
@@ -112,14 +112,14 @@ def _shortened(text: str, log: Path) -> str:
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     """Return the FMU that omc made of a script, if any, and what it complained of."""
     (folder / "export.mos").write_text(text)
-    done = subprocess.run(
+    process = subprocess.run(
         [_omc(), "export.mos"], cwd=folder, capture_output=True, text=True, errors="replace", check=False
     )
-    made = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
-    problems = "\n".join(errors(done.stdout))
-    if done.returncode == 0 and made.exists():
-        return made, problems
-    return None, problems or (done.stdout + done.stderr).strip() or f"omc ended with {done.returncode}"
+    fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
+    problems = "\n".join(errors(process.stdout))
+    if process.returncode == 0 and fmu.exists():
+        return fmu, problems
+    return None, problems or (process.stdout + process.stderr).strip() or f"omc ended with {process.returncode}"
 
 
 def errors(output: str) -> list[str]:
@@ -129,10 +129,10 @@ def errors(output: str) -> list[str]:
     and ends where the next one begins. An error of omc itself is an `Internal error`.
     """
     starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Internal error|Error|Warning|Notification): ', re.MULTILINE)
-    found = list(starts.finditer(output))
-    ends = [m.start() for m in found[1:]] + [len(output)]
-    told = zip(found, ends, strict=False)
-    return [output[m.start() : end].strip(' "\n') for m, end in told if m[1] in ("Error", "Internal error")]
+    matches = list(starts.finditer(output))
+    ends = [m.start() for m in matches[1:]] + [len(output)]
+    spans = zip(matches, ends, strict=False)
+    return [output[m.start() : end].strip(' "\n') for m, end in spans if m[1] in ("Error", "Internal error")]
 
 
 @lru_cache(maxsize=1)
@@ -142,16 +142,16 @@ def version_line() -> str:
     Raises:
         CompilerMissing: There is no omc on the PATH.
     """
-    done = subprocess.run([_omc(), "--version"], capture_output=True, text=True, check=False)
-    return done.stdout.strip()
+    process = subprocess.run([_omc(), "--version"], capture_output=True, text=True, check=False)
+    return process.stdout.strip()
 
 
 def _omc() -> str:
-    found = shutil.which("omc")
-    if found is None:
+    path = shutil.which("omc")
+    if path is None:
         raise CompilerMissing("OpenModelica's omc is not on the PATH; install it or use --compiler native.")
-    return found
+    return path
 
 
-def _escaped(text: str) -> str:
+def _escape(text: str) -> str:
     return text.replace("\\", "/").replace('"', '\\"')

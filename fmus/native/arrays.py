@@ -24,15 +24,15 @@ def array(values: Iterable[Any], shape: tuple[int, ...] = ()) -> Array:
     return out.reshape(shape)
 
 
-def boxed(value: Any) -> Array:
+def as_array(value: Any) -> Array:
     """Return `value` as an array; numpy unwraps 0-dimensional results."""
     return value if isinstance(value, np.ndarray) else array([value])
 
 
 def each(function: Callable[..., Any], count: int = 1) -> Callable[..., Array]:
     """Return `function` of `count` scalars, applied elementwise with broadcasting."""
-    lifted = np.frompyfunc(function, count, 1)
-    return lambda *arguments: boxed(lifted(*arguments))
+    ufunc = np.frompyfunc(function, count, 1)
+    return lambda *arguments: as_array(ufunc(*arguments))
 
 
 def is_number(value: SX | float) -> bool:
@@ -59,16 +59,16 @@ def _power(base: SX, exponent: SX) -> SX:
     return base**exponent
 
 
-def _truncated(value: SX) -> SX:
+def _truncation(value: SX) -> SX:
     return ca.if_else(value < 0, ca.ceil(value), ca.floor(value))
 
 
 def _product(a: Array, b: Array) -> Array:
-    return boxed(a * b if a.ndim == 0 or b.ndim == 0 else np.dot(a, b))
+    return as_array(a * b if a.ndim == 0 or b.ndim == 0 else np.dot(a, b))
 
 
 def _plain(function: Callable[[Array, Array], Any]) -> Callable[[Array, Array], Array]:
-    return lambda a, b: boxed(function(a, b))
+    return lambda a, b: as_array(function(a, b))
 
 
 BINARY: dict[str, Callable[[Array, Array], Array]] = {
@@ -92,7 +92,7 @@ BINARY: dict[str, Callable[[Array, Array], Array]] = {
     "or": each(ca.logic_or, 2),
 }
 UNARY: dict[str, Callable[[Array], Array]] = {
-    "negate": lambda a: boxed(-a),
+    "negate": lambda a: as_array(-a),
     "plus": lambda a: a,
     "not": each(ca.logic_not),
 }
@@ -103,21 +103,21 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
     "no_event": lambda a: a,
     "atan2": each(ca.atan2, 2),
     "mod": each(lambda a, b: a - ca.floor(a / b) * b, 2),
-    "rem": each(lambda a, b: a - _truncated(a / b) * b, 2),
-    "div": each(lambda a, b: _truncated(a / b), 2),
+    "rem": each(lambda a, b: a - _truncation(a / b) * b, 2),
+    "div": each(lambda a, b: _truncation(a / b), 2),
     "smooth": lambda _order, value: value,
-    "homotopy": lambda actual, _simplified: actual,
+    "homotopy": lambda actual, _simple: actual,
 }
 
 
 def _fold(pair: Callable[[SX, SX], SX]) -> Callable[..., Array]:
-    def folded(*arguments: Array) -> Array:
+    def fold(*arguments: Array) -> Array:
         return each(pair, 2)(*arguments) if len(arguments) == 2 else array([reduce(pair, arguments[0].flat)])
 
-    return folded
+    return fold
 
 
-def _filled(value: SX, *sizes: Array) -> Array:
+def _fill(value: SX, *sizes: Array) -> Array:
     shape = tuple(whole(size.item()) for size in sizes)
     return array([value] * int(np.prod(shape)), shape)
 
@@ -138,7 +138,7 @@ def _cross(a: Array, b: Array) -> Array:
     return array([y * r - z * q, z * p - x * r, x * q - y * p], (3,))
 
 
-def _promoted_cat(axis: int) -> Callable[..., Array]:
+def _matrix_cat(axis: int) -> Callable[..., Array]:
     """Return [a, b] (axis 1) or [a; b] (axis 0): concatenation of operands promoted to matrices."""
     return lambda *parts: np.concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
 
@@ -148,14 +148,14 @@ SHAPED: dict[str, Callable[..., Array]] = {
     "max": _fold(ca.fmax),
     "sum": lambda a: array([reduce(lambda p, q: p + q, a.flat, SX(0))]),
     "product": lambda a: array([reduce(lambda p, q: p * q, a.flat, SX(1))]),
-    "zeros": lambda *sizes: _filled(SX(0), *sizes),
-    "ones": lambda *sizes: _filled(SX(1), *sizes),
-    "fill": lambda value, *sizes: _filled(value.item(), *sizes),
+    "zeros": lambda *sizes: _fill(SX(0), *sizes),
+    "ones": lambda *sizes: _fill(SX(1), *sizes),
+    "fill": lambda value, *sizes: _fill(value.item(), *sizes),
     "identity": _identity,
     "linspace": _linspace,
     "cat": lambda axis, *parts: np.concatenate(parts, whole(axis.item()) - 1),
-    "promoted_cat1": _promoted_cat(0),
-    "promoted_cat2": _promoted_cat(1),
+    "promoted_cat1": _matrix_cat(0),
+    "promoted_cat2": _matrix_cat(1),
     "transpose": lambda a: a.T,
     "cross": _cross,
     "size": lambda a, axis: array([SX(float(a.shape[whole(axis.item()) - 1]))]),

@@ -7,7 +7,7 @@ from pathlib import Path
 import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.ctext import names, quoted, table
+from railgrip.fmus.native.ctext import names, string_literal, table
 from railgrip.fmus.native.elimination import eliminate
 from railgrip.fmus.native.straight import straight
 from railgrip.fmus.native.structure import Loops
@@ -105,9 +105,9 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     outputs, locals_ = split_algebraics(system)
     free, dependent = vector(v.free), column(v.dependent_values)
     along_x, along_u, along_p = (SX.sym(n, s.shape) for n, s in (("dx", system.x), ("du", system.u), ("dp", free)))
-    moved = ca.jtimes(dependent, free, along_p) if v.dependent and v.free else SX.zeros(dependent.shape)
+    along_dependent = ca.jtimes(dependent, free, along_p) if v.dependent and v.free else SX.zeros(dependent.shape)
     both = column([system.derivative, outputs])
-    knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, moved)
+    knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, along_dependent)
     direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
     nx = len(system.states)
     loops, start = system.loops, system.start_loops
@@ -181,7 +181,7 @@ def c_sources(system: System, *, guid: str, interfaces: Sequence[str], solver: s
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
         "DEFAULT_TOLERANCE": repr(float(tolerance)),
-        "MODEL_GUID": quoted(guid),
+        "MODEL_GUID": string_literal(guid),
     }
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
     body = [
@@ -205,8 +205,8 @@ def c_sources(system: System, *, guid: str, interfaces: Sequence[str], solver: s
         table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
         names("x_name", [s.name for s in lay.states]),
         names("assertion_place", [a.where for a in system.assertions]),
-        f"static const char loop_names[] = {quoted(', '.join(system.loops.guesses))};",
-        f"static const char start_loop_names[] = {quoted(', '.join(system.start_loops.guesses))};",
+        f"static const char loop_names[] = {string_literal(', '.join(system.loops.guesses))};",
+        f"static const char start_loop_names[] = {string_literal(', '.join(system.start_loops.guesses))};",
         _model_functions(system, interfaces),
         '#include "layout.h"',
         elimination.code if elimination else "",
@@ -238,7 +238,7 @@ def _assertion_texts(assertions: Sequence[Assertion]) -> str:
         count = sum(isinstance(piece, SX) for piece in a.message)
         values = "".join(f", values[{place + k}]" for k in range(count))
         place += count
-        cases.append(f"    case {i}: snprintf(text, size, {quoted(form)}{values}); break;")
+        cases.append(f"    case {i}: snprintf(text, size, {string_literal(form)}{values}); break;")
     return "\n".join(
         [
             "static void assertion_text(int i, const double *values, char *text, size_t size) {",

@@ -10,11 +10,11 @@ _MOST = 3
 """Places worth reading."""
 
 
-def places(said: str, path: Path, class_name: str) -> tuple[str, ...]:
+def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     """Return `file.mo:line: what stands there` for an error of the front end, as far as it can be found.
 
     Args:
-        said: The front end's words.
+        message: The front end's words.
         path: The file that was read: `package.mo` stands for all files of its library.
         class_name: The class that was wanted.
     """
@@ -26,8 +26,8 @@ def places(said: str, path: Path, class_name: str) -> tuple[str, ...]:
     name = class_name.rpartition(".")[2]
     if not any(re.search(rf"\b(?:model|block|class)\s+{name}\b", text) for text in texts.values()):
         return (f"no file of it declares {name}",)
-    words = re.findall(r"unresolved[^']*'([^']+)'", said)
-    return (*_silent_use(path, texts), *tuple(_written(words, texts))[:_MOST])
+    words = re.findall(r"unresolved[^']*'([^']+)'", message)
+    return (*_silent_use(path, texts), *tuple(_uses(words, texts))[:_MOST])
 
 
 def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
@@ -48,7 +48,7 @@ def _syntax(name: str, text: str) -> Iterator[str]:
             return
 
 
-def _written(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
+def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
     """Yield where names are written that nothing declares."""
     for word in dict.fromkeys(words):
         whole = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")

@@ -21,7 +21,7 @@ class Relations:
         memory: One symbol per distinct relation.
         live: Its truth now.
         indicator: Crosses zero where it changes; positive where it holds.
-        searched: Places of those whose zeros must be searched for; the others change at known `instants`.
+        crossings: Places of those whose zeros must be searched for; the others change at known `instants`.
         slot: Relation id of the DAE to place in `memory`.
         alone: Relation id to expression id of those only used by assertions, which are never remembered.
         instants: When relations of time with parameters change, as expressions of the parameters.
@@ -30,50 +30,50 @@ class Relations:
     memory: list[SX] = field(default_factory=list)
     live: list[SX] = field(default_factory=list)
     indicator: list[SX] = field(default_factory=list)
-    searched: list[int] = field(default_factory=list)
+    crossings: list[int] = field(default_factory=list)
     slot: dict[int, int] = field(default_factory=dict)
     alone: dict[int, int] = field(default_factory=dict)
     instants: list[SX] = field(default_factory=list)
 
 
-def find_relations(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> Relations:
+def find_relations(dae: Dae, evaluate: Evaluator, settle: Callable[[list[SX]], list[SX]], parameters: SX) -> Relations:
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
-        settled: Puts numbers for constants.
+        settle: Puts numbers for constants.
         parameters: Symbols an instant may depend on.
     """
     conditions = dae.systems["conditions"]
-    asserted = _only_asserted(dae)
-    out = Relations(alone={r["id"]: r["expression"] for r in conditions["relations"] if r["id"] in asserted})
+    assertion_only = _assertion_only_relations(dae)
+    out = Relations(alone={r["id"]: r["expression"] for r in conditions["relations"] if r["id"] in assertion_only})
     sites: list[tuple[Node, int, Binding]] = [
-        (r, r["expression"], {}) for r in conditions["relations"] if r["id"] not in asserted
+        (r, r["expression"], {}) for r in conditions["relations"] if r["id"] not in assertion_only
     ]
     for root in conditions["structured_roots"]:
         sites += [(root, root["expression"], point) for point in dae.iterate(root["domain"])]
     place: dict[Site, SX] = {}
     for root, expression, binding in sites:
-        (live,) = settled([evaluate.live(expression, binding).item()])
-        known = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, 30)), None)
-        if known is None:
-            known = len(out.live)
+        (live,) = settle([evaluate.live(expression, binding).item()])
+        number = next((k for k, other in enumerate(out.live) if ca.is_equal(other, live, 30)), None)
+        if number is None:
+            number = len(out.live)
             operation = dae.expressions[expression]["operation"]
             sign = SIGN.get(operation.get("operator", ""))
             indicator = live - 0.5
             if sign:
                 sides = [evaluate(operation[k], binding).item() for k in ("lhs", "rhs")]
-                (indicator,) = settled([sign * (sides[0] - sides[1])])
+                (indicator,) = settle([sign * (sides[0] - sides[1])])
             out.live.append(live)
             out.indicator.append(indicator)
-            out.memory.append(SX.sym(f"relation{known}"))
-        place[site(expression, binding)] = out.memory[known]
+            out.memory.append(SX.sym(f"relation{number}"))
+        place[site(expression, binding)] = out.memory[number]
         if not binding and "id" in root:
-            out.slot[root["id"]] = known
-    out.instants = _instants(dae, evaluate, settled, parameters)
+            out.slot[root["id"]] = number
+    out.instants = _instants(dae, evaluate, settle, parameters)
     for k, indicator in enumerate(out.indicator):
         instant = _instant(indicator, evaluate.time, parameters)
         if instant is None:
-            out.searched.append(k)
+            out.crossings.append(k)
         else:
             _add(out.instants, instant)
     evaluate.remember(place)
@@ -86,8 +86,8 @@ def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
         return None
     slope = ca.jacobian(difference, time)
     rest = ca.substitute(difference, time, SX(0))
-    known = {s.name() for s in ca.vertsplit(parameters)} if parameters.numel() else set[str]()
-    if any(s.name() not in known for s in [*ca.symvar(slope), *ca.symvar(rest)]):
+    names = {s.name() for s in ca.vertsplit(parameters)} if parameters.numel() else set[str]()
+    if any(s.name() not in names for s in [*ca.symvar(slope), *ca.symvar(rest)]):
         return None
     return ca.densify(-rest / slope)
 
@@ -97,7 +97,7 @@ def _add(instants: list[SX], instant: SX) -> None:
         instants.append(instant)
 
 
-def _instants(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[SX]], parameters: SX) -> list[SX]:
+def _instants(dae: Dae, evaluate: Evaluator, settle: Callable[[list[SX]], list[SX]], parameters: SX) -> list[SX]:
     """Return when relations between time and parameters change.
 
     rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again
@@ -107,17 +107,17 @@ def _instants(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[
     for event in dae.systems["events"]["time_events"]:
         span = event["provenance"]["span"]
         nodes = dae.by_span.get((span["source"], span["start"], span["end"]), [])
-        found = False
+        linear = False
         for node in nodes:
             operation = node["operation"]
             if operation["kind"] != "binary" or operation["operator"] not in SIGN or node["binder_domain"] is not None:
                 continue
             lhs, rhs = (evaluate(operation[k]).item() for k in ("lhs", "rhs"))
-            instant = _instant(settled([lhs - rhs])[0], evaluate.time, parameters)
+            instant = _instant(settle([lhs - rhs])[0], evaluate.time, parameters)
             if instant is not None:
-                found = True
+                linear = True
                 _add(out, instant)
-        if not found:
+        if not linear:
             raise dae.refuse(
                 f"a time event that is not linear in time is not supported: {dae.text(event['provenance'])}",
                 event["provenance"],
@@ -125,11 +125,11 @@ def _instants(dae: Dae, evaluate: Evaluator, settled: Callable[[list[SX]], list[
     return out
 
 
-def _only_asserted(dae: Dae) -> set[int]:
+def _assertion_only_relations(dae: Dae) -> set[int]:
     """Return relations that feed nothing but assertions."""
     conditions = dae.systems["conditions"]["conditions"]
-    used: set[int] = set()
-    asserted: set[int] = set()
+    elsewhere: set[int] = set()
+    in_assertions: set[int] = set()
 
     def walk(i: int, into: set[int]) -> None:
         operation = conditions[i]["operation"]
@@ -140,15 +140,15 @@ def _only_asserted(dae: Dae) -> set[int]:
                 walk(operation[key], into)
 
     for action in dae.systems["events"]["actions"]:
-        walk(action["guard"], asserted if action["operation"]["kind"] in ("assert", "warning") else used)
+        walk(action["guard"], in_assertions if action["operation"]["kind"] in ("assert", "warning") else elsewhere)
     for owner in dae.systems["discrete_values"]["owners"]:
         for branch in owner["branches"]:
             if branch["activation"]["kind"] == "when":
-                walk(branch["activation"]["trigger"], used)
+                walk(branch["activation"]["trigger"], elsewhere)
     for residual in dae.systems["discrete_real"]["residuals"]:
         if residual["activation"]["kind"] == "when":
-            walk(residual["activation"]["trigger"], used)
-    return asserted - used
+            walk(residual["activation"]["trigger"], elsewhere)
+    return in_assertions - elsewhere
 
 
 @dataclass(slots=True)
@@ -157,7 +157,7 @@ class Conditions:
 
     Attributes:
         ticks: One symbol per periodic clock, and last the one that is 1 during initialisation.
-        remembered: Conditions whose last value is kept to see an edge.
+        edge_conditions: Conditions whose last value is kept to see an edge.
         last: Symbols of their last values.
     """
 
@@ -165,7 +165,7 @@ class Conditions:
     evaluate: Evaluator
     relations: Relations
     ticks: list[SX]
-    remembered: list[int] = field(default_factory=list)
+    edge_conditions: list[int] = field(default_factory=list)
     last: list[SX] = field(default_factory=list)
 
     def level(self, i: int) -> SX:
@@ -200,10 +200,10 @@ class Conditions:
             return ca.logic_or(self.edge(operation["lhs"]), self.edge(operation["rhs"]))
         if operation["kind"] in ("clock", "initial"):
             return self.level(i)
-        if i not in self.remembered:
-            self.remembered.append(i)
+        if i not in self.edge_conditions:
+            self.edge_conditions.append(i)
             self.last.append(SX.sym(f"last_condition{i}"))
-        return ca.logic_and(self.level(i), ca.logic_not(self.last[self.remembered.index(i)]))
+        return ca.logic_and(self.level(i), ca.logic_not(self.last[self.edge_conditions.index(i)]))
 
     def active(self, activation: Node) -> SX:
         """Return whether an equation with this activation is in force now."""

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 def table(type_: str, name: str, values: Sequence[float]) -> str:
     """Return a C table of numbers."""
     # One entry more, because C has no empty arrays.
-    listed = ", ".join([*(number(v) if type_ == "double" else str(int(v)) for v in values), "0"])
-    return f"static const {type_} {name}[] = {{ {listed} }};"
+    entries = ", ".join([*(number(v) if type_ == "double" else str(int(v)) for v in values), "0"])
+    return f"static const {type_} {name}[] = {{ {entries} }};"
 
 
 def number(value: float) -> str:
@@ -19,7 +19,7 @@ def number(value: float) -> str:
 
 def names(name: str, values: Sequence[str]) -> str:
     """Return a C table of strings."""
-    return f"static const char *const {name}[] = {{ {', '.join([*map(quoted, values), '0'])} }};"
+    return f"static const char *const {name}[] = {{ {', '.join([*map(string_literal, values), '0'])} }};"
 
 
 def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list[str]:
@@ -30,14 +30,14 @@ def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list
     """
     lines: list[str] = []
     own: list[str] = []
-    unused = " ".join(f"(void){parameter.split()[-1].lstrip('*')};" for parameter in parameters.split(","))
+    voids = " ".join(f"(void){parameter.split()[-1].lstrip('*')};" for parameter in parameters.split(","))
     for part in parts:
         own.append(f"{name}{len(own)}")
-        lines += [f"static void {own[-1]}({parameters}) {{", unused, *part, "}"]
+        lines += [f"static void {own[-1]}({parameters}) {{", voids, *part, "}"]
     # One entry more, because C has no empty arrays.
     return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {', '.join([*own, '0'])} }};"]
 
 
-def quoted(text: str) -> str:
+def string_literal(text: str) -> str:
     """Return a C string literal."""
     return json.dumps(text)

@@ -100,11 +100,11 @@ class Dae:
     @cached_property
     def by_span(self) -> dict[tuple[int, int, int], list[Node]]:
         """Expression nodes by their place in the source."""
-        found: dict[tuple[int, int, int], list[Node]] = {}
+        nodes: dict[tuple[int, int, int], list[Node]] = {}
         for node in self.expressions:
             span = node["provenance"]["span"]
-            found.setdefault((span["source"], span["start"], span["end"]), []).append(node)
-        return found
+            nodes.setdefault((span["source"], span["start"], span["end"]), []).append(node)
+        return nodes
 
 
 def read(class_name: str, modelica_path: Path | None = None) -> Dae:
@@ -130,18 +130,18 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
             model = _session(path.parent).load(str(path), model=class_name)
         else:
             model = rumoca.Session(roots=[str(LIBRARY)]).loads(path.read_text(), model=class_name, filename=alias)
-        printed = model.codegen(str(FRONT)).files[0].content
+        template = model.codegen(str(FRONT)).files[0].content
         flat = _part(model.to_json("flat", pretty=False), "variables")
         files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
     except rumoca.RumocaError as error:
-        said = str(error).replace(alias, str(path))
-        found_at = "".join(f"\n  {place}" for place in places(said, path, class_name))
-        raise InputError(f"{class_name} does not compile ({path}): {said}{found_at}") from error
-    content = json.loads(printed)
-    found = (content["schema"]["name"], content["schema"]["version"])
-    if found != SCHEMA:
+        message = str(error).replace(alias, str(path))
+        hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
+        raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
+    content = json.loads(template)
+    schema = (content["schema"]["name"], content["schema"]["version"])
+    if schema != SCHEMA:
         raise InputError(
-            f"rumoca {rumoca.version()} writes the DAE as {found}, this compiler reads {SCHEMA}; "
+            f"rumoca {rumoca.version()} writes the DAE as {schema}, this compiler reads {SCHEMA}; "
             "install the version pinned in pyproject.toml."
         )
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
@@ -158,7 +158,7 @@ def _part(text: str, key: str) -> Node:
     return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]
 
 
-_kept = threading.local()
+_last = threading.local()
 """The last session of each thread, which it may not leave."""
 
 
@@ -169,9 +169,9 @@ def _session(library: Path) -> rumoca.Session:
     What else lies beside the library is not read.
     """
     state = (library, sources_digest(library))
-    if getattr(_kept, "state", None) != state:
-        _kept.state, _kept.session = state, rumoca.Session(roots=[str(LIBRARY)])
-    return _kept.session
+    if getattr(_last, "state", None) != state:
+        _last.state, _last.session = state, rumoca.Session(roots=[str(LIBRARY)])
+    return _last.session
 
 
 def _short(file: Path, base: Path) -> str:

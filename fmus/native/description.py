@@ -76,7 +76,7 @@ def _type(s: Scalar) -> str:
     return TYPE.get(s.type, "Real")
 
 
-def _declared(s: Scalar) -> dict[str, str]:
+def _attributes(s: Scalar) -> dict[str, str]:
     """Return unit and bounds of a variable as XML attributes."""
     type_ = _type(s)
     out: dict[str, str] = {}
@@ -168,13 +168,13 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
     w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
     for i, s in enumerate(lay.states):
         calculated = system.calculated[i]
-        declared = _declared(s)
+        attributes = _attributes(s)
         if nominal(s) != 1.0:
-            declared["nominal"] = repr(nominal(s))
+            attributes["nominal"] = repr(nominal(s))
         w.add(
             s.name, first("states") + i, causality=out(s), variability="continuous",
             initial="calculated" if calculated else "exact", start=None if calculated else s.start,
-            description=text(s), attributes=declared,
+            description=text(s), attributes=attributes,
         )  # fmt: skip
     for i, s in enumerate(lay.states):
         unit = s.attributes.get("unit")
@@ -188,7 +188,7 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
         w.add(
             s.name, first("inputs") + i, causality="input", initial=None, type_=_type(s), start=s.start,
             variability="continuous" if _type(s) == "Real" else "discrete", description=text(s),
-            attributes=_declared(s),
+            attributes=_attributes(s),
         )  # fmt: skip
     for i, s, reference in public("parameters", lay.parameters):
         free = i < lay.free
@@ -196,18 +196,18 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
             s.name, reference, causality="parameter" if free else "calculatedParameter",
             variability="tunable" if s.attributes["tunable"] or not free else "fixed",
             initial="exact" if free else "calculated", type_=_type(s), start=s.start if free else None,
-            description=text(s), attributes=_declared(s),
+            description=text(s), attributes=_attributes(s),
         )  # fmt: skip
     for group, members in (("outputs", lay.outputs), ("locals", lay.locals)):
         for _, s, reference in public(group, members):
             w.add(
                 s.name, reference, causality=out(s), variability="continuous", initial="calculated",
-                description=text(s), attributes=_declared(s),
+                description=text(s), attributes=_attributes(s),
             )  # fmt: skip
     for _, s, reference in public("discretes", lay.discretes):
         w.add(
             s.name, reference, causality=out(s), variability="discrete", initial="calculated",
-            type_=_type(s), description=text(s), attributes=_declared(s),
+            type_=_type(s), description=text(s), attributes=_attributes(s),
         )  # fmt: skip
     for i, name in enumerate(lay.settings):
         reference = first("settings") + i
@@ -292,13 +292,13 @@ def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
         )
 
     derivatives = [unknown(first("derivatives") + i, depends[i]) for i in range(nx)]
-    shown = [unknown(first("outputs") + i, depends[nx + i]) for i in range(len(lay.outputs))]
+    output_rows = [unknown(first("outputs") + i, depends[nx + i]) for i in range(len(lay.outputs))]
     for i, s in enumerate(lay.states):
         if s.causality == "output":
             reference = first("states") + i
-            shown.append(unknown(reference, [(w.index[reference], "constant")]))
+            output_rows.append(unknown(reference, [(w.index[reference], "constant")]))
     discrete = [first("discretes") + i for i, s in enumerate(lay.discretes) if s.causality == "output"]
-    shown += [unknown(reference, None) for reference in discrete]
+    output_rows += [unknown(reference, None) for reference in discrete]
     initial = [first("outputs") + i for i in range(len(lay.outputs))] + discrete
     initial += [first("states") + i for i in range(nx) if system.calculated[i]]
     initial += [first("derivatives") + i for i in range(nx)]
@@ -307,13 +307,13 @@ def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
     ]
     out = ["  <ModelStructure>"]
     for name, items in (
-        ("Outputs", shown),
+        ("Outputs", output_rows),
         ("Derivatives", derivatives),
         ("InitialUnknowns", [unknown(reference, None) for reference in initial if reference in w.index]),
     ):
         if items:
-            listed = items if name == "Derivatives" else sorted(items)
-            out += [f"    <{name}>", *(line for _, line in listed), f"    </{name}>"]
+            entries = items if name == "Derivatives" else sorted(items)
+            out += [f"    <{name}>", *(line for _, line in entries), f"    </{name}>"]
     return [*out, "  </ModelStructure>"]
 
 

@@ -14,7 +14,7 @@ import casadi as ca
 
 from railgrip.errors import InputError
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.ctext import quoted, table
+from railgrip.fmus.native.ctext import string_literal, table
 from railgrip.fmus.native.description import Writer, attributes_text, unit_definitions
 from railgrip.fmus.native.model import Variable
 from railgrip.fmus.native.package import Source
@@ -52,10 +52,10 @@ class Discrete:
             raise InputError(f"{self.name}: the period is a positive time, got {self.period} s.")
         takes = [self.step.numel_in(i) for i in range(self.step.n_in())]
         gives = [self.step.numel_out(i) for i in range(self.step.n_out())]
-        wanted = [len(self.states), len(self.inputs), len(self.parameters)]
-        if takes + [0] * (3 - len(takes)) != wanted or gives != [len(self.states), len(self.outputs)]:
+        sizes = [len(self.states), len(self.inputs), len(self.parameters)]
+        if takes + [0] * (3 - len(takes)) != sizes or gives != [len(self.states), len(self.outputs)]:
             raise InputError(
-                f"{self.name}: a step function takes (state, input, parameter) of {wanted} numbers and gives "
+                f"{self.name}: a step function takes (state, input, parameter) of {sizes} numbers and gives "
                 f"(state, output) of {[len(self.states), len(self.outputs)]}; this one takes {takes} and gives {gives}."
             )
         names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
@@ -82,12 +82,12 @@ def _code(system: Discrete, guid: str) -> str:
         ca.SX.sym(name, len(group))
         for name, group in (("x", system.states), ("u", system.inputs), ("p", system.parameters))
     )
-    given = [state, entry, parameter][: system.step.n_in()]
-    following, output = system.step.expand().call(given) if given else ([], [])
+    arguments = [state, entry, parameter][: system.step.n_in()]
+    following, output = system.step.expand().call(arguments) if arguments else ([], [])
     step = ca.Function("f_step", [state, entry, parameter], [ca.densify(following), ca.densify(output)], {"cse": True})
     sizes = {
         "NX": len(system.states), "NU": len(system.inputs), "NP": len(system.parameters), "NY": len(system.outputs),
-        "PERIOD": repr(float(system.period)), "MODEL_GUID": quoted(guid),
+        "PERIOD": repr(float(system.period)), "MODEL_GUID": string_literal(guid),
     }  # fmt: skip
     groups = {"x": system.states, "u": system.inputs, "p": system.parameters, "y": system.outputs}
     return "\n".join(

@@ -78,14 +78,14 @@ def _order(n: int, pattern: list[tuple[int, int]]) -> tuple[list[int], list[set[
     for i, j in pattern:
         rows[i].add(j)
         columns[j].add(i)
-    left = set(range(n))
+    rest = set(range(n))
     order: list[int] = []
-    while left:
-        k = min(left, key=lambda v: ((len(rows[v] & left) - 1) * (len(columns[v] & left) - 1), v))
-        left.remove(k)
+    while rest:
+        k = min(rest, key=lambda v: ((len(rows[v] & rest) - 1) * (len(columns[v] & rest) - 1), v))
+        rest.remove(k)
         order.append(k)
-        for i in columns[k] & left:
-            rows[i] |= rows[k] & left
-        for j in rows[k] & left:
-            columns[j] |= columns[k] & left
+        for i in columns[k] & rest:
+            rows[i] |= rows[k] & rest
+        for j in rows[k] & rest:
+            columns[j] |= columns[k] & rest
     return order, rows

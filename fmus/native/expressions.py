@@ -14,7 +14,7 @@ from railgrip.fmus.native.arrays import (
     UNARY,
     Array,
     array,
-    boxed,
+    as_array,
     choose,
     is_number,
     whole,
@@ -104,17 +104,17 @@ class Evaluator:
         operation = node["operation"]
         method = getattr(self, f"_{operation['kind']}", None)
         if method is None:
-            raise self._unsupported(f"expression of kind {operation['kind']}", node)
+            raise self._refusal(f"expression of kind {operation['kind']}", node)
         return method(operation, node, frame)
 
-    def _unsupported(self, construct: str, node: Node) -> Exception:
+    def _refusal(self, construct: str, node: Node) -> Exception:
         text = self.dae.text(node["provenance"])
         return self.dae.refuse(f"{construct} is not supported: {text}", node["provenance"])
 
     def _literal(self, operation: Node, node: Node, frame: Frame) -> Array:
         ((kind, value),) = operation["value"].items()
         if kind == "string":
-            raise self._unsupported("a String in an equation", node)
+            raise self._refusal("a String in an equation", node)
         return array([SX(float(value))])
 
     def _coordinate(self, operation: Node, node: Node, frame: Frame) -> Array:
@@ -130,7 +130,7 @@ class Evaluator:
             return array([self.conditions(coordinate["id"])])
         store = STORE.get(kind, kind)
         if (store, coordinate.get("id")) not in self.symbols:
-            raise self._unsupported(f"a reference of kind {kind}", node)
+            raise self._refusal(f"a reference of kind {kind}", node)
         return self.symbols[store, coordinate["id"]]
 
     def _unary(self, operation: Node, node: Node, frame: Frame) -> Array:
@@ -139,7 +139,7 @@ class Evaluator:
     def _binary(self, operation: Node, node: Node, frame: Frame) -> Array:
         apply = BINARY.get(operation["operator"])
         if apply is None:
-            raise self._unsupported(f"operator {operation['operator']}", node)
+            raise self._refusal(f"operator {operation['operator']}", node)
         return apply(self._value(operation["lhs"], frame), self._value(operation["rhs"], frame))
 
     def _conditional(self, operation: Node, node: Node, frame: Frame) -> Array:
@@ -147,7 +147,7 @@ class Evaluator:
         out = last
         for condition, value in reversed(list(zip(pairs[::2], pairs[1::2], strict=True))):
             test = condition.item()
-            out = boxed(np.frompyfunc(lambda yes, no, test=test: choose(test, yes, no), 2, 1)(value, out))
+            out = as_array(np.frompyfunc(lambda yes, no, test=test: choose(test, yes, no), 2, 1)(value, out))
         return out
 
     def _array(self, operation: Node, node: Node, frame: Frame) -> Array:
@@ -176,7 +176,7 @@ class Evaluator:
             if not all(is_number(v) for v in value.flat):
                 if len(operation["subscripts"]) == 1 and value.ndim == 0:
                     return value.item()
-                raise self._unsupported("a matrix subscript that is only known at run time", node)
+                raise self._refusal("a matrix subscript that is only known at run time", node)
             places.append([whole(v) - 1 for v in value.flat] if value.ndim else whole(value.item()) - 1)
         return tuple(places)
 
@@ -184,9 +184,9 @@ class Evaluator:
         base = self._value(operation["base"], frame)
         places = self._subscripts(operation, node, frame)
         if isinstance(places, tuple):
-            return boxed(base[places])
+            return as_array(base[places])
         if base.ndim != 1:
-            raise self._unsupported("a matrix subscript that is only known at run time", node)
+            raise self._refusal("a matrix subscript that is only known at run time", node)
         out = base[0]  # selection; beyond the bounds the nearest element, as no C code could raise here
         for j in range(1, len(base)):
             out = choose(places >= j + 0.5, base[j], out)
@@ -198,7 +198,7 @@ class Evaluator:
         value = self._value(operation["value"], frame)
         if not isinstance(places, tuple):
             if base.ndim != 1:
-                raise self._unsupported("a matrix subscript that is only known at run time", node)
+                raise self._refusal("a matrix subscript that is only known at run time", node)
             return array([choose(places == j + 1, value.item(), base[j]) for j in range(len(base))], base.shape)
         base[places] = value.item() if value.ndim == 0 else value
         return base
@@ -207,13 +207,13 @@ class Evaluator:
         name = operation["builtin"]
         apply = ELEMENTWISE.get(name) or SHAPED.get(name)
         if apply is None:
-            raise self._unsupported(f"built-in operator {name}", node)
+            raise self._refusal(f"built-in operator {name}", node)
         return apply(*(self._value(argument, frame) for argument in operation["arguments"]))
 
     def _call(self, operation: Node, node: Node, frame: Frame) -> Array:
         function = self.dae.functions[operation["function"]]
         if function["external"]:
-            raise self._unsupported(f"external function {function['name']}", node)
+            raise self._refusal(f"external function {function['name']}", node)
         for statement in function["statements"]:
             if statement["kind"] == "assertion":
                 raise self.dae.refuse(

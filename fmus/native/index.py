@@ -24,19 +24,19 @@ DEEPEST = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Reduced:
+class IndexOne:
     """An index-1 system.
 
     Attributes:
         unknowns: To be solved for, as many as `equations`.
         states: (state, its derivative), states that were kept or made.
-        demoted: Names of former states.
+        former_states: Names of former states.
     """
 
     equations: list[Equation]
     unknowns: list[SX]
     states: list[tuple[SX, SX]]
-    demoted: frozenset[str]
+    former_states: frozenset[str]
 
 
 def reduce_index(
@@ -48,7 +48,7 @@ def reduce_index(
     algebraics: Sequence[SX],
     cost: Sequence[float],
     owner: str,
-) -> Reduced:
+) -> IndexOne:
     """Differentiate equations until the highest derivatives and the algebraic unknowns can be solved for.
 
     Args:
@@ -62,7 +62,7 @@ def reduce_index(
     derivative_of = {i: n + i for i in range(n)}
     work = list(equations)
     source = list(range(len(work)))
-    differentiated: dict[int, int] = {}
+    derivative_of_equation: dict[int, int] = {}
     match: dict[int, int] = {}
 
     def incidence(e: Equation) -> set[int]:
@@ -113,7 +113,7 @@ def reduce_index(
             ca.vertcat(*[symbols[v] for v in terms]),
             ca.vertcat(*[symbols[derivative_of[v]] for v in terms]),
         )
-        differentiated[q] = len(work)
+        derivative_of_equation[q] = len(work)
         work.append(Equation(along + ca.jacobian(e.residual, time), e.where))
         source.append(source[q])
         contains.append(incidence(work[-1]))
@@ -132,8 +132,8 @@ def reduce_index(
             for q in sorted(seen_equations):
                 differentiate(q)
             for v in sorted(seen_variables):
-                match[derivative_of[v]] = differentiated[match[v]]
-            e = differentiated[e]
+                match[derivative_of[v]] = derivative_of_equation[match[v]]
+            e = derivative_of_equation[e]
         else:
             raise TranslationError(
                 f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
@@ -144,17 +144,17 @@ def reduce_index(
     rows, cols = zip(*[(e, v) for e, own in enumerate(contains) for v in own], strict=True)
     weight = csr_matrix(([price[v] for v in cols], (rows, cols)), shape=(len(work), len(symbols)))
     try:
-        _, chosen = min_weight_full_bipartite_matching(weight)
+        _, matching = min_weight_full_bipartite_matching(weight)
     except ValueError as error:
         raise TranslationError(f"{owner}: structurally singular after index reduction.") from error
-    solved = set(chosen.tolist())
-    missing = [symbols[v].name() for v in range(len(symbols)) if v not in derivative_of and v not in solved]
+    unknown_places = set(matching.tolist())
+    missing = [symbols[v].name() for v in range(len(symbols)) if v not in derivative_of and v not in unknown_places]
     if missing:
         raise TranslationError(f"{owner}: structurally singular: no equation left for {', '.join(missing)}.")
-    kept = [v for v in range(len(symbols)) if v not in solved]
-    return Reduced(
+    state_places = [v for v in range(len(symbols)) if v not in unknown_places]
+    return IndexOne(
         equations=work,
-        unknowns=[symbols[v] for v in sorted(solved)],
-        states=[(symbols[v], symbols[derivative_of[v]]) for v in kept],
-        demoted=frozenset(symbols[i].name() for i in range(n) if i in solved),
+        unknowns=[symbols[v] for v in sorted(unknown_places)],
+        states=[(symbols[v], symbols[derivative_of[v]]) for v in state_places],
+        former_states=frozenset(symbols[i].name() for i in range(n) if i in unknown_places),
     )

@@ -54,9 +54,9 @@ def output_scalars(system: System) -> list[Scalar]:
 
 def output_values(system: System) -> SX:
     """Return the expressions of `output_scalars`."""
-    known = {s.name: s.symbol for s in [*system.states, *system.variables.discretes]}
-    known |= {s.name: system.algebraic[i] for i, s in enumerate(system.algebraics)}
-    return column([known[s.name] for s in output_scalars(system)])
+    expressions = {s.name: s.symbol for s in [*system.states, *system.variables.discretes]}
+    expressions |= {s.name: system.algebraic[i] for i, s in enumerate(system.algebraics)}
+    return column([expressions[s.name] for s in output_scalars(system)])
 
 
 def _edge(scalars: Sequence[Scalar]) -> tuple[Variable, ...]:

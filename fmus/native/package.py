@@ -102,14 +102,14 @@ def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> P
     path.parent.mkdir(parents=True, exist_ok=True)
     half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
     try:
-        half.write_bytes(zipped(source, flags=flags))
+        half.write_bytes(archive_bytes(source, flags=flags))
         half.replace(path)
     finally:
         half.unlink(missing_ok=True)
     return path
 
 
-def zipped(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS) -> bytes:
+def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS) -> bytes:
     """Return the content of an FMU, compiled for this platform; the same sources give the same bytes.
 
     Raises:

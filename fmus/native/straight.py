@@ -26,12 +26,12 @@ class _Value:
 
     Attributes:
         text: What it is called in C.
-        kept: Where a part finds it that has not named it yet; the same as `text` for a constant, which needs no name.
+        storage: Where a part that has not named it finds it; the same as `text` for a constant, which needs no name.
         parts: Parts that use it.
     """
 
     text: str
-    kept: str
+    storage: str
     parts: set[int] = field(default_factory=set)
 
 
@@ -65,42 +65,42 @@ def straight(function: ca.Function) -> str:
 
 
 def _steps(function: ca.Function) -> Iterator[_Step]:
-    held: dict[int, _Value] = {}
+    values: dict[int, _Value] = {}
     count = 0
     for k in range(function.n_instructions()):
         operation = operation_names()[function.instruction_id(k)]
-        to, given = function.instruction_output(k), function.instruction_input(k)
+        to, arguments = function.instruction_output(k), function.instruction_input(k)
         if operation == "OP_CONST":
             constant = number(function.instruction_constant(k))
-            held[to[0]] = _Value(constant, constant)
+            values[to[0]] = _Value(constant, constant)
         elif operation == "OP_INPUT":
-            held[to[0]] = _Value(f"v{k}", f"arg[{given[0]}][{given[1]}]")
+            values[to[0]] = _Value(f"v{k}", f"arg[{arguments[0]}][{arguments[1]}]")
         else:
-            operands = tuple(held[place] for place in given)
+            operands = tuple(values[place] for place in arguments)
             for operand in operands:
                 operand.parts.add(count // LONGEST)
             if operation == "OP_OUTPUT":
                 yield _Step("OP_ASSIGN", f"res[{to[0]}][{to[1]}]", operands)
             else:
-                held[to[0]] = _Value(f"v{k}", f"w[{to[0]}]", {count // LONGEST})
-                yield _Step(operation, held[to[0]], operands)
+                values[to[0]] = _Value(f"v{k}", f"w[{to[0]}]", {count // LONGEST})
+                yield _Step(operation, values[to[0]], operands)
             count += 1
 
 
 def _part(part: int, steps: list[_Step]) -> list[str]:
     lines: list[str] = []
-    named: set[str] = set()
+    names: set[str] = set()
     for step in steps:
         for operand in step.operands:
-            if operand.text != operand.kept and operand.text not in named:
-                lines.append(f"double {operand.text} = {operand.kept};")
-                named.add(operand.text)
+            if operand.text != operand.storage and operand.text not in names:
+                lines.append(f"double {operand.text} = {operand.storage};")
+                names.add(operand.text)
         value = _template(step.operation).format(x=step.operands[0].text, y=step.operands[-1].text)
         if isinstance(step.result, str):
             lines.append(f"{step.result} = {value};")
             continue
-        named.add(step.result.text)
-        keep = f"{step.result.kept} = " if len(step.result.parts) > 1 else ""
+        names.add(step.result.text)
+        keep = f"{step.result.storage} = " if len(step.result.parts) > 1 else ""
         lines.append(f"double {step.result.text} = {keep}{value};")
     return lines
 

@@ -72,38 +72,38 @@ def solve(
     pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
     match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
     if (match < 0).any():
-        left = sorted(set(range(n)) - set(match.tolist()))
+        spare = sorted(set(range(n)) - set(match.tolist()))
         raise TranslationError(
             f"{owner}: structurally singular: no unknown left for the equation at "
             + ", ".join(equations[int(i)].where for i in np.flatnonzero(match < 0))
             + "; no equation left for "
-            + ", ".join(unknowns[j].name() for j in left)
+            + ", ".join(unknowns[j].name() for j in spare)
             + "."
         )
-    sought = ca.jacobian_sparsity(ca.vertcat(*targets), columns).get_triplet()[1] if targets else []
-    needed = _needed(row, column, match, sought)
+    target_columns = ca.jacobian_sparsity(ca.vertcat(*targets), columns).get_triplet()[1] if targets else []
+    dependencies = _dependencies(row, column, match, target_columns)
     names: list[SX] = []
     values: list[SX] = []
     newton: list[tuple[SX, SX]] = []
     for rows in _blocks(row, column, match):
-        if rows[0] not in needed:
+        if rows[0] not in dependencies:
             continue
         block = [(equations[i], unknowns[int(match[i])]) for i in rows]
-        solved, core = _eliminate(block)
+        assignments, core = _eliminate(block)
         if core:
             core_values, pending = _core(core, loops, owner)
             names.append(ca.vertcat(*[unknown for _, unknown in core]))
             values.append(core_values)
             newton += pending
-        for unknown, expression in reversed(solved):
+        for unknown, expression in reversed(assignments):
             names.append(unknown)
             values.append(expression)
     updates = ca.vertcat(*[SX(residual) for _, residual in newton]) if newton else SX(0, 1)
-    done, out = ca.substitute_inplace(names, values, [*targets, updates])
+    expressions, out = ca.substitute_inplace(names, values, [*targets, updates])
     solution = dict(
         zip(
             (s.name() for v in names for s in ca.vertsplit(v)),
-            (e for v in done for e in ca.vertsplit(v)),
+            (e for v in expressions for e in ca.vertsplit(v)),
             strict=True,
         )
     )
@@ -114,20 +114,20 @@ def solve(
     return list(out[: len(targets)])
 
 
-def _needed(row: np.ndarray, column: np.ndarray, match: np.ndarray, sought: Sequence[int]) -> set[int]:
-    """Return the rows that the values of the columns `sought` rest on: blocks as wholes."""
+def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]) -> set[int]:
+    """Return the rows that the values of the columns `target_columns` rest on: blocks as wholes."""
     owner = {j: i for i, j in enumerate(match.tolist())}
     uses: dict[int, list[int]] = {}
     for i, j in zip(row.tolist(), column.tolist(), strict=True):
         uses.setdefault(i, []).append(owner[j])
-    found: set[int] = set()
-    left = [owner[j] for j in sought]
-    while left:
-        i = left.pop()
-        if i not in found:
-            found.add(i)
-            left += uses[i]
-    return found
+    rows: set[int] = set()
+    stack = [owner[j] for j in target_columns]
+    while stack:
+        i = stack.pop()
+        if i not in rows:
+            rows.add(i)
+            stack += uses[i]
+    return rows
 
 
 def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list[int]]:
@@ -165,7 +165,7 @@ def _eliminate(
             return [], block
         rest = ca.substitute(equations[0].residual, unknowns[0], SX(0))
         return [(unknowns[0], -rest / slope)], []
-    solved: list[tuple[SX, SX]] = []
+    assignments: list[tuple[SX, SX]] = []
     while len(equations) > 1:
         columns = ca.vertcat(*unknowns)
         jacobian = ca.jacobian(ca.vertcat(*[e.residual for e in equations]), columns)
@@ -184,13 +184,13 @@ def _eliminate(
         _, i, j = min(pivots)  # least fill-in (Markowitz)
         unknown, equation = unknowns.pop(j), equations.pop(i)
         expression = -ca.substitute(equation.residual, unknown, SX(0)) / jacobian[i, j]
-        solved.append((unknown, expression))
-        substituted = ca.substitute([e.residual for e in equations], [unknown], [expression])
-        equations = [Equation(r, e.where) for r, e in zip(substituted, equations, strict=True)]
+        assignments.append((unknown, expression))
+        residuals = ca.substitute([e.residual for e in equations], [unknown], [expression])
+        equations = [Equation(r, e.where) for r, e in zip(residuals, equations, strict=True)]
     if len(equations) == 1:
         last, core = _eliminate([(equations[0], unknowns[0])])
-        return solved + last, core
-    return solved, list(zip(equations, unknowns, strict=True))
+        return assignments + last, core
+    return assignments, list(zip(equations, unknowns, strict=True))
 
 
 def _explicit(residual: SX, unknown: SX) -> SX | None:

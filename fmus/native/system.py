@@ -127,28 +127,28 @@ def explicit(dae: Dae) -> System:
     evaluate = Evaluator(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
     parameters = ca.vertcat(vector(v.free), vector(v.dependent))
-    relations = find_relations(dae, evaluate, v.settled, parameters)
+    relations = find_relations(dae, evaluate, v.with_numbers, parameters)
     clocks = _clocks(dae, v)
     ticks = [SX.sym(f"tick{k}") for k in range(len(clocks))] + [SX.sym("initial")]
     conditions = Conditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
-    equations = _settled(v, _equations(dae, evaluate, "continuous"))
-    reduced = reduce_index(
+    equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
+    index_one = reduce_index(
         equations, time, vector(v.inputs), [s.symbol for s in v.states], v.derivatives,
         [s.symbol for s in v.algebraics],
         [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
     )  # fmt: skip
-    states, algebraics = _sorted_out(v, reduced.states, reduced.demoted, dae)
+    states, algebraics = _split_states(v, index_one.states, index_one.former_states, dae)
     loops, start_loops = Loops(), Loops()
-    derivative_symbols = [derivative for _, derivative in reduced.states]
+    derivative_symbols = [derivative for _, derivative in index_one.states]
     live = column(relations.live)
     derivative, algebraic, indicators = solve(
-        reduced.equations, reduced.unknowns,
+        index_one.equations, index_one.unknowns,
         [column(derivative_symbols), vector(algebraics),
-         column([relations.indicator[k] for k in relations.searched])], loops, dae.class_name,
+         column([relations.indicator[k] for k in relations.crossings])], loops, dae.class_name,
     )  # fmt: skip
-    start, calculated = _start(dae, evaluate, v, states, reduced.equations, reduced.unknowns, start_loops)
+    start, calculated = _start(dae, evaluate, v, states, index_one.equations, index_one.unknowns, start_loops)
 
     # The same loops are met again in the event system and the assertions; here they are counted once.
     blocks, running = list(loops.blocks), set(loops.guesses)
@@ -158,20 +158,20 @@ def explicit(dae: Dae) -> System:
         vector(v.discretes),
         column(event_states),
         live,
-        column([conditions.level(i) for i in conditions.remembered]),
+        column([conditions.level(i) for i in conditions.edge_conditions]),
         *(e for a in assertions for e in (a.holds, *(piece for piece in a.message if isinstance(piece, SX)))),
     ]
-    targets = v.settled(targets)
-    solved = solve(
-        [*reduced.equations, *_settled(v, event_equations)],
-        [*reduced.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
+    targets = v.with_numbers(targets)
+    event_values = solve(
+        [*index_one.equations, *_with_numbers(v, event_equations)],
+        [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
     )  # fmt: skip
     # Assertions are judged between events, by discrete variables as they stand.
-    judged = iter(solve(reduced.equations, reduced.unknowns, targets[4:], loops, dae.class_name))
+    assertion_values = iter(solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
     assertions = [
         Assertion(
-            holds=next(judged),
-            message=tuple(next(judged) if isinstance(piece, SX) else piece for piece in a.message),
+            holds=next(assertion_values),
+            message=tuple(next(assertion_values) if isinstance(piece, SX) else piece for piece in a.message),
             fatal=a.fatal,
             where=a.where,
         )
@@ -196,15 +196,15 @@ def explicit(dae: Dae) -> System:
         calculated=calculated,
         relation=column(relations.memory),
         indicators=column([indicators]),
-        indicator_relation=relations.searched,
+        indicator_relation=relations.crossings,
         instants=column(relations.instants),
         clocks=clocks,
         ticks=column(ticks),
         previous=column(v.previous),
-        event_discretes=column([solved[0]]),
-        event_states=column([solved[1]]),
-        event_relations=column([solved[2]]),
-        event_conditions=column([solved[3]]),
+        event_discretes=column([event_values[0]]),
+        event_states=column([event_values[1]]),
+        event_relations=column([event_values[2]]),
+        event_conditions=column([event_values[3]]),
         last_conditions=column(conditions.last),
         loops=loops,
         start_loops=start_loops,
@@ -225,8 +225,8 @@ def _refuse_unsupported(dae: Dae) -> None:
             raise dae.refuse(f"initial {kind.replace('_', ' ')} are not supported", node.get("provenance"))
 
 
-def _settled(v: Variables, equations: list[Equation]) -> list[Equation]:
-    residuals = v.settled([e.residual for e in equations])
+def _with_numbers(v: Variables, equations: list[Equation]) -> list[Equation]:
+    residuals = v.with_numbers([e.residual for e in equations])
     return [Equation(SX(r), e.where) for r, e in zip(residuals, equations, strict=True)]
 
 
@@ -255,10 +255,10 @@ def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
         if operation["kind"] != "periodic":
             raise dae.refuse(f"a clock of kind {operation['kind']} is not supported: {text}", clock["provenance"])
         words = "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
-        moved = sorted(settable.intersection(words))
-        if moved:  # rumoca has already computed the period with the parameter's default
+        dependences = sorted(settable.intersection(words))
+        if dependences:  # rumoca has already computed the period with the parameter's default
             raise dae.refuse(
-                f"the period of {text} depends on {moved[0]}; declare it constant or final",
+                f"the period of {text} depends on {dependences[0]}; declare it constant or final",
                 clock["provenance"],
             )
         lattice = operation["lattice"]
@@ -267,13 +267,13 @@ def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
     return out
 
 
-def _sorted_out(
-    v: Variables, kept: list[tuple[SX, SX]], demoted: frozenset[str], dae: Dae
+def _split_states(
+    v: Variables, pairs: list[tuple[SX, SX]], former_states: frozenset[str], dae: Dae
 ) -> tuple[list[Scalar], list[Scalar]]:
     """Return states and algebraics after index reduction."""
     by_name = {s.name: s for s in v.states}
     states: list[Scalar] = []
-    for symbol, _ in kept:
+    for symbol, _ in pairs:
         if symbol.name() in by_name:
             states.append(by_name[symbol.name()])
             continue
@@ -284,10 +284,10 @@ def _sorted_out(
                 attributes={"unit": None, "description": None}, position=0, provenance={}, protected=False,
             )
         )  # fmt: skip
-    lowered = [s for s in v.states if s.name in demoted]
-    for s in lowered:
+    former = [s for s in v.states if s.name in former_states]
+    for s in former:
         s.kind = "algebraic"
-    return states, [*v.algebraics, *lowered]
+    return states, [*v.algebraics, *former]
 
 
 def _start(
@@ -300,29 +300,29 @@ def _start(
     loops: Loops,
 ) -> tuple[SX, list[bool]]:
     """Return initial values of the states; `initial equation`s are solved together with the model's."""
-    given = v.settled([s.binding for s in states])
-    calculated = [not is_number(SX(value)) for value in given]
-    initial = _settled(v, _equations(dae, evaluate, "initialization"))
+    starts = v.with_numbers([s.binding for s in states])
+    calculated = [not is_number(SX(value)) for value in starts]
+    initial = _with_numbers(v, _equations(dae, evaluate, "initialization"))
     if not initial:
-        return column(given), calculated
+        return column(starts), calculated
     free = [s for s in states if not s.fixed]
     if len(free) != len(initial):
         raise TranslationError(
             f"{dae.class_name}: {len(initial)} initial equations for {len(free)} states without a fixed start"
             f" ({', '.join(s.name for s in free) or 'none'})."
         )
-    (found,) = solve(
+    (solution,) = solve(
         [*equations, *initial], [*unknowns, *(s.symbol for s in free)], [vector(free)], loops, dae.class_name
     )
-    fixed = [(s.symbol, value) for s, value in zip(states, given, strict=True) if s.fixed]
+    fixed = [(s.symbol, value) for s, value in zip(states, starts, strict=True) if s.fixed]
     if fixed:
         symbols, values = ca.vertcat(*[s for s, _ in fixed]), ca.vertcat(*[value for _, value in fixed])
-        found = ca.substitute(found, symbols, values)
+        solution = ca.substitute(solution, symbols, values)
         for table in (loops.updates, loops.residuals):
             for name, expression in table.items():
                 table[name] = ca.substitute(expression, symbols, values)
     place = {s.name: i for i, s in enumerate(free)}
-    start = [found[place[s.name]] if s.name in place else given[i] for i, s in enumerate(states)]
+    start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
     return column(start), [known or s.name in place for known, s in zip(calculated, states, strict=True)]
 
 

@@ -46,9 +46,9 @@ def compiler() -> Compiler:
     """
     for name in filter(None, (os.environ.get("CC"), "cc", "gcc", "clang")):
         words = name.split()
-        found = shutil.which(words[0])
-        if found:
-            return _probe((found, *words[1:]))
+        path = shutil.which(words[0])
+        if path:
+            return _probe((path, *words[1:]))
     if importlib.util.find_spec("ziglang") is not None:
         return _probe((sys.executable, "-m", "ziglang", "cc"))
     raise CompilerMissing(
@@ -79,10 +79,10 @@ def shared_library(
         BuildFailed: The compiler reports an error; the message carries its first lines.
         InputError: The cache cannot be used.
     """
-    chosen, file = compiler(), name + SUFFIX
+    cc, file = compiler(), name + SUFFIX
     options = _options(include, flags)
     key = hashlib.sha256(
-        json.dumps([chosen.command, chosen.version, options, [*units], sorted(sources.items())]).encode()
+        json.dumps([cc.command, cc.version, options, [*units], sorted(sources.items())]).encode()
     ).hexdigest()
     return find("libraries", key, file) or keep(
         "libraries", key, file, binary(sources, name, units=units, include=include, flags=flags)
@@ -98,20 +98,20 @@ def binary(
     flags: Sequence[str] = (),
 ) -> bytes:
     """Return the shared library that C sources compile to; arguments and errors are those of `shared_library`."""
-    chosen = compiler()
+    cc = compiler()
     with tempfile.TemporaryDirectory() as scratch:
         for file, text in sources.items():
             (Path(scratch) / file).write_text(text)
         # Relative names only: an absolute path would end up in the library and change its bytes.
-        made = name + SUFFIX
-        compiled = units or sorted(file for file in sources if file.endswith(".c"))
-        done = subprocess.run(
-            [*chosen.command, *_options(include, flags), *compiled, "-o", made, *_linking()],
+        output = name + SUFFIX
+        files = units or sorted(file for file in sources if file.endswith(".c"))
+        process = subprocess.run(
+            [*cc.command, *_options(include, flags), *files, "-o", output, *_linking()],
             cwd=scratch, capture_output=True, text=True, check=False,
         )  # fmt: skip
-        if done.returncode:
-            raise BuildFailed(f"{' '.join(chosen.command)} could not compile {name}:\n{_head(done.stderr)}")
-        return (Path(scratch) / made).read_bytes()
+        if process.returncode:
+            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(process.stderr)}")
+        return (Path(scratch) / output).read_bytes()
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:
@@ -125,12 +125,12 @@ def _linking() -> tuple[str, ...]:
 @cache
 def _probe(command: tuple[str, ...]) -> Compiler:
     try:
-        done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+        process = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
     except OSError as error:
         raise CompilerMissing(f"C compiler {' '.join(command)} does not start: {error}.") from error
-    if done.returncode:
-        raise CompilerMissing(f"C compiler {' '.join(command)} does not start: {_head(done.stderr)}")
-    return Compiler(command=command, version=done.stdout.partition("\n")[0])
+    if process.returncode:
+        raise CompilerMissing(f"C compiler {' '.join(command)} does not start: {_head(process.stderr)}")
+    return Compiler(command=command, version=process.stdout.partition("\n")[0])
 
 
 def _head(text: str, lines: int = 12) -> str:

@@ -79,7 +79,7 @@ class Variables:
     derivatives: list[SX]
     previous: list[SX]
 
-    def settled(self, expressions: Sequence[SX]) -> list[SX]:
+    def with_numbers(self, expressions: Sequence[SX]) -> list[SX]:
         """Return expressions with constants and structural parameters replaced by their numbers."""
         if not self.constants[0].numel():
             return list(expressions)
@@ -147,18 +147,18 @@ def settle(
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 
     # Numbers first: constants, then parameters that shape the equations or are final.
-    fixed_by_now = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
-    values = _numbers(dae, fixed_by_now, by_kind["parameter"])
-    constants = vector(fixed_by_now), ca.vertcat(*values) if values else SX(0, 1)
+    numeric = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
+    values = _numbers(dae, numeric, by_kind["parameter"])
+    constants = vector(numeric), ca.vertcat(*values) if values else SX(0, 1)
     parameters = [p for p in by_kind["parameter"] if not _is_structural(p)]
     # One substitution for all: each has a cost of its own.
-    bound = [p for p in parameters if p.expression is not None and not is_number(p.expression)]
-    if bound and constants[0].numel():
-        known = ca.substitute([p.binding for p in bound], [constants[0]], [constants[1]])
-        for p, expression in zip(bound, known, strict=True):
+    symbolic = [p for p in parameters if p.expression is not None and not is_number(p.expression)]
+    if symbolic and constants[0].numel():
+        bindings = ca.substitute([p.binding for p in symbolic], [constants[0]], [constants[1]])
+        for p, expression in zip(symbolic, bindings, strict=True):
             p.expression = expression
     free = [p for p in parameters if p.expression is None or is_number(p.expression)]
-    dependent = [p for p in bound if not is_number(p.binding)]
+    dependent = [p for p in symbolic if not is_number(p.binding)]
     dependent, dependent_values = _in_order(dependent)
     out = Variables(
         of_id=of_id,
@@ -190,8 +190,8 @@ def _is_structural(p: Scalar) -> bool:
 
 def _start(v: Node, own: list[Scalar], evaluate: Evaluator) -> None:
     a = v["attributes"]
-    bound = a["binding"] is not None and own and own[0].kind in ("parameter", "constant", "input")
-    expression, values = (a["binding"], a["binding_values"]) if bound else (a["start"], a["start_values"])
+    has_binding = a["binding"] is not None and own and own[0].kind in ("parameter", "constant", "input")
+    expression, values = (a["binding"], a["binding_values"]) if has_binding else (a["start"], a["start_values"])
     shape = tuple(v["value_type"]["dimensions"])
     symbolic = None if expression is None else list(np.broadcast_to(evaluate(expression), shape).flat)
     for i, s in enumerate(own):
@@ -228,9 +228,9 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     bindings = ca.vertcat(*[p.binding for p in dependent])
     for i, j in zip(*ca.jacobian_sparsity(bindings, vector(dependent)).get_triplet(), strict=True):
         before[i].add(j)
-    ordered = [dependent[i] for i in TopologicalSorter(before).static_order()]
-    values, _ = ca.substitute_inplace([p.symbol for p in ordered], [p.binding for p in ordered], [])
-    return ordered, list(values)
+    order = [dependent[i] for i in TopologicalSorter(before).static_order()]
+    values, _ = ca.substitute_inplace([p.symbol for p in order], [p.binding for p in order], [])
+    return order, list(values)
 
 
 def _default_values(every: list[Scalar], v: Variables) -> None:
@@ -241,8 +241,8 @@ def _default_values(every: list[Scalar], v: Variables) -> None:
     if v.dependent and v.free:
         dependent = ca.substitute(dependent, vector(v.free), free)
     numbers = ca.vertcat(v.constants[1], free, dependent)
-    open_ = [s for s in every if s.expression is not None and not is_number(s.expression)]
-    values = ca.substitute([s.binding for s in open_], [symbols], [numbers]) if open_ else []
-    for s, value in zip(open_, values, strict=True):
+    symbolic = [s for s in every if s.expression is not None and not is_number(s.expression)]
+    values = ca.substitute([s.binding for s in symbolic], [symbols], [numbers]) if symbolic else []
+    for s, value in zip(symbolic, values, strict=True):
         if is_number(value):
             s.start = float(value)
