@@ -1,7 +1,6 @@
 """The explicit ODE of a Modelica class as CasADi functions: what lowering gives and the user's cache keeps."""
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -57,12 +56,9 @@ class Model:
         """Return the model that `to_bytes` wrote."""
         import casadi as ca
 
-        fields: Mapping[str, Any] = json.loads(content)
-        return cls(
-            class_name=fields["class_name"],
-            **{group: tuple(Variable(**v) for v in fields[group]) for group in GROUPS},
-            **{name: ca.Function.deserialize(fields[name]) for name in FUNCTIONS},
-        )
+        fields: dict[str, Any] = json.loads(content)
+        fields |= {group: tuple(Variable(**v) for v in fields[group]) for group in GROUPS}
+        return cls(**fields | {name: ca.Function.deserialize(fields[name]) for name in FUNCTIONS})
 
     def to_bytes(self) -> bytes:
         """Return the model as JSON, its functions as CasADi writes them."""
