@@ -57,8 +57,9 @@ class Model:
         import casadi as ca
 
         fields: dict[str, Any] = json.loads(content)
-        fields |= {group: tuple(Variable(**v) for v in fields[group]) for group in GROUPS}
-        return cls(**fields | {name: ca.Function.deserialize(fields[name]) for name in FUNCTIONS})
+        fields.update({group: tuple(Variable(**v) for v in fields[group]) for group in GROUPS})
+        fields.update({name: ca.Function.deserialize(fields[name]) for name in FUNCTIONS})
+        return cls(**fields)
 
     def to_bytes(self) -> bytes:
         """Return the model as JSON, its functions as CasADi writes them."""
