@@ -51,7 +51,7 @@ _write_mean = Estimate.__dict__["mean"].__set__
 _write_covariance = Estimate.__dict__["covariance"].__set__
 
 
-def sealed(mean: Vector, covariance: Matrix) -> Estimate:
+def seal(mean: Vector, covariance: Matrix) -> Estimate:
     """Return an estimate of arrays that fit each other by construction and can no longer be written.
 
     For filters: a belief is a value, and whoever keeps one may trust that it stays what it was.

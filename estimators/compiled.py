@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.errors import EstimatorError, FilterDiverged
-from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
+from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.design import Design
 from railgrip.estimators.discretisation import ORDER, Order
 from railgrip.estimators.gate import Gate
@@ -25,42 +25,42 @@ DIVERGED = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Followed:
+class Estimates:
     """What a filter believed over many steps.
 
     Attributes:
         mean: After every step, shape (k, n).
         variance: Of each state, shape (k, n).
-        expected: Readings, before they were seen, shape (k, m).
-        squared: Normalised innovation squared, shape (k,).
-        used: How many readings were used, its degrees, shape (k,).
+        expectation: Readings, before they were seen, shape (k, m).
+        squared_innovation: Normalised innovation squared, shape (k,).
+        degrees: How many readings were used, its degrees, shape (k,).
     """
 
     mean: Matrix
     variance: Matrix
-    expected: Matrix
-    squared: Vector
-    used: Vector
+    expectation: Matrix
+    squared_innovation: Vector
+    degrees: Vector
 
 
 class StepInC:
     """A filter whose step is C that works on one block of memory, which a subclass lays out and keeps."""
 
     _block: Vector
-    _squared: Vector
+    _nis: Vector
 
     def load(self, sources: Mapping[str, str]) -> ctypes.CDLL:
         """Return the library with `int step(double *block)`, compiled or found compiled."""
-        loaded = ctypes.CDLL(str(shared_library(sources, "filter", flags=("-O3",))))
-        self._step = loaded.step
+        library = ctypes.CDLL(str(shared_library(sources, "filter", flags=("-O3",))))
+        self._step = library.step
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int
         self._address = ctypes.c_void_p(self._block.ctypes.data)
-        return loaded
+        return library
 
     @property
     def squared_innovation(self) -> float:
         """Normalised innovation squared of the last step, of `used.sum()` degrees."""
-        return float(self._squared[0])
+        return float(self._nis[0])
 
     @property
     def entry(self) -> tuple[int, int, int]:
@@ -69,7 +69,7 @@ class StepInC:
         They and the arrays of this filter are valid as long as it lives.
         """
         step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
-        return step, self._block.ctypes.data, self._squared.ctypes.data
+        return step, self._block.ctypes.data, self._nis.ctypes.data
 
     def go_on(self) -> None:
         """Take one step.
@@ -90,8 +90,8 @@ class StepInC:
 class CompiledFilter(StepInC):
     """The filter of `ExtendedKalmanFilter`, with its arguments, in C: equal but for rounding, much faster.
 
-    `step` works on values as the other filter does. A loop that minds microseconds writes into `held` and
-    `seen`, calls `advance` and reads `mean` and `covariance`: nothing is allocated or copied. What is written into
+    `step` works on values as the other filter does. A loop that minds microseconds writes into `inputs` and
+    `readings`, calls `advance` and reads `mean` and `covariance`: nothing is allocated or copied. What is written into
     `mean` and `covariance` from outside counts for `advance`, not for `step`; use `hold`.
 
     Args:
@@ -106,10 +106,10 @@ class CompiledFilter(StepInC):
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
         covariance: Shape (n, n).
-        held: Inputs of the next step, shape (nu,).
-        seen: Readings of the next step, shape (m,).
+        inputs: Inputs of the next step, shape (nu,).
+        readings: Readings of the next step, shape (m,).
         parameters: Of the model, in its order.
-        used: 1 for every reading that the last step used, 0 for one missing or left out, shape (m,).
+        selection: 1 for every reading that the last step used, 0 for one missing or left out, shape (m,).
 
     Raises:
         EstimatorError: The parts do not fit each other.
@@ -140,9 +140,9 @@ class CompiledFilter(StepInC):
             return part(name).reshape(n, code.width)[:, :n]
 
         self.mean, self.covariance = part("MEAN"), by_states("COVARIANCE")
-        self.held, self.seen, self.used = part("HELD"), part("SEEN"), part("USED")
+        self.inputs, self.readings, self.selection = part("HELD"), part("SEEN"), part("USED")
         self.parameters = part("PARAMETERS")
-        self._squared = part("SQUARED")
+        self._nis = part("SQUARED")
         self.parameters[:] = prediction.parameters
         self._spread, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
         self._spread[:] = design.spread
@@ -183,7 +183,7 @@ class CompiledFilter(StepInC):
         self._last = None
 
     def advance(self) -> None:
-        """Move the belief in `mean` and `covariance` on by one period, from the arrays `held` and `seen`.
+        """Move the belief in `mean` and `covariance` on by one period, from the arrays `inputs` and `readings`.
 
         Raises:
             FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
@@ -201,60 +201,66 @@ class CompiledFilter(StepInC):
         Raises:
             EstimatorError: They do not fit the model.
         """
-        self.design = design = self.design.retuned(process_noise, reading_noise)
+        self.design = design = self.design.with_noises(process_noise, reading_noise)
         self._spread[:] = design.spread
         self._reading_noise[:] = design.reading_noise
 
-    def follow(self, prior: Estimate, held: Matrix, seen: Matrix) -> Followed:
+    def follow(self, prior: Estimate, inputs: Matrix, readings: Matrix) -> Estimates:
         """Return the beliefs over many steps from `prior`, in one call to C.
 
         Other threads run meanwhile; a filter must not be used by two at once.
 
         Args:
             prior: Belief before the first of them.
-            held: Inputs of every step, shape (k, nu).
-            seen: Readings of every step, shape (k, m).
+            inputs: Inputs of every step, shape (k, nu).
+            readings: Readings of every step, shape (k, m).
 
         Raises:
             EstimatorError: Wrong shapes.
             FilterDiverged: As `step`, saying after how many steps.
         """
-        held_now, seen_now = (np.ascontiguousarray(rows, dtype=np.float64) for rows in (held, seen))
-        count, n = len(held_now), self.mean.size
-        if held_now.shape != (count, self.held.size) or seen_now.shape != (count, self.seen.size):
+        input_rows, reading_rows = (np.ascontiguousarray(rows, dtype=np.float64) for rows in (inputs, readings))
+        count, n = len(input_rows), self.mean.size
+        if input_rows.shape != (count, self.inputs.size) or reading_rows.shape != (count, self.readings.size):
             raise EstimatorError(
-                f"follow: wants k rows of {self.held.size} inputs and {self.seen.size} readings, "
-                f"got shapes {np.shape(held)} and {np.shape(seen)}."
+                f"follow: wants k rows of {self.inputs.size} inputs and {self.readings.size} readings, "
+                f"got shapes {np.shape(inputs)} and {np.shape(readings)}."
             )
         self.hold(prior)
-        followed = Followed(
+        estimates = Estimates(
             mean=np.empty((count, n)),
             variance=np.empty((count, n)),
-            expected=np.empty((count, self.seen.size)),
-            squared=np.empty(count),
-            used=np.empty(count),
+            expectation=np.empty((count, self.readings.size)),
+            squared_innovation=np.empty(count),
+            degrees=np.empty(count),
         )
         outcome = ctypes.c_int(0)
-        results = (followed.mean, followed.variance, followed.expected, followed.squared, followed.used)
-        done = self._run(
+        results = (
+            estimates.mean,
+            estimates.variance,
+            estimates.expectation,
+            estimates.squared_innovation,
+            estimates.degrees,
+        )
+        steps = self._run(
             self._address,
             count,
-            *(ctypes.c_void_p(rows.ctypes.data) for rows in (held_now, seen_now, *results)),
+            *(ctypes.c_void_p(rows.ctypes.data) for rows in (input_rows, reading_rows, *results)),
             ctypes.byref(outcome),
         )
         if outcome.value:
-            raise FilterDiverged(DIVERGED[outcome.value], after=int(done))
-        return followed
+            raise FilterDiverged(DIVERGED[outcome.value], after=int(steps))
+        return estimates
 
-    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
-        """Predict over one period, then condition on `seen`; see `ExtendedKalmanFilter.step`."""
-        held_now, seen_now = self.held, self.seen
-        if held.shape != held_now.shape or seen.shape != seen_now.shape:
-            self.design.check(held, seen)
+    def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:
+        """Predict over one period, then condition on `readings`; see `ExtendedKalmanFilter.step`."""
+        own_inputs, own_readings = self.inputs, self.readings
+        if inputs.shape != own_inputs.shape or readings.shape != own_readings.shape:
+            self.design.check(inputs, readings)
         if prior is not self._last:  # the sealed estimate that is still in `mean` and `covariance`
             self.hold(prior)
-        held_now[:] = held
-        seen_now[:] = seen
+        own_inputs[:] = inputs
+        own_readings[:] = readings
         self.advance()
-        self._last = posterior = sealed(self.mean.copy(), self.covariance.copy())
+        self._last = posterior = seal(self.mean.copy(), self.covariance.copy())
         return posterior

@@ -70,17 +70,17 @@ class ConditionDetector:
         shares = self.probabilities(mean, deviation)
         best = np.argmax(np.where(np.isnan(shares), -1.0, shares), axis=1)
         sure = np.take_along_axis(shares, best[:, np.newaxis], axis=1)[:, 0] >= self.confidence
-        needed = max(1, round(self.hold / period))
+        hold_steps = max(1, round(self.hold / period))
         labels = np.full(len(mean), UNDECIDED)
-        announced, candidate, since = UNDECIDED, UNDECIDED, 0
+        label, candidate, since = UNDECIDED, UNDECIDED, 0
         for k in range(len(mean)):
             if sure[k] and best[k] == candidate:
                 since += 1
             else:
                 candidate, since = (int(best[k]), 1) if sure[k] else (UNDECIDED, 0)
-            if candidate != UNDECIDED and since >= needed:
-                announced = candidate
-            labels[k] = announced
+            if candidate != UNDECIDED and since >= hold_steps:
+                label = candidate
+            labels[k] = label
         return labels
 
 

@@ -113,10 +113,10 @@ class ConsistModel:
             at_x, at_u, at_p = at_x + n, at_u + m, at_p + k
         force = ca.vertcat(sum(forces[1:], forces[0]), u[-1])
         acceleration = of.body.output(t, x[0], force, p[: of.body_parameters.size])
-        moved = [slope(t, xs, ca.vertcat(us, acceleration), ps) for slope, xs, us, ps in slopes]
-        shown = [acceleration if state is None else x[of.states.index(state)] for _, state in of.readings]
-        self.derivative = ca.Function("derivative", [t, x, u, p], [ca.vertcat(acceleration, *moved)])
-        self.output = ca.Function("output", [t, x, u, p], [ca.vertcat(*shown)])
+        rates = [slope(t, xs, ca.vertcat(us, acceleration), ps) for slope, xs, us, ps in slopes]
+        readings = [acceleration if state is None else x[of.states.index(state)] for _, state in of.readings]
+        self.derivative = ca.Function("derivative", [t, x, u, p], [ca.vertcat(acceleration, *rates)])
+        self.output = ca.Function("output", [t, x, u, p], [ca.vertcat(*readings)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

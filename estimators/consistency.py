@@ -1,7 +1,7 @@
 """Does a filter know what it does not know? Errors and innovations measured in their own claimed spread.
 
 Two questions to innovations, the same for every filter of this project. `nis_ratio` says how consistent a filter is: a
-figure. `lost_at` says whether its belief means anything: innovations ten times what the filter claims, for most of a
+figure. `loss_step` says whether its belief means anything: innovations ten times what the filter claims, for most of a
 hundred steps, are no matter of tuning. A belief can be lost and finite (a maximum friction of 1e42), so that finiteness
 alone does not tell.
 """
@@ -38,8 +38,8 @@ def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None)
         raise EstimatorError(
             f"nees: the truth wants the {estimate.mean.size} states of the estimate, got shape {truth.shape}."
         )
-    chosen = np.arange(truth.size) if states is None else np.asarray(states)
-    covariance = estimate.covariance[np.ix_(chosen, chosen)]
+    places = np.arange(truth.size) if states is None else np.asarray(states)
+    covariance = estimate.covariance[np.ix_(places, places)]
     deviation = np.sqrt(np.maximum(np.diagonal(covariance), np.finfo(np.float64).tiny))
     correlation = covariance / np.outer(deviation, deviation)
     if not positive_definite(correlation):
@@ -47,7 +47,7 @@ def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None)
             "nees: the covariance is not positive definite; a state that is known exactly, or that others determine, "
             "has no error to measure: name the states to judge."
         )
-    error = (truth - estimate.mean)[chosen] / deviation
+    error = (truth - estimate.mean)[places] / deviation
     return float(error @ np.linalg.solve(correlation, error))
 
 
@@ -76,28 +76,28 @@ def _chi_square(probability: ArrayLike, degrees: ArrayLike) -> NDArray[np.float6
 
 
 WINDOW = 100
-"""Steps over which `lost_at` judges: one odd reading, or the first steps of a start, must not decide."""
+"""Steps over which `loss_step` judges: one odd reading, or the first steps of a start, must not decide."""
 
 FAR = 10.0
 """How many times its claimed deviation an innovation may have before the claim means nothing."""
 
 
-def nis_ratio(squared: ArrayLike, degrees: ArrayLike) -> float | None:
+def nis_ratio(nis: ArrayLike, degrees: ArrayLike) -> float | None:
     """Return the median of NIS over the median of its chi-square: 1 for a consistent filter, None without readings.
 
     Above 1 the filter is surer than its readings allow, below 1 less sure. The median, because a few outliers would
     decide a mean.
 
     Args:
-        squared: NIS of each step, shape (k,).
+        nis: Of each step, shape (k,).
         degrees: Readings that each step used, shape (k,); steps of none are left out.
     """
-    nis, used = np.asarray(squared, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
-    read = used > 0
-    return float(np.median(nis[read] / _chi_square(0.5, used[read]))) if read.any() else None
+    values, counts = np.asarray(nis, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
+    read = counts > 0
+    return float(np.median(values[read] / _chi_square(0.5, counts[read]))) if read.any() else None
 
 
-def lost_at(squared: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = None) -> int | None:
+def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = None) -> int | None:
     """Return the step at which a filter's belief is known to be meaningless, None while it is not.
 
     A step speaks against the filter if its NIS is beyond the 99.9 % bound of its chi-square even with deviations `FAR`
@@ -105,21 +105,21 @@ def lost_at(squared: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None =
     end of the first `WINDOW` steps (of all, where there are fewer) most of which speak against it.
 
     Args:
-        squared: NIS of each step, shape (k,).
+        nis: Of each step, shape (k,).
         degrees: Readings that each step used, shape (k,).
         readings: That there were, shape (k,); as many as were used when None.
     """
-    nis, used = np.asarray(squared, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
-    there = used if readings is None else np.asarray(readings, dtype=np.float64)
+    values, counts = np.asarray(nis, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
+    there = counts if readings is None else np.asarray(readings, dtype=np.float64)
     steps = np.flatnonzero(there > 0)
     if steps.size == 0:
         return None
-    bound = FAR**2 * _chi_square(0.999, np.maximum(used[steps], 1.0))
-    against = ~(nis[steps] <= bound) | (2.0 * used[steps] < there[steps])
+    bound = FAR**2 * _chi_square(0.999, np.maximum(counts[steps], 1.0))
+    against = ~(values[steps] <= bound) | (2.0 * counts[steps] < there[steps])
     window = min(WINDOW, steps.size)
     total = np.concatenate([[0], np.cumsum(against)])
-    lost = np.flatnonzero(2 * (total[window:] - total[:-window]) > window)
-    return int(steps[lost[0] + window - 1]) if lost.size else None
+    windows = np.flatnonzero(2 * (total[window:] - total[:-window]) > window)
+    return int(steps[windows[0] + window - 1]) if windows.size else None
 
 
 def delay(time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step_at: float, tolerance: float) -> float:
@@ -146,5 +146,5 @@ def delay(time: NDArray[np.float64], truth: ArrayLike, estimate: ArrayLike, step
     instants = time[after]
     if outside.size == 0:
         return float(instants[0] - step_at)
-    arrived = outside[-1] + 1
-    return float(instants[arrived] - step_at) if arrived < instants.size else math.inf
+    arrival = outside[-1] + 1
+    return float(instants[arrival] - step_at) if arrival < instants.size else math.inf

@@ -48,9 +48,9 @@ class DecentralisedFilter(StepInC):
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
         covariance: Shape (n, n): its diagonal, the variances. `joint` gives the whole.
-        held: Inputs of the next step, shape (nu,).
-        seen: Readings of the next step, shape (m,).
-        used: 1 for every reading that the last step used, shape (m,).
+        inputs: Inputs of the next step, shape (nu,).
+        readings: Readings of the next step, shape (m,).
+        selection: 1 for every reading that the last step used, shape (m,).
 
     Raises:
         EstimatorError: The arguments do not fit each other.
@@ -86,10 +86,10 @@ class DecentralisedFilter(StepInC):
         at = {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
         self._block = block = np.zeros(ends[-1])
         self.mean, self.covariance = block[at["MEAN"]], block[at["COVARIANCE"]].reshape(n, n)
-        self.held, self.seen, self.used = (block[at[name]] for name in ("HELD", "SEEN", "USED"))
-        self._squared, self._common = block[at["SQUARED"]], block[at["COMMON"]]
+        self.inputs, self.readings, self.selection = (block[at[name]] for name in ("HELD", "SEEN", "USED"))
+        self._nis, self._common = block[at["SQUARED"]], block[at["COMMON"]]
         self._spread = block[at["SPREAD"]].reshape(-1, width, width)
-        self._shared = block[at["SHARED"]].reshape(n, RANK)
+        self._directions = block[at["SHARED"]].reshape(n, RANK)
         self._members = [slice(a, b) for a, b in pairwise(first)]
         block[at["PARAMETERS"]] = consist.parameters
         block[at["NOISE"]] = np.diag(design.spread)
@@ -116,21 +116,21 @@ class DecentralisedFilter(StepInC):
         """
         first = self.design.start(mean, np.asarray(variances).reshape(-1))
         self.mean[:], self.covariance[:] = first.mean, first.covariance
-        self._spread[:], self._shared[:], self._common[:] = 0.0, 0.0, 0.0
+        self._spread[:], self._directions[:], self._common[:] = 0.0, 0.0, 0.0
         for part, own in enumerate(self._members):
             size = own.stop - own.start
             self._spread[part, :size, :size] = first.covariance[own, own]
 
     def joint(self) -> Matrix:
         """Return the covariance of all states, shape (n, n)."""
-        covariance = (self._shared * self._common) @ self._shared.T
+        covariance = (self._directions * self._common) @ self._directions.T
         for part, own in enumerate(self._members):
             size = own.stop - own.start
             covariance[own, own] += self._spread[part, :size, :size]
         return covariance
 
     def advance(self) -> None:
-        """Move the belief on by one period, from the arrays `held` and `seen`.
+        """Move the belief on by one period, from the arrays `inputs` and `readings`.
 
         Raises:
             FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
@@ -200,9 +200,9 @@ def _sources(
         *pointers,
     )
     kernel = files("railgrip.estimators") / "kernel"
-    fixed = {name: (kernel / name).read_text(encoding="utf-8") for name in _SOURCES}
+    texts = {name: (kernel / name).read_text(encoding="utf-8") for name in _SOURCES}
     step = (kernel / "parts.h").read_text(encoding="utf-8")
-    return tuple((fixed | {"step.h": step, "shape.h": "\n".join(shape)}).items())
+    return tuple((texts | {"step.h": step, "shape.h": "\n".join(shape)}).items())
 
 
 def _table(name: str, values: Iterable[int]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.errors import EstimatorError
-from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
+from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import Variables
@@ -107,7 +107,7 @@ class Design:
             order=order,
         )
 
-    def retuned(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> Self:
+    def with_noises(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> Self:
         """Return the same filter with other noises; see `of`.
 
         Raises:
@@ -135,24 +135,24 @@ class Design:
             raise EstimatorError(
                 f"start: mean wants {len(self.states)} states ({', '.join(self.states)}), got shape {first.shape}."
             )
-        lost = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
-        if lost:
-            raise EstimatorError(f"start: the mean of {', '.join(lost)} is not a finite number.")
+        infinite = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
+        if infinite:
+            raise EstimatorError(f"start: the mean of {', '.join(infinite)} is not a finite number.")
         spread = noise_matrix("covariance", covariance, self.states)
         if not positive_definite(spread):
             raise EstimatorError("start: covariance is not positive definite; give every state a variance above zero.")
-        return sealed(first, spread)
+        return seal(first, spread)
 
-    def check(self, held: Vector, seen: Vector) -> None:
+    def check(self, inputs: Vector, readings: Vector) -> None:
         """Refuse inputs or readings of the wrong length."""
-        if held.shape != (len(self.inputs),):
+        if inputs.shape != (len(self.inputs),):
             raise EstimatorError(
-                f"step: held wants {len(self.inputs)} inputs ({', '.join(self.inputs)}), got shape {held.shape}."
+                f"step: inputs wants {len(self.inputs)} inputs ({', '.join(self.inputs)}), got shape {inputs.shape}."
             )
-        if seen.shape != (len(self.outputs),):
+        if readings.shape != (len(self.outputs),):
             raise EstimatorError(
-                f"step: seen wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
-                f"got shape {seen.shape}; write NaN for a reading that is not there."
+                f"step: readings wants {len(self.outputs)} readings ({', '.join(self.outputs)}), "
+                f"got shape {readings.shape}; write NaN for a reading that is not there."
             )
 
 
@@ -181,20 +181,20 @@ def noise_matrix(what: str, values: ArrayLike, names: tuple[str, ...]) -> Matrix
     Raises:
         EstimatorError: Wrong shape, not finite, or not symmetric; the message names `what`.
     """
-    given = np.array(values, dtype=np.float64)
+    matrix = np.array(values, dtype=np.float64)
     n = len(names)
-    if given.shape not in ((n,), (n, n)):
+    if matrix.shape not in ((n,), (n, n)):
         raise EstimatorError(
-            f"Filter: {what} wants shape ({n},) or ({n}, {n}) for {', '.join(names)}; got {given.shape}."
+            f"Filter: {what} wants shape ({n},) or ({n}, {n}) for {', '.join(names)}; got {matrix.shape}."
         )
-    if not np.all(np.isfinite(given)):
+    if not np.all(np.isfinite(matrix)):
         raise EstimatorError(f"Filter: {what} holds a value that is not a finite number.")
-    if given.ndim == 1:
-        return np.diag(given)
+    if matrix.ndim == 1:
+        return np.diag(matrix)
     # Far above what rounding leaves of a product such as F P Fᵀ, far below any entry a person would write.
-    if not np.allclose(given, given.T, rtol=1e-9, atol=1e-12 * np.max(np.abs(given), initial=0.0)):
+    if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=1e-12 * np.max(np.abs(matrix), initial=0.0)):
         raise EstimatorError(f"Filter: {what} is not symmetric.")
-    return 0.5 * (given + given.T)
+    return 0.5 * (matrix + matrix.T)
 
 
 def positive_definite(matrix: Matrix) -> bool:

@@ -33,7 +33,7 @@ ORDER: Order = 4
 """What a filter takes unless told otherwise."""
 
 
-def advanced(derivative: Callable[[Vector], Vector], mean: Vector, period: float, order: Order = ORDER) -> Vector:
+def advance(derivative: Callable[[Vector], Vector], mean: Vector, period: float, order: Order = ORDER) -> Vector:
     """Return the mean one period [s] later; `derivative` maps (n,) to (n,) at held inputs."""
     slope_1 = derivative(mean)
     if order == 1:
@@ -47,8 +47,8 @@ def advanced(derivative: Callable[[Vector], Vector], mean: Vector, period: float
 def transition(jacobian: Matrix, period: float, order: Order = ORDER) -> Matrix:
     """Return Φ, shape (n, n), from A = `jacobian` [1/s] and the period [s]."""
     identity = np.eye(len(jacobian))
-    scaled = period * jacobian
-    phi = identity + scaled / order
+    exponent = period * jacobian
+    phi = identity + exponent / order
     for k in range(order - 1, 0, -1):  # Horner, at order 4: I + TA/1 (I + TA/2 (I + TA/3 (I + TA/4)))
-        phi = identity + scaled @ phi / k
+        phi = identity + exponent @ phi / k
     return phi

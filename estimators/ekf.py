@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
 from railgrip.errors import FilterDiverged
-from railgrip.estimators.belief import Estimate, Matrix, Vector, sealed
+from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.design import Design
-from railgrip.estimators.discretisation import ORDER, Order, advanced, transition
+from railgrip.estimators.discretisation import ORDER, Order, advance, transition
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import Prediction
 
@@ -36,7 +36,7 @@ class Innovation:
     covariance: Matrix
 
     @property
-    def squared(self) -> float:
+    def nis(self) -> float:
         """Normalised innovation squared (NIS) νᵀS⁻¹ν: chi-square of r degrees for a consistent filter."""
         return float(self.residual @ np.linalg.solve(self.covariance, self.residual)) if self.rows.size else 0.0
 
@@ -79,50 +79,50 @@ class ExtendedKalmanFilter:
         """Return the belief before the first step: mean (n,), covariance (n,) of variances or (n, n)."""
         return self.design.start(mean, covariance)
 
-    def step(self, prior: Estimate, held: Vector, seen: Vector) -> Estimate:
+    def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:
         """Predict over one period, then condition on what is seen at its end.
 
         Args:
             prior: Belief at the start of the period.
-            held: Inputs during the period, shape (nu,).
-            seen: Readings at its end, shape (m,); NaN where a sensor had nothing new. Outputs that depend on
-                inputs are expected under `held`, the inputs just before the instant of the reading.
+            inputs: Inputs during the period, shape (nu,).
+            readings: Readings at its end, shape (m,); NaN where a sensor had nothing new. Outputs that depend on
+                inputs are expected under `inputs`, the inputs just before the instant of the reading.
 
         Raises:
-            EstimatorError: `held` or `seen` has the wrong shape.
+            EstimatorError: `inputs` or `readings` has the wrong shape.
             FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
                 definite, as happens only when that of the states no longer is.
         """
-        self.design.check(held, seen)
-        predicted = self.predict(prior, held)
-        return self.condition(predicted, held, self.innovation(predicted, held, seen))
+        self.design.check(inputs, readings)
+        forecast = self.predict(prior, inputs)
+        return self.condition(forecast, inputs, self.innovation(forecast, inputs, readings))
 
-    def predict(self, prior: Estimate, held: Vector) -> Estimate:
+    def predict(self, prior: Estimate, inputs: Vector) -> Estimate:
         """Return the belief one period later, before anything is seen."""
-        free = self._free(held)
+        free = self._free(inputs)
         slope = self.prediction.derivative
-        mean = advanced(lambda x: slope(x, held) * free, prior.mean, self.design.period, self.design.order)
+        mean = advance(lambda x: slope(x, inputs) * free, prior.mean, self.design.period, self.design.order)
         if not np.all(np.isfinite(mean)):
             raise FilterDiverged(
                 "Filter: the predicted "
                 + ", ".join(n for n, x in zip(self.design.states, mean, strict=True) if not np.isfinite(x))
                 + " is not a finite number."
             )
-        jacobian = self.prediction.derivative_jacobian(prior.mean, held) * free[:, np.newaxis]
+        jacobian = self.prediction.derivative_jacobian(prior.mean, inputs) * free[:, np.newaxis]
         phi = transition(jacobian, self.design.period, self.design.order)
         covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
-        return sealed(mean, 0.5 * (covariance + covariance.T))
+        return seal(mean, 0.5 * (covariance + covariance.T))
 
-    def innovation(self, predicted: Estimate, held: Vector, seen: Vector) -> Innovation:
-        """Return what the readings, but for missing ones and outliers, say beyond `predicted`."""
-        residual = seen - self.prediction.output(predicted.mean, held)
-        jacobian = self.prediction.output_jacobian(predicted.mean, held)
+    def innovation(self, forecast: Estimate, inputs: Vector, readings: Vector) -> Innovation:
+        """Return what the readings, but for missing ones and outliers, say beyond `forecast`."""
+        residual = readings - self.prediction.output(forecast.mean, inputs)
+        jacobian = self.prediction.output_jacobian(forecast.mean, inputs)
         noise = self.design.reading_noise
-        covariance = jacobian @ predicted.covariance @ jacobian.T + noise
+        covariance = jacobian @ forecast.covariance @ jacobian.T + noise
         outside = residual**2 > self.design.outlier_limit**2 * np.diagonal(covariance)
-        unused = np.isnan(seen) | outside
+        unused = np.isnan(readings) | outside
         rows = np.flatnonzero(~unused)
-        if rows.size < seen.size:
+        if rows.size < readings.size:
             both = np.ix_(rows, rows)
             residual, jacobian, noise, covariance = (
                 residual[rows],
@@ -132,28 +132,28 @@ class ExtendedKalmanFilter:
             )
         return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
 
-    def condition(self, predicted: Estimate, held: Vector, innovation: Innovation) -> Estimate:
+    def condition(self, forecast: Estimate, inputs: Vector, innovation: Innovation) -> Estimate:
         """Return the belief after the readings of `innovation`."""
         if innovation.rows.size == 0:
-            return predicted
-        P, H = predicted.covariance, innovation.jacobian
+            return forecast
+        P, H = forecast.covariance, innovation.jacobian
         # Straight from LAPACK: scipy's checked wrapper takes longer than the rest of this function.
         _, solution, info = POSV(innovation.covariance, H @ P)
         if info != 0:
             raise FilterDiverged("Filter: the covariance of the readings is not positive definite.")
-        gain = solution.T * self._free(held)[:, np.newaxis]
-        kept = np.eye(len(P)) - gain @ H
+        gain = solution.T * self._free(inputs)[:, np.newaxis]
+        joseph = np.eye(len(P)) - gain @ H
         # Joseph form: holds for the gated gain too, and rounding cannot make it indefinite, as (I − KH)P can.
-        covariance = kept @ P @ kept.T + gain @ innovation.noise @ gain.T
-        mean = predicted.mean + gain @ innovation.residual
+        covariance = joseph @ P @ joseph.T + gain @ innovation.noise @ gain.T
+        mean = forecast.mean + gain @ innovation.residual
         if not np.all(np.isfinite(mean)):
             raise FilterDiverged("Filter: the readings threw the mean to a value that is not finite.")
-        return sealed(mean, 0.5 * (covariance + covariance.T))
+        return seal(mean, 0.5 * (covariance + covariance.T))
 
-    def _free(self, held: Vector) -> Vector:
+    def _free(self, inputs: Vector) -> Vector:
         """Return 1 for every state that may move and 0 for one that its gate freezes, shape (n,)."""
         free = np.ones(len(self.design.states))
         for state, deciding in zip(self.design.gated_states, self.design.gating_inputs, strict=True):
-            if held[deciding] < self.design.gate_threshold:
+            if inputs[deciding] < self.design.gate_threshold:
                 free[state] = 0.0
         return free

@@ -80,13 +80,13 @@ def _code(of: Equations, gated_states: tuple[int, ...], gating_inputs: tuple[int
 
 def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...]], order: Order) -> dict[str, str]:
     """Return the texts of sizes.h, with sizes and layout, and of shape.h, which adds sparsity tables and the model."""
-    given, names = [of.x, of.u, of.p], ["x", "u", "p"]
+    arguments, names = [of.x, of.u, of.p], ["x", "u", "p"]
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
     slopes, observations = of.derivative_jacobian.T, of.output_jacobian.T
     functions = [
-        ca.Function("slope", given, [of.derivative], names, ["f"]),
-        ca.Function("slope_and_jacobian", given, [of.derivative, slopes], names, ["f", "A"]),
-        ca.Function("expected", given, [of.output, observations], names, ["h", "H"]),
+        ca.Function("slope", arguments, [of.derivative], names, ["f"]),
+        ca.Function("slope_and_jacobian", arguments, [of.derivative, slopes], names, ["f", "A"]),
+        ca.Function("expected", arguments, [of.output, observations], names, ["h", "H"]),
     ]
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:

@@ -46,12 +46,12 @@ class ReadingsAndRates:
         rates = [of.output]
         for _ in range(order):
             rates.append(ca.jtimes(rates[-1], of.x, of.derivative))
-        stacked = ca.vertcat(*rates)
+        stack = ca.vertcat(*rates)
         self.order = order
         self._parameters = prediction.parameters
-        given = [of.x, of.u, of.p]
-        self._map = ca.Function("map", given, [stacked])
-        self._jacobian = ca.Function("jacobian", given, [ca.densify(ca.jacobian(stacked, of.x))])
+        arguments = [of.x, of.u, of.p]
+        self._map = ca.Function("map", arguments, [stack])
+        self._jacobian = ca.Function("jacobian", arguments, [ca.densify(ca.jacobian(stack, of.x))])
 
     def map(self, x: Vector, u: Vector) -> Vector:
         """Return z, shape (m·(order + 1),): all readings, then all their first derivatives, and so on."""
@@ -72,7 +72,7 @@ class Observability:
         singular_values: Of ∂z/∂x with columns in units of `scale` and rows of length one, largest first: how
             far the determined combinations are from not being so.
         rank: Number of independent combinations of states that are determined.
-        hidden: Directions that are not, shape (n − rank, n), unit vectors in units of `scale`.
+        null_space: Directions that are not, shape (n − rank, n), unit vectors in units of `scale`.
         undetermined: Names of the states that take part in a hidden direction, by more than ten tolerances.
     """
 
@@ -80,7 +80,7 @@ class Observability:
     order: int
     singular_values: Vector
     rank: int
-    hidden: Matrix
+    null_space: Matrix
     undetermined: tuple[str, ...]
 
     @property
@@ -128,23 +128,23 @@ def observability(
         lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
         rows = scaled[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
         _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
-        found = int(np.sum(values > tolerance * np.max(values, initial=0.0)))
-        if found == n or (order > 0 and found == rank):
-            rank = found
+        count = int(np.sum(values > tolerance * np.max(values, initial=0.0)))
+        if count == n or (order > 0 and count == rank):
+            rank = count
             break
-        rank = found
-    hidden = directions[rank:]
-    part = np.linalg.norm(hidden, axis=0) if hidden.size else np.zeros(n)
+        rank = count
+    null_space = directions[rank:]
+    part = np.linalg.norm(null_space, axis=0) if null_space.size else np.zeros(n)
     # Where values up to `tolerance` count as zero, directions are known to about as much.
     least = max(1e-6, 10.0 * tolerance)
-    lost = tuple(name for name, share in zip(prediction.states, part, strict=True) if share > least)
+    names = tuple(name for name, share in zip(prediction.states, part, strict=True) if share > least)
     return Observability(
         states=prediction.states,
         order=order,
         singular_values=values,
         rank=rank,
-        hidden=hidden,
-        undetermined=lost,
+        null_space=null_space,
+        undetermined=names,
     )
 
 
@@ -185,11 +185,11 @@ def gramian(prediction: Prediction, x: Matrix, u: Matrix, period: float, reading
     whitening = np.linalg.inv(np.linalg.cholesky(noise))
     since_start = np.eye(len(prediction.states))
     rows: list[Matrix] = []
-    for state, held in zip(x, u, strict=True):
-        rows.append(whitening @ prediction.output_jacobian(state, held) @ since_start)
-        since_start = transition(prediction.derivative_jacobian(state, held), period) @ since_start
-    stacked = np.concatenate(rows)
-    return stacked.T @ stacked
+    for state, inputs in zip(x, u, strict=True):
+        rows.append(whitening @ prediction.output_jacobian(state, inputs) @ since_start)
+        since_start = transition(prediction.derivative_jacobian(state, inputs), period) @ since_start
+    stack = np.concatenate(rows)
+    return stack.T @ stack
 
 
 def along(
@@ -241,9 +241,9 @@ def _deviation(values: Vector, directions: Matrix) -> Vector:
     n = values.size
     # What rounding leaves of a zero eigenvalue of a sum of squares.
     null = values <= n * np.finfo(np.float64).eps * values[-1]
-    known = np.sum(directions[:, ~null] ** 2 / values[~null], axis=1)
-    lost = np.linalg.norm(directions[:, null], axis=1) > 1e-6
-    return np.where(lost, math.inf, np.sqrt(known))
+    variance = np.sum(directions[:, ~null] ** 2 / values[~null], axis=1)
+    blind = np.linalg.norm(directions[:, null], axis=1) > 1e-6
+    return np.where(blind, math.inf, np.sqrt(variance))
 
 
 def _sizes(scale: ArrayLike, states: tuple[str, ...]) -> Vector:

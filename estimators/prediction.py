@@ -55,7 +55,7 @@ class Prediction(Variables, Protocol):
         ...
 
 
-class Named(Protocol):
+class NamedVariable(Protocol):
     """A variable of a model."""
 
     @property
@@ -68,22 +68,22 @@ class Model(Protocol):
     """An explicit ODE as CasADi functions of (t, x, u, p): derivative → ẋ and output → y."""
 
     @property
-    def states(self) -> Sequence[Named]:
+    def states(self) -> Sequence[NamedVariable]:
         """The states, in the order of x."""
         ...
 
     @property
-    def inputs(self) -> Sequence[Named]:
+    def inputs(self) -> Sequence[NamedVariable]:
         """The inputs, in the order of u."""
         ...
 
     @property
-    def parameters(self) -> Sequence[Named]:
+    def parameters(self) -> Sequence[NamedVariable]:
         """The parameters, in the order of p."""
         ...
 
     @property
-    def outputs(self) -> Sequence[Named]:
+    def outputs(self) -> Sequence[NamedVariable]:
         """The outputs, in the order of y."""
         ...
 
@@ -118,19 +118,19 @@ class Equations:
         self.x = ca.SX.sym("x", len(model.states))
         self.u = ca.SX.sym("u", len(model.inputs))
         self.p = ca.SX.sym("p", len(model.parameters))
-        given = (t, self.x, self.u, self.p)
-        for what, function, wanted in (
+        symbols = (t, self.x, self.u, self.p)
+        for what, function, count in (
             ("derivative", model.derivative, len(model.states)),
             ("output", model.output, len(model.outputs)),
         ):
             sizes = [function.numel_in(i) for i in range(function.n_in())]
-            if sizes != [symbol.numel() for symbol in given] or function.numel_out(0) != wanted:
+            if sizes != [symbol.numel() for symbol in symbols] or function.numel_out(0) != count:
                 raise EstimatorError(
-                    f"Prediction: {what} must map (t, x, u, p) of sizes {[s.numel() for s in given]} "
-                    f"to {wanted} values; it maps {sizes} to {function.numel_out(0)}."
+                    f"Prediction: {what} must map (t, x, u, p) of sizes {[s.numel() for s in symbols]} "
+                    f"to {count} values; it maps {sizes} to {function.numel_out(0)}."
                 )
-        self.derivative = ca.densify(model.derivative(*given))
-        self.output = ca.densify(model.output(*given))
+        self.derivative = ca.densify(model.derivative(*symbols))
+        self.output = ca.densify(model.output(*symbols))
         if ca.depends_on(ca.vertcat(self.derivative, self.output), t):
             raise EstimatorError(
                 "Prediction: the model depends on time; a prediction is a function of state and input only, "

@@ -11,15 +11,15 @@ from railgrip.estimators.ekf import Innovation
 class Filter(Protocol):
     """A filter on values, as `railgrip.estimators.ekf.ExtendedKalmanFilter`."""
 
-    def predict(self, prior: Estimate, held: Vector) -> Estimate:
+    def predict(self, prior: Estimate, inputs: Vector) -> Estimate:
         """Return the belief one period after `prior`, before anything is seen."""
         ...
 
-    def innovation(self, predicted: Estimate, held: Vector, seen: Vector) -> Innovation:
-        """Return what the readings say beyond `predicted`."""
+    def innovation(self, forecast: Estimate, inputs: Vector, readings: Vector) -> Innovation:
+        """Return what the readings say beyond `forecast`."""
         ...
 
-    def condition(self, predicted: Estimate, held: Vector, innovation: Innovation) -> Estimate:
+    def condition(self, forecast: Estimate, inputs: Vector, innovation: Innovation) -> Estimate:
         """Return the belief after the readings."""
         ...
 
@@ -30,9 +30,9 @@ class Running:
     Attributes:
         mean: Shape (n,).
         covariance: Shape (n, n).
-        held: Inputs of the next step, shape (nu,), zero at first.
-        seen: Readings of the next step, shape (m,), NaN at first.
-        used: 1 for every reading that the last step used, shape (m,), 0 at first.
+        inputs: Inputs of the next step, shape (nu,), zero at first.
+        readings: Readings of the next step, shape (m,), NaN at first.
+        selection: 1 for every reading that the last step used, shape (m,), 0 at first.
         squared_innovation: Normalised innovation squared of the last step, 0 at first.
     """
 
@@ -41,20 +41,20 @@ class Running:
         self._filter = filter_
         self._belief = first
         self.mean, self.covariance = first.mean.copy(), first.covariance.copy()
-        self.held, self.seen, self.used = np.zeros(inputs), np.full(outputs, np.nan), np.zeros(outputs)
+        self.inputs, self.readings, self.selection = np.zeros(inputs), np.full(outputs, np.nan), np.zeros(outputs)
         self.squared_innovation = 0.0
 
     def advance(self) -> None:
-        """Move the belief on by one period, from the arrays `held` and `seen`.
+        """Move the belief on by one period, from the arrays `inputs` and `readings`.
 
         Raises:
             FilterDiverged: As the filter's steps; the belief stays what it was.
         """
-        predicted = self._filter.predict(self._belief, self.held)
-        innovation = self._filter.innovation(predicted, self.held, self.seen)
-        self._belief = belief = self._filter.condition(predicted, self.held, innovation)
-        self.used[:] = 0.0
-        self.used[innovation.rows] = 1.0
-        self.squared_innovation = innovation.squared
+        forecast = self._filter.predict(self._belief, self.inputs)
+        innovation = self._filter.innovation(forecast, self.inputs, self.readings)
+        self._belief = belief = self._filter.condition(forecast, self.inputs, innovation)
+        self.selection[:] = 0.0
+        self.selection[innovation.rows] = 1.0
+        self.squared_innovation = innovation.nis
         self.mean[:] = belief.mean
         self.covariance[:] = belief.covariance

@@ -86,7 +86,7 @@ def state_estimator(
     readings = [layout.reading[name.partition("[")[0]].start + _element(name) for name in outputs]
     return StateEstimator(
         filter=filter_,
-        seen=np.array(readings, dtype=np.intp),
+        reading_places=np.array(readings, dtype=np.intp),
         speed=states.index("v"),
         wheelset_speed=places("w"),
         adhesion=places("alpha"),

@@ -78,7 +78,7 @@ def step_times(
     step: list[float] = []
     for _ in range(rounds):
         filter_.hold(first)
-        filter_.held[:], filter_.seen[:] = inputs, readings
+        filter_.inputs[:], filter_.readings[:] = inputs, readings
         start = perf_counter()
         for _ in range(count):
             filter_.advance()
@@ -114,10 +114,10 @@ def decentralised_cost(groups: int, *, suspension: bool = False, count: int = 20
     durations: list[float] = []
     for _ in range(rounds):
         filter_.start(mean, noise.start_covariance(consist.states))
-        filter_.held[:] = held
+        filter_.inputs[:] = held
         begin = process_time()
         for reading in readings:
-            filter_.seen[:] = reading
+            filter_.readings[:] = reading
             filter_.advance()
         durations.append((process_time() - begin) / count * 1e6)
     return median(durations)

@@ -11,8 +11,8 @@ import xarray
 
 from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix
-from railgrip.estimators.compiled import CompiledFilter, Followed
-from railgrip.estimators.consistency import FAR, lost_at, nis_ratio
+from railgrip.estimators.compiled import CompiledFilter, Estimates
+from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import Model, lower
@@ -153,10 +153,10 @@ def estimate(
         rows[0], rows[1:end] = start, steps
         return rows
 
-    nis, used = at_samples(np.nan, beliefs.squared), np.nan_to_num(at_samples(0.0, beliefs.used))
+    nis, used = at_samples(np.nan, beliefs.squared_innovation), np.nan_to_num(at_samples(0.0, beliefs.degrees))
     ratio, time = nis_ratio(nis[:end], used[:end]), recording["time"].values
     # The first sample is the start: it was read, but no step used it.
-    divergence = lost_at(nis[1:end], used[1:end], np.isfinite(signals[1:end]).sum(axis=1))
+    divergence = loss_step(nis[1:end], used[1:end], np.isfinite(signals[1:end]).sum(axis=1))
     reason = f"{problem} At {time[end]:.3f} s." if problem else ""
     if divergence is not None:
         reason = (
@@ -167,7 +167,7 @@ def estimate(
         {
             "mean": (("time", "state"), at_samples(first.mean, beliefs.mean)),
             "sd": (("time", "state"), at_samples(first.deviation, np.sqrt(beliefs.variance))),
-            "innovation": (("time", "output"), signals - at_samples(np.nan, beliefs.expected)),
+            "innovation": (("time", "output"), signals - at_samples(np.nan, beliefs.expectation)),
             "nis": (("time",), nis),
             "readings": (("time",), used),
         },
@@ -181,7 +181,7 @@ def estimate(
     )
 
 
-def _follow(filter_: CompiledFilter, first: Estimate, inputs: Matrix, readings: Matrix) -> tuple[Followed, str]:
+def _follow(filter_: CompiledFilter, first: Estimate, inputs: Matrix, readings: Matrix) -> tuple[Estimates, str]:
     """Return the beliefs from `first` on, and why the filter diverged after the last of them, or nothing."""
     try:
         return filter_.follow(first, inputs, readings), ""

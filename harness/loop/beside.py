@@ -34,8 +34,8 @@ def watch(
     inputs: Array,
     sensors: Sensors,
     estimator: Estimator,
-    held: Array,
-    skipped: int = 0,
+    estimator_inputs: Array,
+    lead_in: int = 0,
     progress: Callable[[int], None] | None = None,
 ) -> Watched:
     """Step a plant through a course of inputs; sensors read and the estimator steps at every sample.
@@ -45,32 +45,32 @@ def watch(
         inputs: Of the plant, a row for each sample, shape (k, inputs); row 0 at the start.
         sensors: Instruments; their sample 0 is the first one that is read.
         estimator: At its start; given every reading, missing entries NaN.
-        held: What the estimator knows beside its readings, for the whole run.
-        skipped: Samples at the beginning that are not read: the plant settles.
+        estimator_inputs: What the estimator knows beside its readings, for the whole run.
+        lead_in: Samples at the beginning that are not read: the plant settles.
         progress: Called with the sample now and then.
 
     Raises:
         PlantFailed: The plant refused a step.
         ArithmeticError: The estimator failed.
     """
-    count = len(inputs) - skipped
+    count = len(inputs) - lead_in
     truth = plant.start(inputs[0])
-    shown = np.empty((count, len(truth)))
+    truths = np.empty((count, len(truth)))
     reading: Array | None = None
     mean, variance = np.empty((count, len(estimator.mean))), np.empty((count, len(estimator.mean)))
-    estimator.held[:] = held
+    estimator.inputs[:] = estimator_inputs
     for k in range(len(inputs)):
         if k > 0:
             truth = plant.step(inputs[k])
-        row = k - skipped
+        row = k - lead_in
         if row < 0:
             continue
-        seen = estimator.seen[:] = sensors.read(row, truth)
+        latest = estimator.readings[:] = sensors.read(row, truth)
         estimator.advance()
         if reading is None:
-            reading = np.empty((count, len(seen)))
-        shown[row], reading[row] = truth, seen
+            reading = np.empty((count, len(latest)))
+        truths[row], reading[row] = truth, latest
         mean[row], variance[row] = estimator.mean, np.diagonal(estimator.covariance)
         if progress is not None and row % 512 == 0:
             progress(row)
-    return Watched(truth=shown, reading=np.empty((0, 0)) if reading is None else reading, mean=mean, variance=variance)
+    return Watched(truth=truths, reading=np.empty((0, 0)) if reading is None else reading, mean=mean, variance=variance)

@@ -41,8 +41,8 @@ class Compiled(Protocol):
 
     mean: Array
     covariance: Array
-    held: Array
-    seen: Array
+    inputs: Array
+    readings: Array
 
     @property
     def design(self) -> Any:
@@ -61,7 +61,7 @@ class Source:
 
     Attributes:
         kind: column: of the table of inputs; integral: the input itself, moved on by the period times a state of the
-            filter (forward Euler), beginning at what the filter's `held` contains.
+            filter (forward Euler), beginning at what the filter's `inputs` contains.
         name: Of the column, or of the filter's state.
     """
 
@@ -71,7 +71,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Observer:
-    """A filter in the loop; its `mean`, `covariance` and `held` are where it starts and where it ends.
+    """A filter in the loop; its `mean`, `covariance` and `inputs` are where it starts and where it ends.
 
     Attributes:
         name: For the record.
@@ -166,18 +166,18 @@ def run(
         PlantFailed: Raised by the plant's `crossed`.
     """
     edge = plant.edge()
-    table, added = (np.ascontiguousarray(values, dtype=np.float64) for values in (inputs, noise))
+    table, noises = (np.ascontiguousarray(values, dtype=np.float64) for values in (inputs, noise))
     steps, columns = len(table), (*edge.input_names, *further)
-    if table.shape != (steps, len(columns)) or added.shape != (steps, len(readings)):
+    if table.shape != (steps, len(columns)) or noises.shape != (steps, len(readings)):
         raise LoopError(
             f"run: wants inputs of shape (K, {len(columns)}) for {', '.join(columns)} and noise of "
-            f"(K, {len(readings)}) for {', '.join(readings)}; got {table.shape} and {added.shape}."
+            f"(K, {len(readings)}) for {', '.join(readings)}; got {table.shape} and {noises.shape}."
         )
     if every < 1:
         raise LoopError(f"run: every counts samples, 1 or more, got {every}.")
     if not np.all(np.isfinite(table)):
         raise LoopError("run: the table of inputs holds a value that is not a finite number.")
-    shown = np.array([_index("reading", name, edge.output_names) for name in readings], dtype=np.intc)
+    places = np.array([_index("reading", name, edge.output_names) for name in readings], dtype=np.intc)
     rows = steps // every
     outputs = np.empty((rows, edge.outputs.size))
     beside = [_Beside(observer, edge.period, columns, tuple(readings), rows) for observer in observers]
@@ -186,7 +186,7 @@ def run(
         cross=edge.cross, plan=edge.plan, to=_at(edge.inputs), outputs=_at(edge.outputs),
         n_inputs=edge.inputs.size, n_columns=len(columns), n_outputs=edge.outputs.size,
         n_readings=len(readings), n_filters=len(beside), period=edge.period, count=steps, every=every,
-        inputs=_at(table), noise=_at(added), shown=_at(shown),
+        inputs=_at(table), noise=_at(noises), shown=_at(places),
         record=_at(outputs), filter=ctypes.addressof(filters), first=edge.sample,
     )  # fmt: skip
     code = _library().run(ctypes.byref(plan))
@@ -228,10 +228,10 @@ class _Beside:
             [_index(source.kind, source.name, names[source.kind]) for source in sources], dtype=np.intc
         )
         self._means, self._covariances, self._squares = np.empty((rows, n)), np.empty((rows, n, n)), np.empty(rows)
-        advance, block, squared = of.entry
+        advance, block, nis = of.entry
         self.struct = _Filter(
             advance=advance, block=block, mean=_at(of.mean), covariance=_at(of.covariance),
-            held=_at(of.held), seen=_at(of.seen), squared=squared, kind=_at(self._kind), from_=_at(self._from),
+            held=_at(of.inputs), seen=_at(of.readings), squared=nis, kind=_at(self._kind), from_=_at(self._from),
             means=_at(self._means), covariances=_at(self._covariances), squares=_at(self._squares),
             states=n, width=of.covariance.strides[0] // of.covariance.itemsize, inputs=len(sources),
         )  # fmt: skip

@@ -68,9 +68,9 @@ class FilterInC(Protocol):
 
     mean: Vector
     covariance: NDArray[np.float64]
-    held: Vector
-    seen: Vector
-    used: Vector
+    inputs: Vector
+    readings: Vector
+    selection: Vector
 
     @property
     def entry(self) -> tuple[int, int, int]:
@@ -289,10 +289,14 @@ class _Parts:
         self._filter = filter_ = state_estimator.filter if isinstance(state_estimator, StateEstimator) else None
         if isinstance(state_estimator, StateEstimator) and isinstance(filter_, FilterInC):
             its.advance, its.block, its.squared = filter_.entry
-            its.held, its.seen, its.used = (self._at(part) for part in (filter_.held, filter_.seen, filter_.used))
+            parts = filter_.inputs, filter_.readings, filter_.selection
+            its.held, its.seen, its.used = (self._at(part) for part in parts)
             its.mean, its.covariance = self._at(filter_.mean), self._at(filter_.covariance)
             its.row = filter_.covariance.strides[0] // filter_.covariance.itemsize
-            its.seen_of, its.seen_count = self._places(state_estimator.seen), state_estimator.seen.size
+            its.seen_of, its.seen_count = (
+                self._places(state_estimator.reading_places),
+                state_estimator.reading_places.size,
+            )
             places = state_estimator.wheelset_speed, state_estimator.adhesion, state_estimator.pad_friction
             its.believed_of = self._places(np.concatenate([[state_estimator.speed], *places]))
             its.radius = self._at(np.array(state_estimator.wheel_radius))

@@ -76,17 +76,17 @@ class Estimator(Protocol):
     Attributes:
         mean: Shape (n,).
         covariance: Shape (n, n).
-        held: Inputs during the next period, shape (nu,); written by the loop.
-        seen: Readings at its end, NaN where nothing new was read, shape (m,); written by the loop.
+        inputs: Inputs during the next period, shape (nu,); written by the loop.
+        readings: Readings at its end, NaN where nothing new was read, shape (m,); written by the loop.
     """
 
     mean: Vector
     covariance: Matrix
-    held: Vector
-    seen: Vector
+    inputs: Vector
+    readings: Vector
 
     def advance(self) -> None:
-        """Predict over one period with `held`, then condition on `seen`; raise ArithmeticError when that fails."""
+        """Predict over one period with `inputs`, then condition on `readings`; ArithmeticError when that fails."""
         ...
 
 
@@ -95,10 +95,10 @@ class Filter(Estimator, Protocol):
     """An estimator that says how far its readings were from what it expected.
 
     Attributes:
-        used: 1 for every reading that the last step used, else 0, shape (m,).
+        selection: 1 for every reading that the last step used, else 0, shape (m,).
     """
 
-    used: Vector
+    selection: Vector
 
     @property
     def squared_innovation(self) -> float:
@@ -124,7 +124,7 @@ class DirectEstimator(Protocol):
 class Calculation(Protocol):
     """A sampled function with memory."""
 
-    def call(self, given: Sequence[float]) -> Sequence[float]:
+    def call(self, inputs: Sequence[float], /) -> Sequence[float]:
         """Return its outputs for these inputs, and remember."""
         ...
 

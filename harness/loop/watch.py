@@ -34,7 +34,7 @@ class StateEstimator:
 
     Attributes:
         filter: Its inputs are the pressures first; the rest (track force) is not known to the train and stays zero.
-        seen: Entries of a reading that the filter takes, in its order.
+        reading_places: Entries of a reading that the filter takes, in its order.
         speed: Index of the train speed among the states.
         wheelset_speed: Indices of the wheelset speeds.
         adhesion: Indices of the adhesions.
@@ -46,7 +46,7 @@ class StateEstimator:
     """
 
     filter: Filter
-    seen: Indices
+    reading_places: Indices
     speed: int
     wheelset_speed: Indices
     adhesion: Indices
@@ -162,7 +162,7 @@ class Beliefs:
         self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
         self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
         self._filter = its = state_estimator.filter
-        self._radius, self._seen = np.array(state_estimator.wheel_radius), state_estimator.seen
+        self._radius, self._reading_places = np.array(state_estimator.wheel_radius), state_estimator.reading_places
         uncertain = [state_estimator.adhesion, state_estimator.pad_friction]
         self._states = np.concatenate([[state_estimator.speed], state_estimator.wheelset_speed, *uncertain])
         self._uncertain = np.concatenate(uncertain)
@@ -187,7 +187,7 @@ class Beliefs:
         if self._latest is None:
             self._latest = reading
             # What the pressures were before anything was read is not known: the first reading stands for it.
-            self._filter.held[: self._groups] = reading[self._pressure]
+            self._filter.inputs[: self._groups] = reading[self._pressure]
         elif not math.isnan(self._every.dot(reading)):  # as above
             self._latest = self._fresh = reading
         else:
@@ -208,14 +208,14 @@ class Beliefs:
             )
             fresh = fresh.copy()
             fresh[self._reading_speed] = self._reference[0]
-        its.seen[:] = fresh.take(self._seen)
+        its.readings[:] = fresh.take(self._reading_places)
         try:
             its.advance()
         except ArithmeticError as diverged:
             return str(diverged)
         self._fresh = None
-        its.held[: self._groups] = self._latest[self._pressure]
-        self._innovation = (its.squared_innovation, np.add.reduce(its.used))
+        its.inputs[: self._groups] = self._latest[self._pressure]
+        self._innovation = (its.squared_innovation, np.add.reduce(its.selection))
         self._believed = its.mean.take(self._states)
         self._spread = spread = self._variances.take(self._uncertain)
         if not np.minimum.reduce(spread) >= 0.0:

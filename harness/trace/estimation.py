@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.estimators.consistency import lost_at, nis_ratio
+from railgrip.estimators.consistency import loss_step, nis_ratio
 
 Array = NDArray[np.float64]
 
@@ -103,7 +103,7 @@ def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
     if "estimate_nis" not in trace:
         return None, None
     nis, readings = trace["estimate_nis"].values, trace["estimate_readings"].values
-    divergence = lost_at(nis, readings)
+    divergence = loss_step(nis, readings)
     return nis_ratio(nis, readings), None if divergence is None else float(trace["time"].values[divergence])
 
 

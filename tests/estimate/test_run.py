@@ -93,12 +93,12 @@ def test_compiled_and_numpy_filters_agree(undragged):
     belief = plain.start(estimates["mean"].values[0], estimates["sd"].values[0] ** 2)
     running = Running(plain, belief, inputs=1, outputs=2)
     for k in range(1, len(y)):
-        running.held[:], running.seen[:] = recording["reading_pad_force"].values[k - 1], y[k]
+        running.inputs[:], running.readings[:] = recording["reading_pad_force"].values[k - 1], y[k]
         running.advance()
         np.testing.assert_allclose(estimates["mean"].values[k], running.mean, rtol=1e-7, atol=1e-9)
         np.testing.assert_allclose(estimates["sd"].values[k], np.sqrt(np.diag(running.covariance)), rtol=1e-6)
         assert estimates["nis"].values[k] == pytest.approx(running.squared_innovation, rel=1e-5)
-        assert estimates["readings"].values[k] == running.used.sum()
+        assert estimates["readings"].values[k] == running.selection.sum()
 
 
 def test_normalised_innovations_are_those_of_the_reference(undragged):
@@ -111,7 +111,7 @@ def test_normalised_innovations_are_those_of_the_reference(undragged):
     for k in range(1, 20):
         prediction = reference.predict(belief, np.array([2e4]))
         innovation = reference.innovation(prediction, np.array([2e4]), y[k])
-        assert estimates["nis"].values[k] == pytest.approx(innovation.squared, rel=1e-6, abs=1e-12)
+        assert estimates["nis"].values[k] == pytest.approx(innovation.nis, rel=1e-6, abs=1e-12)
         assert estimates["readings"].values[k] == 2
         belief = reference.condition(prediction, np.array([2e4]), innovation)
 

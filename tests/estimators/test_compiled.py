@@ -50,7 +50,7 @@ def test_compiled_equals_python_with_dropouts_outliers_and_gates(rolling):
         if k % 250 == 0:
             seen[1] += 20.0 * np.sqrt(READING[1])  # as far off, and used: this reading has no limit
         one, two = plain.step(one, held, seen), fast.step(two, held, seen)
-        left_out += int(fast.used[0] == 0.0)
+        left_out += int(fast.selection[0] == 0.0)
         if k % 100 == 0:
             assert_same(one, two, 1e-9)
     assert_same(one, two, 1e-9)
@@ -81,8 +81,8 @@ def test_normalised_innovation_is_that_of_the_reference(rolling):
     seen = np.array([22.1, np.nan, -0.7])
     expected = plain.innovation(plain.predict(first, held), held, seen)
     fast.step(first, held, seen)
-    assert fast.squared_innovation == pytest.approx(expected.squared, rel=1e-10)
-    assert fast.used.tolist() == [1.0, 0.0, 1.0]
+    assert fast.squared_innovation == pytest.approx(expected.nis, rel=1e-10)
+    assert fast.selection.tolist() == [1.0, 0.0, 1.0]
 
 
 def test_it_goes_on_from_whatever_belief_it_is_given(rolling):
@@ -107,7 +107,7 @@ def test_advance_in_place_is_step(rolling):
         belief = fast.step(belief, held, seen)
     fast.start(FIRST_MEAN, FIRST_VARIANCE)
     for _ in range(3):
-        fast.held[:], fast.seen[:] = held, seen
+        fast.inputs[:], fast.readings[:] = held, seen
         fast.advance()
     assert np.array_equal(fast.mean, belief.mean)
     assert np.array_equal(fast.covariance, belief.covariance)
@@ -142,9 +142,9 @@ def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling):
 def test_wrong_shapes_get_the_sentences_of_the_reference(rolling):
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
     first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
-    with pytest.raises(EstimatorError, match="held wants 2 inputs"):
+    with pytest.raises(EstimatorError, match="inputs wants 2 inputs"):
         fast.step(first, np.zeros(3), np.zeros(3))
-    with pytest.raises(EstimatorError, match="seen wants 3 readings"):
+    with pytest.raises(EstimatorError, match="readings wants 3 readings"):
         fast.step(first, np.zeros(2), np.zeros(2))
     with pytest.raises(EstimatorError, match="process_noise wants shape"):
         CompiledFilter(rolling, np.ones(3), READING, PERIOD)
@@ -165,9 +165,9 @@ def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):
     block = fast._block.copy()
     random = np.random.default_rng(9)
     for k in range(300):
-        fast.held[:] = [2e4 * (k % 40 > 10), 500.0]
-        fast.seen[:] = [22.0, 57.0, -0.7] + np.sqrt(READING) * random.standard_normal(3)
-        block[code.layout["HELD"]], block[code.layout["SEEN"]] = fast.held, fast.seen
+        fast.inputs[:] = [2e4 * (k % 40 > 10), 500.0]
+        fast.readings[:] = [22.0, 57.0, -0.7] + np.sqrt(READING) * random.standard_normal(3)
+        block[code.layout["HELD"]], block[code.layout["SEEN"]] = fast.inputs, fast.readings
         fast.advance()
         assert step_plain(block.ctypes.data) == 0
     assert np.array_equal(block, fast._block)

@@ -5,7 +5,7 @@ import pytest
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Estimate
-from railgrip.estimators.consistency import FAR, WINDOW, chi_square_bounds, delay, lost_at, nees, nis_ratio
+from railgrip.estimators.consistency import FAR, WINDOW, chi_square_bounds, delay, loss_step, nees, nis_ratio
 
 
 def test_nees_of_an_error_of_one_standard_deviation_along_one_axis_is_one():
@@ -102,28 +102,28 @@ def test_the_nis_ratio_of_a_consistent_filter_is_one_whatever_its_sensors_delive
 def test_a_filter_is_lost_once_most_of_a_window_is_ten_deviations_off():
     squared = np.random.default_rng(2).chisquare(2, 1000)
     degrees = np.full(1000, 2)
-    assert lost_at(squared, degrees) is None
+    assert loss_step(squared, degrees) is None
     # Nine deviations off is a matter of tuning, twenty is none: 20² times the median is beyond 10² times the 99.9 %.
-    assert lost_at(81.0 * squared, degrees) is None
+    assert loss_step(81.0 * squared, degrees) is None
     gone = np.where(np.arange(1000) < 400, squared, 40.0**2 * (1.0 + squared))
-    assert lost_at(gone, degrees) == 400 + WINDOW // 2
-    assert lost_at(np.where(np.arange(1000) < 400, squared, np.nan), degrees) == 400 + WINDOW // 2
+    assert loss_step(gone, degrees) == 400 + WINDOW // 2
+    assert loss_step(np.where(np.arange(1000) < 400, squared, np.nan), degrees) == 400 + WINDOW // 2
 
 
 def test_outliers_and_a_rough_start_do_not_make_a_filter_lost():
     squared = np.random.default_rng(3).chisquare(3, 1000)
     squared[:40] = 1e9
     squared[::7] = 1e12
-    assert lost_at(squared, np.full(1000, 3)) is None
+    assert loss_step(squared, np.full(1000, 3)) is None
 
 
 def test_a_filter_that_leaves_out_what_it_reads_is_lost():
     """A gate of outliers keeps NIS small; that nearly all is left out tells."""
     used = np.where(np.arange(600) < 300, 5, 1)
-    assert lost_at(np.ones(600), used, np.full(600, 5)) == 300 + WINDOW // 2
-    assert lost_at(np.ones(600), used) is None
+    assert loss_step(np.ones(600), used, np.full(600, 5)) == 300 + WINDOW // 2
+    assert loss_step(np.ones(600), used) is None
 
 
 def test_a_recording_shorter_than_a_window_is_judged_whole():
-    assert lost_at([FAR**4] * 3, [1, 1, 1]) == 2
-    assert lost_at([], []) is None
+    assert loss_step([FAR**4] * 3, [1, 1, 1]) == 2
+    assert loss_step([], []) is None

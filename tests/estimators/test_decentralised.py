@@ -161,12 +161,12 @@ def test_mean_nees_and_nis_lie_in_their_chi_square_bounds(train, sensors, releas
     """Of all states together. 95 % for all checks together by Bonferroni's inequality: 8 cases of 5 checks."""
     true = case(train, sensors, released)
     filter_ = true.decentralised()
-    n, m = filter_.mean.size, filter_.seen.size
+    n, m = filter_.mean.size, filter_.readings.size
     errors, squares = np.empty((len(INSTANTS), RUNS)), np.empty((STEPS, RUNS))
     for run in range(RUNS):
         filter_.start(true.mean, true.variances)
         for k in range(STEPS):
-            filter_.held[:], filter_.seen[:] = true.held[k], true.seen[k, run]
+            filter_.inputs[:], filter_.readings[:] = true.held[k], true.seen[k, run]
             filter_.advance()
             squares[k, run] = filter_.squared_innovation
             if k + 1 in INSTANTS:
@@ -196,7 +196,7 @@ def test_it_errs_like_the_central_filter_and_never_claims_to_know_more(train, se
             filter_.start(true.mean, true.variances)
         for k in range(STEPS):
             for filter_ in (ours, theirs):
-                filter_.held[:], filter_.seen[:] = true.held[k], true.seen[k, run]
+                filter_.inputs[:], filter_.readings[:] = true.held[k], true.seen[k, run]
                 filter_.advance()
                 errors[filter_].append(filter_.mean - true.state[k, run])
             shares.append(np.sqrt(ours.covariance.diagonal() / theirs.covariance.diagonal()))
@@ -213,9 +213,9 @@ def test_readings_that_are_missing_bring_nothing():
     true = case("two-part", "service")
     filter_ = true.decentralised()
     before = filter_.covariance.diagonal().copy()
-    filter_.held[:], filter_.seen[:] = true.held[0], np.nan
+    filter_.inputs[:], filter_.readings[:] = true.held[0], np.nan
     filter_.advance()
-    assert filter_.used.sum() == 0
+    assert filter_.selection.sum() == 0
     assert filter_.squared_innovation == 0.0
     # All but the deflections' rates, which dampers take out, spread.
     known = np.array([not name.startswith("ddz") for name in true.consist.states])
@@ -225,10 +225,10 @@ def test_readings_that_are_missing_bring_nothing():
 def test_a_reading_that_is_no_number_it_can_use_leaves_the_belief_as_it_was():
     true = case("two-part", "service")
     filter_ = true.decentralised()
-    filter_.held[:], filter_.seen[:] = true.held[0], true.seen[0, 0]
+    filter_.inputs[:], filter_.readings[:] = true.held[0], true.seen[0, 0]
     filter_.advance()
     mean, joint = filter_.mean.copy(), filter_.joint()
-    filter_.seen[0] = np.inf
+    filter_.readings[0] = np.inf
     with pytest.raises(FilterDiverged, match="readings threw the mean"):
         filter_.advance()
     assert np.array_equal(filter_.mean, mean)

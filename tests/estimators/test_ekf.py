@@ -5,7 +5,7 @@ from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
 from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.consistency import chi_square_bounds, nees
-from railgrip.estimators.discretisation import advanced, transition
+from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
@@ -73,7 +73,7 @@ def test_a_matched_model_without_noise_has_no_error(rolling):
     truth = FIRST_MEAN
     for k in range(3000):
         held = np.array([2e4 * (1.0 + np.sin(k / 300.0)), 500.0])
-        truth = advanced(lambda x, held=held: rolling.derivative(x, held), truth, PERIOD)
+        truth = advance(lambda x, held=held: rolling.derivative(x, held), truth, PERIOD)
         belief = ours.step(belief, held, rolling.output(truth, held))
     # Rounding only: units in the last place of w = 60 rad/s, seen through gains below 100.
     assert np.max(np.abs(belief.mean - truth)) < 1e-10
@@ -86,7 +86,7 @@ def test_perfect_readings_pull_a_wrong_start_to_the_truth(rolling):
     truth = FIRST_MEAN
     held = np.array([1.5e4, 0.0])
     for _ in range(3000):
-        truth = advanced(lambda x: rolling.derivative(x, held), truth, PERIOD)
+        truth = advance(lambda x: rolling.derivative(x, held), truth, PERIOD)
         belief = ours.step(belief, held, rolling.output(truth, held))
     # What is left of the start is its weight against 3000 readings a thousand times as sure.
     assert np.all(np.abs(belief.mean - truth) < 1e-3 * np.abs(off))
@@ -101,14 +101,14 @@ def stochastic_runs(prediction, ours, runs, steps, seed):
         belief = ours.start(FIRST_MEAN, FIRST_VARIANCE)
         for k in range(steps):
             held = np.array([2e4 * (1.0 + np.sin(k / 50.0)), 500.0])
-            truth = advanced(lambda x, held=held: prediction.derivative(x, held), truth, PERIOD)
+            truth = advance(lambda x, held=held: prediction.derivative(x, held), truth, PERIOD)
             truth = truth + np.sqrt(DENSITY * PERIOD) * random.standard_normal(4)
             seen = prediction.output(truth, held) + np.sqrt(READING) * random.standard_normal(3)
             predicted = ours.predict(belief, held)
             innovation = ours.innovation(predicted, held, seen)
             belief = ours.condition(predicted, held, innovation)
         errors.append(nees(belief, truth))
-        innovations.append(innovation.squared)
+        innovations.append(innovation.nis)
     return np.mean(errors), np.mean(innovations)
 
 
@@ -137,8 +137,8 @@ def test_transition_is_the_derivative_of_the_mean_map(rolling):
     for j in range(4):
         nudge = np.zeros(4)
         nudge[j] = 1e-4
-        ahead = advanced(lambda x: rolling.derivative(x, held), FIRST_MEAN + nudge, PERIOD)
-        behind = advanced(lambda x: rolling.derivative(x, held), FIRST_MEAN - nudge, PERIOD)
+        ahead = advance(lambda x: rolling.derivative(x, held), FIRST_MEAN + nudge, PERIOD)
+        behind = advance(lambda x: rolling.derivative(x, held), FIRST_MEAN - nudge, PERIOD)
         # Rounding of w = 60 rad/s over 2e-4 is 1e-10; the drag changes A by 1e-6 of itself within a period.
         assert phi[:, j] == pytest.approx((ahead - behind) / 2e-4, abs=1e-9)
 
@@ -297,9 +297,9 @@ def test_a_filter_that_cannot_be_made_says_why(rolling, change, sentence):
 def test_wrong_shapes_get_a_sentence(rolling):
     ours = ExtendedKalmanFilter(rolling, DENSITY, READING, PERIOD)
     first = ours.start(FIRST_MEAN, FIRST_VARIANCE)
-    with pytest.raises(EstimatorError, match=r"held wants 2 inputs .*pad_force, track_force"):
+    with pytest.raises(EstimatorError, match=r"inputs wants 2 inputs .*pad_force, track_force"):
         ours.step(first, np.zeros(3), np.zeros(3))
-    with pytest.raises(EstimatorError, match=r"seen wants 3 readings .* write NaN"):
+    with pytest.raises(EstimatorError, match=r"readings wants 3 readings .* write NaN"):
         ours.step(first, np.zeros(2), np.zeros(2))
     with pytest.raises(EstimatorError, match="mean wants 4 states"):
         ours.start(np.zeros(5), FIRST_VARIANCE)

@@ -109,7 +109,7 @@ def test_a_hidden_direction_names_all_that_take_part_in_it():
     )
     found = observability(both, np.array([1.0, 2.0, 3.0]), np.zeros(0), np.ones(3))
     assert (found.rank, found.undetermined) == (2, ("a", "b"))
-    assert np.abs(found.hidden[0]) == pytest.approx([0.0, np.sqrt(0.5), np.sqrt(0.5)], abs=1e-12)
+    assert np.abs(found.null_space[0]) == pytest.approx([0.0, np.sqrt(0.5), np.sqrt(0.5)], abs=1e-12)
 
 
 def test_linear_rank_is_that_of_the_kalman_matrix():

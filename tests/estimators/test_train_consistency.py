@@ -194,8 +194,8 @@ def checks(
             followed = ours.follow(belief, true.held[part], true.seen[part, run])
             belief = Estimate(mean=ours.mean.copy(), covariance=ours.covariance.copy())
             errors[j, run] = nees(belief, true.state[end - 1, run])
-            squares[part, run] = followed.squared
-            innovations[part, run] = true.seen[part, run] - followed.expected
+            squares[part, run] = followed.squared_innovation
+            innovations[part, run] = true.seen[part, run] - followed.expectation
     return (
         [Check(mean, *chi_square_bounds(n, RUNS, CONFIDENCE)) for mean in errors.mean(axis=1)],
         Check(float(squares.mean()), *chi_square_bounds(m, RUNS * STEPS, CONFIDENCE)),
@@ -259,7 +259,7 @@ def test_the_filter_in_numpy_errs_as_the_compiled_one(model):
     fast.hold(first)
     for held, seen in zip(true.held, true.seen[:, 0], strict=True):
         for one in (running, fast):
-            one.held[:], one.seen[:] = held, seen
+            one.inputs[:], one.readings[:] = held, seen
             one.advance()
     ours, theirs = (
         nees(Estimate(mean=one.mean, covariance=one.covariance), true.state[-1, 0]) for one in (running, fast)

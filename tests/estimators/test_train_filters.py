@@ -7,7 +7,7 @@ from contracts.prediction import prediction_contract
 from railgrip.errors import EstimatorError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import delay
-from railgrip.estimators.discretisation import advanced
+from railgrip.estimators.discretisation import advance
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import observability
 from railgrip.estimators.prediction import CasadiPrediction
@@ -113,11 +113,11 @@ def test_a_step_of_adhesion_is_followed_within_a_tenth_of_a_second(prediction, s
     steps = 1500
     true, found = np.empty((steps, 4)), np.empty((steps, 4))
     for k in range(steps):
-        truth = advanced(lambda x: prediction.derivative(x, held), truth, PERIOD)
+        truth = advance(lambda x: prediction.derivative(x, held), truth, PERIOD)
         if k == 1000:
             truth[groups] *= 0.5
-        ours.held[:] = held
-        ours.seen[:] = prediction.output(truth, held) + noise * random.standard_normal(noise.size)
+        ours.inputs[:] = held
+        ours.readings[:] = prediction.output(truth, held) + noise * random.standard_normal(noise.size)
         ours.advance()
         true[k], found[k] = truth[groups], ours.mean[groups]
     time = np.arange(1, steps + 1) * PERIOD

@@ -54,11 +54,11 @@ def test_c_and_python_agree_to_the_last_bit(drawn, table):
                 for j, name in enumerate(filter_.design.inputs):
                     source = one.observer.sources[name]
                     if source.kind == "column":
-                        filter_.held[j] = values[source.name]
+                        filter_.inputs[j] = values[source.name]
                     else:
                         state = filter_.design.states.index(source.name)
-                        filter_.held[j] += PERIOD * filter_.mean[state]
-                filter_.seen[:] = outputs[:2] + drawn.noise[k]
+                        filter_.inputs[j] += PERIOD * filter_.mean[state]
+                filter_.readings[:] = outputs[:2] + drawn.noise[k]
                 filter_.advance()
                 beliefs[i] = filter_.mean.copy()
                 assert np.array_equal(beliefs[i], record.beliefs[one.name].mean[k]), (one.name, k)

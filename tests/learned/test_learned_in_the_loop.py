@@ -74,15 +74,15 @@ def beside(estimator, run=RIDE):
         assert all(isinstance(party, protocol) for party, protocol in parties)
         return watch(
             plant=car, inputs=inputs, sensors=sensors, estimator=estimator,
-            held=np.array([-1.0 if run.backwards else 1.0]), skipped=skipped,
+            estimator_inputs=np.array([-1.0 if run.backwards else 1.0]), lead_in=skipped,
         )  # fmt: skip
 
 
 def said_by(estimator, readings, direction=1.0):
     """Mean and variance after every reading."""
-    estimator.held[:] = direction
+    estimator.inputs[:] = direction
     for reading in readings:
-        estimator.seen[:] = reading
+        estimator.readings[:] = reading
         estimator.advance()
         yield estimator.mean[0], estimator.covariance[0, 0]
 
@@ -199,7 +199,7 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
 def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
     sentences = []
     with in_fmu(files["paper"], RATE, trusted=trusted, tell=sentences.append) as estimator:
-        estimator.seen[:] = 0.0
+        estimator.readings[:] = 0.0
         estimator.advance()
     assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
     assert all("trust = true under [estimator]" in sentence for sentence in sentences)

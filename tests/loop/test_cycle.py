@@ -152,23 +152,23 @@ class Spy:
     def __init__(self, fail_at=None):
         self.given, self.fail_at = [], fail_at
         self.mean, self.covariance = np.zeros(13), np.eye(13)
-        self.held, self.seen, self.used = np.zeros(5), np.full(6, np.nan), np.zeros(6)
+        self.inputs, self.readings, self.selection = np.zeros(5), np.full(6, np.nan), np.zeros(6)
         self.squared_innovation = 0.0
 
     def advance(self):
-        self.given.append((self.held.copy(), self.seen.copy()))
+        self.given.append((self.inputs.copy(), self.readings.copy()))
         if len(self.given) == self.fail_at:
             raise ArithmeticError("Filter: the predicted v is not a finite number.")
         self.mean[0] += 1.0
         self.mean[1:5] = 2.0 * self.mean[0]
         self.covariance[9, 9] = 4.0
-        self.used[:], self.squared_innovation = ~np.isnan(self.seen), 0.5 * len(self.given)
+        self.selection[:], self.squared_innovation = ~np.isnan(self.readings), 0.5 * len(self.given)
 
 
 def state_estimator(spy):
     return StateEstimator(
         filter=spy,
-        seen=np.array([0, 1, 2, 3, 4, 11]),
+        reading_places=np.array([0, 1, 2, 3, 4, 11]),
         speed=0,
         wheelset_speed=np.arange(1, 5),
         pad_friction=np.arange(5, 9),

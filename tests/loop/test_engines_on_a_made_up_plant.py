@@ -143,7 +143,7 @@ class Filter:
     def __init__(self, fails_at=None, negative_at=None):
         self.fails_at, self.negative_at, self.calls = fails_at, negative_at, 0
         self.mean, self.covariance = 0.1 * np.arange(1.0, 14.0), np.eye(13)
-        self.held, self.seen, self.used, self._squared = np.zeros(5), np.zeros(6), np.zeros(6), np.zeros(1)
+        self.inputs, self.readings, self.selection, self._squared = np.zeros(5), np.zeros(6), np.zeros(6), np.zeros(1)
         self._step = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(self._stepped)
 
     @property
@@ -165,11 +165,11 @@ class Filter:
         self.calls += 1
         if self.calls == self.fails_at:
             return 2
-        known = np.where(np.isnan(self.seen), -1.0, self.seen)
-        self.used[:] = ~np.isnan(self.seen)
+        known = np.where(np.isnan(self.readings), -1.0, self.readings)
+        self.selection[:] = ~np.isnan(self.readings)
         self._squared[0] = 0.1 * self.calls
         self.mean[:6] += 1e-3 * (known - self.mean[:6])
-        self.mean[6:10] += 1e-9 * self.held[:4]
+        self.mean[6:10] += 1e-9 * self.inputs[:4]
         self.covariance[12, 12] = -1.0 if self.calls == self.negative_at else 2.0
         return 0
 
@@ -179,7 +179,11 @@ def state_estimator(filter_):
     seen = np.concatenate([np.arange(LAYOUT.reading[name].start, LAYOUT.reading[name].stop) for name in names])
     places = {"wheelset_speed": 1, "pad_friction": 5, "adhesion": 9}
     return StateEstimator(
-        filter=filter_, seen=seen, speed=0, wheel_radius=RADIUS, **{n: at + np.arange(4) for n, at in places.items()}
+        filter=filter_,
+        reading_places=seen,
+        speed=0,
+        wheel_radius=RADIUS,
+        **{n: at + np.arange(4) for n, at in places.items()},
     )
 
 

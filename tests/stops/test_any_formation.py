@@ -308,8 +308,8 @@ def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: s
     adhesion, pads, slip = (np.full((ended.samples, len(counts)), np.nan) for _ in range(3))
     latest, pressure = readings[0], layout.reading["cylinder_pressure"]
     for k, reading in enumerate(readings[1:], 1):
-        ours.filter.held[: len(counts)] = latest[pressure]
-        ours.filter.seen[:] = reading[ours.seen]
+        ours.filter.inputs[: len(counts)] = latest[pressure]
+        ours.filter.readings[:] = reading[ours.reading_places]
         ours.filter.advance()
         latest = np.where(np.isnan(reading), latest, reading)
         adhesion[k], pads[k] = ours.filter.mean[ours.adhesion], ours.filter.mean[ours.pad_friction]

@@ -43,24 +43,24 @@ class LearnedFriction:
     Attributes:
         mean: Friction, NaN before there is an estimate, shape (1,).
         covariance: Its variance, infinite before there is an estimate and NaN where there is no interval, shape (1, 1).
-        held: Direction: +1 wheelset 1 leads, −1 wheelset 4 does, shape (1,).
-        seen: As `READINGS`; where an entry is NaN the last one stands.
+        inputs: Direction: +1 wheelset 1 leads, −1 wheelset 4 does, shape (1,).
+        readings: As `READINGS`; where an entry is NaN the last one stands.
     """
 
     def __init__(self, advance: Callable[[Vector], Vector], inputs: tuple[str, ...], outputs: tuple[str, ...]) -> None:
         """Take what steps the estimator: from `inputs` at a sample to `outputs` after it."""
         self.mean, self.covariance = np.array([np.nan]), np.array([[np.inf]])
-        self.held, self.seen = np.ones(1), np.full(len(READINGS), np.nan)
+        self.inputs, self.readings = np.ones(1), np.full(len(READINGS), np.nan)
         self._advance = advance
         signals = (*READINGS, "direction")
         self._order = np.array([signals.index(name) for name in inputs])
         self._at = {name: place for place, name in enumerate(outputs)}
-        self._latest = self.seen.copy()
+        self._latest = self.readings.copy()
 
     def advance(self) -> None:
         """Go on by one sample."""
-        np.copyto(self._latest, self.seen, where=~np.isnan(self.seen))
-        outputs, at = self._advance(np.concatenate([self._latest, self.held])[self._order]), self._at
+        np.copyto(self._latest, self.readings, where=~np.isnan(self.readings))
+        outputs, at = self._advance(np.concatenate([self._latest, self.inputs])[self._order]), self._at
         if outputs[at["known"]] < 0.5:
             return
         friction = self.mean[0] = outputs[at["friction"]]

@@ -157,8 +157,8 @@ def ride_beside(
             inputs=inputs,
             sensors=AxleBoxes(run, count),
             estimator=estimator,
-            held=np.array([-1.0 if run.backwards else 1.0]),
-            skipped=skipped,
+            estimator_inputs=np.array([-1.0 if run.backwards else 1.0]),
+            lead_in=skipped,
             progress=lambda sample: progress(sample / count),
         )
     apart = None if trained is None else difference(record, said_of(trained, record, run))

@@ -7,7 +7,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from railgrip.estimation.track.braking import Braking, braked, driven
-from railgrip.estimators.compiled import Followed
+from railgrip.estimators.compiled import Estimates
 from railgrip.report import style
 from railgrip.studies.field_test.degeneracy import Sweep
 from railgrip.studies.field_test.filtering import Task
@@ -97,7 +97,7 @@ def readings_figure(braking: Braking) -> Figure:
     return drawing
 
 
-def friction_figure(task: Task, estimates: Mapping[str, Followed]) -> Figure:
+def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
     """Return pad friction over time and adhesion over slip, estimated and true, a row for each tuning (figure 5)."""
     assert task.truth is not None
     time = _since_brake(task.braking)[1:]

@@ -10,8 +10,8 @@ from railgrip.estimation.spec import LIBRARY, Specification, load_specification,
 from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.arrays import Array
 from railgrip.estimators.belief import Estimate
-from railgrip.estimators.compiled import CompiledFilter, Followed
-from railgrip.estimators.consistency import lost_at
+from railgrip.estimators.compiled import CompiledFilter, Estimates
+from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field_test.noise import GROUPS, PHYSICAL, Noise
 from railgrip.trace.samples import knows, period_of, samples, truth_of
@@ -79,7 +79,7 @@ def filter_of(model: CasadiPrediction, period: float, noise: Noise = PHYSICAL) -
     return CompiledFilter(model, noise.process, noise.readings, period, gate)
 
 
-def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> Followed:
+def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> Estimates:
     """Return the beliefs over a braking with given noises.
 
     Args:
@@ -94,7 +94,7 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     return filter_.follow(start, task.inputs, task.readings)
 
 
-def lost(task: Task, estimate: Followed) -> float | None:
+def lost(task: Task, estimate: Estimates) -> float | None:
     """Return when innovations said that the beliefs mean nothing [s] from the first sample, None where they do not."""
-    step = lost_at(estimate.squared, estimate.used)
+    step = loss_step(estimate.squared_innovation, estimate.degrees)
     return None if step is None else (step + 1) * task.period

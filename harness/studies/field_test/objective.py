@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from railgrip.errors import EstimationError, FilterDiverged
-from railgrip.estimators.compiled import CompiledFilter, Followed
+from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.studies.field_test.filtering import Task, follow
 from railgrip.studies.field_test.noise import GROUPS, Noise
 
@@ -45,11 +45,11 @@ class Terms:
     nees: float
 
 
-def terms_of(task: Task, estimate: Followed) -> Terms:
+def terms_of(task: Task, estimate: Estimates) -> Terms:
     """Return the terms of one braking."""
     apart, ahead = (
         np.abs(task.readings - prediction).mean(axis=0)
-        for prediction in (estimate.mean[:, : 1 + GROUPS], estimate.expected)
+        for prediction in (estimate.mean[:, : 1 + GROUPS], estimate.expectation)
     )
     nees = np.nan
     if task.truth is not None:
@@ -60,7 +60,7 @@ def terms_of(task: Task, estimate: Followed) -> Terms:
     return Terms(
         deviation=float(apart[0] + R_WHEEL * apart[1:].sum()),
         surprise=float(ahead[0] + R_WHEEL * ahead[1:].sum()),
-        nis=float(estimate.squared.sum() / estimate.used.sum()),
+        nis=float(estimate.squared_innovation.sum() / estimate.degrees.sum()),
         nees=nees,
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from railgrip.errors import EstimationError
 from railgrip.estimators.arrays import Array
-from railgrip.estimators.compiled import Followed
+from railgrip.estimators.compiled import Estimates
 from railgrip.studies.field_test.filtering import Task
 from railgrip.studies.field_test.noise import GROUPS
 from railgrip.studies.field_test.objective import terms_of
@@ -71,7 +71,7 @@ class TrackScore:
     force: float
 
 
-def score(task: Task, estimate: Followed) -> Score:
+def score(task: Task, estimate: Estimates) -> Score:
     """Return the errors of a filter over a braking.
 
     Raises:

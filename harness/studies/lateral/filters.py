@@ -115,7 +115,7 @@ def party(
         filter_ = CompiledFilter(prediction(name), literal_density(first, period), noise, period, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
-        filter_.held[:] = 0.0
+        filter_.inputs[:] = 0.0
         sources = {
             "lateral_position": Source(kind="integral", name="dy"),
             "yaw_angle": Source(kind="integral", name="dpsi"),

@@ -11,7 +11,7 @@ import numpy as np
 
 from railgrip.estimators.arrays import Array
 from railgrip.estimators.condition import ConditionDetector, confusion
-from railgrip.estimators.consistency import delay, lost_at, nis_ratio
+from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along
 from railgrip.fmus.native import lower
 from railgrip.loop.compiled import Beliefs
@@ -150,7 +150,7 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
 
 
 def _loss(trace: Trace, belief: Beliefs) -> float | None:
-    row = lost_at(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
+    row = loss_step(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
     instants = [] if row is None else [float(trace.time[row])]
     if belief.diverged:
         instants.append(belief.diverged_at * trace.period / EVERY)

@@ -210,8 +210,8 @@ def _run_filter(
                 noise = usual.copy()
                 noise[turning[locked[k]]] = _FREE
                 filter_.change_process_noise(noise)
-            filter_.held[:] = middle[k - 1]
-            filter_.seen[:] = readings[k]
+            filter_.inputs[:] = middle[k - 1]
+            filter_.readings[:] = readings[k]
             filter_.advance()
     except FilterDiverged as problem:
         raise EstimationError(f"monitor: {problem}") from problem
