@@ -15,7 +15,7 @@ from railgrip.custom import problem_with
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.formation import Formation
 from railgrip.loop import cycle
-from railgrip.loop.ended import Ended
+from railgrip.loop.ending import Ending
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import Stop
 
@@ -50,7 +50,7 @@ class Bench:
         self._parts: Assembled | None = None
         self._going: Any = None
         self._observation: Observation | None = None
-        self._end: Ended | None = None
+        self._end: Ending | None = None
         self._stop: Stop | None = None
 
     def __enter__(self) -> Self:

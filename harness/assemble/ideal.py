@@ -20,7 +20,7 @@ from railgrip.assemble.parties import assembled, judged
 from railgrip.assemble.vehicle import GRAVITY, VehicleData, masses_of
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ScenarioError
-from railgrip.loop.ended import Ended
+from railgrip.loop.ending import Ending
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.merge import merged
@@ -116,7 +116,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     rows[:, recorder.columns["acceleration"]] = acceleration[:, None]
     samples = min(stopped or count - 1, moving - 1) + 1
     place = f"{distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s"
-    ended = Ended(
+    ended = Ending(
         outcome=Outcome.STANDSTILL if stopped else Outcome.HORIZON,
         reason=f"Could stop after {place} at best."
         if stopped

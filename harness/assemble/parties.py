@@ -25,7 +25,7 @@ from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.fmu import Description
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
-from railgrip.loop.ended import Clock, Ended, implausible
+from railgrip.loop.ending import Clock, Ending, implausibility
 from railgrip.loop.ports import Controller
 from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.custom import Custom, Role
@@ -105,7 +105,7 @@ class Assembled:
         """What the loop writes into."""
         return self.parties["recorder"]
 
-    def run(self, progress: Callable[[float], None] | None = None, engine: Engine = Engine.AUTO) -> Ended:
+    def run(self, progress: Callable[[float], None] | None = None, engine: Engine = Engine.AUTO) -> Ending:
         """Run the stop to its end, once.
 
         Args:
@@ -125,11 +125,11 @@ class Assembled:
         except PlantFailed as problem:
             return self.failed(problem)
 
-    def failed(self, problem: PlantFailed) -> Ended:
+    def failed(self, problem: PlantFailed) -> Ending:
         """Return the end of a run whose plant failed."""
-        return Ended(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
+        return Ending(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
 
-    def stop(self, ended: Ended) -> Stop:
+    def stop(self, ended: Ending) -> Stop:
         """Return the stop that a run of the loop gave."""
         # A plant that does not even start leaves one row without a number: rows are memory as it was found.
         self.recorder.rows[self.recorder.written : 1] = np.nan
@@ -259,7 +259,7 @@ def _demand_estimates(scenario: Scenario, controller: Controller, estimates: Col
         )
 
 
-def judged(vehicle: VehicleData, recorder: Recorder, ended: Ended, fmus: Mapping[str, Description]) -> Stop:
+def judged(vehicle: VehicleData, recorder: Recorder, ended: Ending, fmus: Mapping[str, Description]) -> Stop:
     """Return the stop that a run of the loop gave, with bound and figures."""
     scenario = vehicle.scenario
     trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
@@ -269,7 +269,7 @@ def judged(vehicle: VehicleData, recorder: Recorder, ended: Ended, fmus: Mapping
         trace = with_bound(trace, vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
     share = over_the_rail(trace)
     if ended.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
-        ended = implausible(
+        ended = implausibility(
             f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot be: "
             "its contact is not that of [adhesion] polach.",
             ended.samples,

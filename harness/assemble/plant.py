@@ -83,7 +83,7 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
     )
     surface = scenario.adhesion.polach.plant_parameters()
     shape = {name: value for name, value in surface.items() if own or name in description.variables}
-    values = binding.translated({"speed_start": scenario.start.speed}) | shape | vehicle.changes
+    values = binding.translate({"speed_start": scenario.start.speed}) | shape | vehicle.changes
     opening = partial(
         open_plant,
         description,
@@ -207,5 +207,5 @@ class _WithSlipInC(_WithSlip):
     def edge(self) -> Edge:
         return replace(self._in_c.edge(), slip_radius=np.array(self._radius, dtype=np.float64))
 
-    def crossed(self, steps: int, code: int) -> None:
-        self._in_c.crossed(steps, code)
+    def note_steps(self, steps: int, code: int) -> None:
+        self._in_c.note_steps(steps, code)

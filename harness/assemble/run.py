@@ -8,7 +8,7 @@ from railgrip.assemble.ideal import ideal_stop, tracking_stop
 from railgrip.assemble.parties import SCENARIOS_OWN, OwnParties, assembled
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
-from railgrip.loop.ended import Ended
+from railgrip.loop.ending import Ending
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.motion import braking_distance as distance_of
 from railgrip.trace.motion import since_brake_demand
@@ -61,7 +61,7 @@ def trace_of(scenario: Scenario) -> xarray.Dataset:
     return trace
 
 
-def _unjudged(scenario: Scenario) -> tuple[Ended, xarray.Dataset]:
+def _unjudged(scenario: Scenario) -> tuple[Ending, xarray.Dataset]:
     with assembled(scenario) as parts:
         ended = parts.run()
     return ended, parts.recorder.trace(max(ended.samples, 1), scenario.periods.communication)

@@ -241,7 +241,7 @@ class VehicleData:
         """Names of what the plant shows."""
         table = set(self.scenario.vehicle.map)
         offered = {name.partition("[")[0] for name in self.file.variables} | table
-        extra = table | (offered & {name.partition("[")[0] for name in self.file.named("output")})
+        extra = table | (offered & {name.partition("[")[0] for name in self.file.names("output")})
         return frozenset(
             {"slip"} | {s.name for s in PLANT if s.name in offered} | {s.name for s in EXTRA if s.name in extra}
         )

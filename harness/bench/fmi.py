@@ -104,4 +104,4 @@ def every_real(description: Description) -> Binding:
             Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
         ]
 
-    return bind(description, inputs=signals(description.named("input")), outputs=signals(description.named("output")))
+    return bind(description, inputs=signals(description.names("input")), outputs=signals(description.names("output")))

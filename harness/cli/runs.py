@@ -124,7 +124,7 @@ def map_(
     groups = catalogue_brakes(formation.groups)
     pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
     plant = open_plant(
-        description, binding, period=period, parameters=binding.translated({"speed_start": speed}), trusted=False,
+        description, binding, period=period, parameters=binding.translate({"speed_start": speed}), trusted=False,
         tell=lambda sentence: None,
     )  # fmt: skip
     try:

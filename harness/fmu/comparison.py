@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from railgrip.errors import FmuError
 from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description
-from railgrip.fmu.instance import Instance, unpacked
+from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.mapping import Binding, Channel
 from railgrip.fmus.native.toolchain import shared_library
 
@@ -54,7 +54,7 @@ def seconds_of_fmpy(
 ) -> tuple[float, Vector]:
     """Return the time of `count` steps through FMPy's FMU2Slave, and the last outputs."""
     channels_in, channels_out = _only_real(description, binding)
-    with unpacked(description) as folder:
+    with unpack(description) as folder:
         slave: Any = FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(folder),
@@ -92,7 +92,7 @@ def seconds_of_simulate_fmu(
     series = np.array(
         [(0.0, *inputs), (count * period, *inputs)], dtype=[("time", "f8"), *((v, "f8") for v in channels_in.variables)]
     )
-    with unpacked(description) as folder:
+    with unpack(description) as folder:
         begin = time.perf_counter()
         result: Any = fmpy.simulate_fmu(
             str(folder),
@@ -124,7 +124,7 @@ def seconds_in_c(
     channels_in, channels_out = _only_real(description, binding)
     library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))
     u, y = inputs.astype(float), np.zeros(len(channels_out.references))
-    with unpacked(description) as folder:
+    with unpack(description) as folder:
         fmu = Instance(description, "co-simulation", folder, name="c")
         try:
             fmu.enter_initialization()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu.description import Description
-from railgrip.fmu.instance import Instance, unpacked
+from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.mapping import Binding
 from railgrip.fmu.parameters import Values, assignments
 from railgrip.fmu.set_step_get import Outcome, SetStepGet, outcome
@@ -79,14 +79,14 @@ class CoSimulation:
         self._folder = folder
         self._stack = ExitStack()
         self._instance: Instance | None = None
-        self._spent: PlantFailed | None = None
+        self._failure: PlantFailed | None = None
         self._sample = -1
         self._ready = False  # started, not failed, not closed
 
     def __enter__(self) -> Self:
         """Unpack, load, instantiate and set the parameters."""
         with ExitStack() as stack:
-            folder = self._folder or stack.enter_context(unpacked(self._description))
+            folder = self._folder or stack.enter_context(unpack(self._description))
             instance = Instance(self._description, "co-simulation", folder, name="plant")
             stack.callback(instance.close)
             instance.assign(self._assignments, 0.0)
@@ -154,17 +154,17 @@ class CoSimulation:
         set_step_get.inputs[:] = inputs
         failure = set_step_get.step(self._sample * self._period)
         if failure:
-            self.crossed(0, failure)
+            self.note_steps(0, failure)
         self._sample += 1
         return set_step_get.outputs.copy() if self._present is None else self._spread()
 
     def edge(self) -> Edge:
-        """Return what a loop in C steps this plant by; it then reports to `crossed`."""
+        """Return what a loop in C steps this plant by; it then reports to `note_steps`."""
         if not self._ready:
             raise self._not_ready()
         return self._set_step_get.edge(self._sample)
 
-    def crossed(self, steps: int, code: int) -> None:
+    def note_steps(self, steps: int, code: int) -> None:
         """Take note of steps done by `edge`, and of the number of the outcome that ended them, 0 for none.
 
         Raises:
@@ -176,14 +176,14 @@ class CoSimulation:
         self._require_fine(what)
 
     def _open(self) -> Instance:
-        if self._spent is not None:
-            raise self._spent
+        if self._failure is not None:
+            raise self._failure
         if self._instance is None:
             raise RuntimeError("a CoSimulation is used inside 'with'")
         return self._instance
 
     def _not_ready(self) -> Exception:
-        return self._spent or RuntimeError("a CoSimulation is started before it is stepped, inside 'with'")
+        return self._failure or RuntimeError("a CoSimulation is started before it is stepped, inside 'with'")
 
     def _spread(self) -> Vector:
         """Return the vector of all signals, NaN where the FMU has none."""
@@ -211,6 +211,6 @@ class CoSimulation:
         """Keep a failure that passes: the plant is spent and repeats it from then on."""
         try:
             yield
-        except PlantFailed as failed:
-            self._spent, self._ready = failed, False
+        except PlantFailed as error:
+            self._failure, self._ready = error, False
             raise

@@ -95,7 +95,7 @@ class Description:
     model_exchange: Interface | None
     blemishes: str
 
-    def named(self, causality: Causality) -> tuple[str, ...]:
+    def names(self, causality: Causality) -> tuple[str, ...]:
         """Return the names of all variables of one causality, in the FMU's order."""
         return tuple(v.name for v in self.variables.values() if v.causality == causality)
 
@@ -119,10 +119,10 @@ class Description:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what was read: the read-only view of the variables itself does not pickle."""
         content = {field.name: getattr(self, field.name) for field in fields(self)}
-        return _restored, (content | {"variables": dict(self.variables)},)
+        return _restore, (content | {"variables": dict(self.variables)},)
 
 
-def _restored(content: dict[str, Any]) -> Description:
+def _restore(content: dict[str, Any]) -> Description:
     content["variables"] = MappingProxyType(content["variables"])
     return Description(**content)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu.description import Description, Variable
-from railgrip.fmu.instance import OK_OR_WARNING, Instance, unpacked
+from railgrip.fmu.instance import OK_OR_WARNING, Instance, unpack
 from railgrip.fmu.parameters import Values, assignments
 
 Vector = NDArray[np.float64]
@@ -62,9 +62,9 @@ class ModelExchange:
         self._assignments = assignments(description, parameters)
         self._inputs = [_real(description, name, "input") for name in inputs]
         self._outputs = [_real(description, name, "output") for name in outputs]
-        left = sorted(set(description.named("input")) - set(inputs))
-        if left:
-            raise FmuError(f"{description.file}: the prediction leaves inputs undriven: {', '.join(left)}.")
+        rest = sorted(set(description.names("input")) - set(inputs))
+        if rest:
+            raise FmuError(f"{description.file}: the prediction leaves inputs undriven: {', '.join(rest)}.")
         if description.event_indicators:
             raise FmuError(
                 f"{description.file}: a prediction must be smooth, this FMU has "
@@ -78,7 +78,7 @@ class ModelExchange:
     def __enter__(self) -> Self:
         """Unpack, load, instantiate, set the parameters and initialise."""
         with ExitStack() as stack:
-            folder = self._folder or stack.enter_context(unpacked(self.description))
+            folder = self._folder or stack.enter_context(unpack(self.description))
             instance = Instance(self.description, "model exchange", folder, name="prediction")
             stack.callback(instance.close)
             instance.assign(self._assignments, 0.0)
@@ -197,7 +197,7 @@ class ModelExchange:
             status = get(component, unknowns, size, state, 1, seed, column)
             if status not in OK_OR_WARNING:
                 self._check(status, "fmi2GetDirectionalDerivative")
-        return self._parted(self._columns)
+        return self._split(self._columns)
 
     def central(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
         """Return the same two Jacobians by central differences.
@@ -220,13 +220,13 @@ class ModelExchange:
             shifted_state[j] = x[j]
             # The difference of the rounded points, not twice the step that was meant.
             columns[j] = (ahead - behind) / (above - below)
-        return self._parted(columns)
+        return self._split(columns)
 
-    def _parted(self, columns: Matrix) -> tuple[Matrix, Matrix]:
+    def _split(self, columns: Matrix) -> tuple[Matrix, Matrix]:
         n = len(self.description.states)
         if not isfinite(columns.sum()) and not np.all(np.isfinite(columns)):
             j = int(np.argwhere(~np.isfinite(columns))[0][0])
-            raise self._failed(f"d/d({self.description.states[j]})", "a Jacobian")
+            raise self._failure(f"d/d({self.description.states[j]})", "a Jacobian")
         return columns[:, :n].T.copy(), columns[:, n:].T.copy()
 
     def _move(self, x: Vector, u: Vector) -> None:
@@ -257,10 +257,10 @@ class ModelExchange:
     def _finite(self, values: Vector, names: Sequence[str]) -> Vector:
         if not isfinite(values.sum()) and not np.all(np.isfinite(values)):
             worst = int(np.flatnonzero(~np.isfinite(values))[0])
-            raise self._failed(names[worst], "a prediction")
+            raise self._failure(names[worst], "a prediction")
         return values
 
-    def _failed(self, variable: str, doing: str) -> PlantFailed:
+    def _failure(self, variable: str, doing: str) -> PlantFailed:
         return PlantFailed(self._open().failure("not_finite", "", 0.0, variable=variable, doing=doing))
 
     def _open(self) -> Instance:

@@ -47,7 +47,7 @@ _logs: dict[int, Log] = {}
 _environments = count(1)
 
 
-def _heard(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+def _hear(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
     """Keep what an FMU says under the environment it was given at instantiation."""
     log = _logs.get(environment or 0)
     if log is not None and message:
@@ -56,7 +56,7 @@ def _heard(environment: int | None, name: bytes, status: int, category: bytes, m
 
 # FMPy's proxy expands the printf arguments in C and then calls the logger it was last given, process-wide: so
 # there is one logger for all instances, and the environment tells them apart.
-_LOGGER = fmi2CallbackLoggerTYPE(_heard)
+_LOGGER = fmi2CallbackLoggerTYPE(_hear)
 
 
 def _callbacks(environment: int) -> fmi2CallbackFunctions:
@@ -75,7 +75,7 @@ def _address(function: Any) -> int:
 
 
 @contextmanager
-def unpacked(description: Description) -> Generator[Path]:
+def unpack(description: Description) -> Generator[Path]:
     """Yield a temporary folder with the FMU's files, removed at the end.
 
     Raises:
@@ -169,7 +169,7 @@ class Instance:
         _logs[self._environment] = self._log
         self._callbacks = _callbacks(self._environment)
         self._running = False
-        self._broken: Reason | None = None
+        self._defect: Reason | None = None
         resources = (folder / "resources").resolve().as_uri()
         kind = 1 if way == "co-simulation" else 0
         component = self._library.fmi2Instantiate(
@@ -234,8 +234,8 @@ class Instance:
             doing = f"{status}{doing and f', {doing}'}"
         failure = self.failure(reason, name, time, doing=doing)
         if reason == "discard" and name == "fmi2DoStep":
-            failure = self._discarded(failure)
-        self._broken = None if reason == "discard" else reason
+            failure = self._discard(failure)
+        self._defect = None if reason == "discard" else reason
         raise PlantFailed(failure)
 
     def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
@@ -251,15 +251,15 @@ class Instance:
             log=tuple(worst),
         )
 
-    def _discarded(self, failure: Failure) -> Failure:
+    def _discard(self, failure: Failure) -> Failure:
         """Ask a slave that discarded a step how far it came and whether it wanted to end."""
-        terminated, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
-        knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(terminated))
+        termination, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
+        knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(termination))
         knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_time))
         return Failure(
             file=failure.file,
             time=failure.time,
-            reason="ended" if knows_end in OK_OR_WARNING and terminated.value else "discard",
+            reason="ended" if knows_end in OK_OR_WARNING and termination.value else "discard",
             call=failure.call,
             detail=failure.detail,
             reached=last_time.value if knows_time in OK_OR_WARNING else None,
@@ -295,13 +295,13 @@ class Instance:
     def close(self) -> None:
         """Terminate, free and unload, as far as the last status allows; safe to call twice."""
         _logs.pop(self._environment, None)
-        if self._broken == "fatal":
+        if self._defect == "fatal":
             # Nothing of this FMU may be called any more; its library stays loaded until the process ends.
             self.component = 0
             return
         if self.component:
             component, self.component = self.component, 0
-            if self._running and self._broken is None:
+            if self._running and self._defect is None:
                 self._library.fmi2Terminate(component)
             self._library.fmi2FreeInstance(component)
         if self._library is not None:

@@ -28,7 +28,7 @@ from railgrip.errors import Failure, FmuError, PlantFailed
 from railgrip.fmu.child import ANSWER, FAILED, REFUSED, Request, receive, send
 from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description
-from railgrip.fmu.instance import unpacked
+from railgrip.fmu.instance import unpack
 from railgrip.fmu.keeper import REPORT
 from railgrip.fmu.mapping import Binding
 from railgrip.fmu.parameters import Values
@@ -87,7 +87,7 @@ class IsolatedCoSimulation:
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
         self._life: socket.socket | None = None
-        self._spent: PlantFailed | None = None
+        self._failure: PlantFailed | None = None
         self._sample = -1
         self._token = token_hex(8)
         self._hurry = False
@@ -95,7 +95,7 @@ class IsolatedCoSimulation:
     def __enter__(self) -> Self:
         """Unpack the FMU here, so that its files go even if the child does not survive; start the child."""
         with ExitStack() as stack:
-            folder = stack.enter_context(unpacked(self._description))
+            folder = stack.enter_context(unpack(self._description))
             ours, theirs = socket.socketpair()
             stack.callback(ours.close)
             life, its_life = socket.socketpair()
@@ -136,7 +136,7 @@ class IsolatedCoSimulation:
         if process is None or line is None or life is None:
             return
         line.close()  # the child takes the end of the line for goodbye
-        if not self._hurry and self._spent is None:
+        if not self._hurry and self._failure is None:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(timeout=self._patience)
         life.close()  # and its keeper the end of this one for the order to end everything
@@ -190,8 +190,8 @@ class IsolatedCoSimulation:
             PlantFailed: The FMU failed, the child died, or it did not answer in time.
             FmuError: The child found the question wrong.
         """
-        if self._spent is not None:
-            raise self._spent
+        if self._failure is not None:
+            raise self._failure
         line = self._line
         if line is None:
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
@@ -207,9 +207,9 @@ class IsolatedCoSimulation:
         try:
             kind, answer = receive(line)
         except TimeoutError:
-            raise self._gone("timeout", f"within {timeout:g} s of real time, it was stopped") from None
+            raise self._fail("timeout", f"within {timeout:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line
-            raise self._gone("crash", self._last_words()) from None
+            raise self._fail("crash", self._last_words()) from None
         except ValueError:
             raise self._nonsense() from None
         if kind == ANSWER:
@@ -217,16 +217,16 @@ class IsolatedCoSimulation:
         if kind == REFUSED:
             raise FmuError(answer.decode(errors="replace"))
         try:
-            self._spent = PlantFailed(_FAILURE.validate_json(answer if kind == FAILED else b""))
+            self._failure = PlantFailed(_FAILURE.validate_json(answer if kind == FAILED else b""))
         except ValidationError:
             raise self._nonsense() from None
-        raise self._spent
+        raise self._failure
 
     def _nonsense(self) -> PlantFailed:
-        return self._gone("crash", "its process answered nonsense")
+        return self._fail("crash", "its process answered nonsense")
 
-    def _gone(self, reason: str, detail: str) -> PlantFailed:
-        self._spent = PlantFailed(
+    def _fail(self, reason: str, detail: str) -> PlantFailed:
+        self._failure = PlantFailed(
             Failure(
                 file=self._description.file.name,
                 time=self.time,
@@ -235,7 +235,7 @@ class IsolatedCoSimulation:
             )
         )
         self._end()
-        return self._spent
+        return self._failure
 
     def _last_words(self) -> str:
         """Return how the FMU's process ended."""

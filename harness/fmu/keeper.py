@@ -40,7 +40,7 @@ def main() -> None:
             os.close(number)
         _serve(line, how)
     os.close(line)
-    parent_gone = _watched(server, life, wakeup)
+    parent_gone = _watch(server, life, wakeup)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(server, signal.SIGKILL)  # its session, at one stroke
     _, status, usage = os.wait4(server, 0)
@@ -91,7 +91,7 @@ def _tasks() -> int:
     return count
 
 
-def _watched(server: int, life: int, wakeup: int) -> bool:
+def _watch(server: int, life: int, wakeup: int) -> bool:
     """Wait until the FMU's process has ended, or the program wants an end; return whether it was the former."""
     while True:
         ready, _, _ = select.select([life, wakeup], [], [])

@@ -116,7 +116,7 @@ class Binding:
     unused: tuple[str, ...]
     parameters: Mapping[str, tuple[str, float, float]]
 
-    def translated(self, values: Mapping[str, float]) -> dict[str, float]:
+    def translate(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return parameter values under the FMU's names and in its units.
 
         Args:
@@ -180,7 +180,7 @@ def bind(
     return Binding(
         inputs=sources,
         outputs=sinks,
-        unused=tuple(v for v in description.named("input") if v not in variables),
+        unused=tuple(v for v in description.names("input") if v not in variables),
         parameters=_parameters(description, parameters, entries, where),
     )
 
@@ -201,13 +201,13 @@ def _side(
     rows: dict[Carrier, list[tuple[int, Variable, float, float]]] = {"Real": [], "Integer": [], "Boolean": []}
     for signal in signals:
         targets = _targets(signal, entries, where)
-        gone = [t.variable for t in targets if t.variable not in description.variables]
-        if gone and signal.size == 1 and signal.name not in entries and signal.name in description.variables:
-            targets, gone = (_Target(variable=signal.name, scale=1.0, stated_unit=None),), []
-        if gone and signal.name not in entries:
+        lack = [t.variable for t in targets if t.variable not in description.variables]
+        if lack and signal.size == 1 and signal.name not in entries and signal.name in description.variables:
+            targets, lack = (_Target(variable=signal.name, scale=1.0, stated_unit=None),), []
+        if lack and signal.name not in entries:
             # An array of which some elements exist is a mistake, not an absence.
-            if signal.needed or len(gone) < len(targets):
-                missing += gone
+            if signal.needed or len(lack) < len(targets):
+                missing += lack
             else:
                 absent.append(signal.name)
             targets = ()
@@ -390,7 +390,7 @@ def _carrier(variable: Variable) -> Carrier:
 
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
     """Return the sentence that lists everything missing at once, so that one correction suffices."""
-    candidates = description.named(causality)
+    candidates = description.names(causality)
     lines = [f"'{name}'{_near(name, candidates, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""
     has = f"it has {', '.join(candidates[:12])}{', …' if len(candidates) > 12 else ''}" if candidates else "it has none"

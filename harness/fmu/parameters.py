@@ -42,7 +42,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
                 f"{'an input' if variable.causality == 'input' else 'calculated or constant'}; "
                 f"leave it out. Its parameters: {_some(description)}."
             )
-        scalar = _checked(variable, value, description.file.name)
+        scalar = _check(variable, value, description.file.name)
         carrier = "Integer" if variable.kind == "Enumeration" else variable.kind
         by_type.setdefault(carrier, []).append((variable.reference, scalar))
     return tuple(
@@ -68,7 +68,7 @@ def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Itera
             yield f"{name}[{','.join(map(str, here))}]", value
 
 
-def _checked(variable: Variable, value: object, file: str) -> Scalar:
+def _check(variable: Variable, value: object, file: str) -> Scalar:
     """Return the value in the FMU's type."""
     who = f"parameters: '{variable.name}' of {file}"
     if variable.kind == "String":
@@ -94,5 +94,5 @@ def _checked(variable: Variable, value: object, file: str) -> Scalar:
 
 
 def _some(description: Description) -> str:
-    names = description.named("parameter")
+    names = description.names("parameter")
     return ", ".join(names[:12]) + (", …" if len(names) > 12 else "")

@@ -17,41 +17,19 @@ from numpy.typing import NDArray
 
 from railgrip.errors import LoopError
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.loop.ports import Edge
+from railgrip.loop.ports import FilterInC, PlantInC
 
 Array = NDArray[np.float64]
 
 KERNEL = files("railgrip.loop") / "kernel" / "run.c"
 
 
-class SteppedInC(Protocol):
-    """A plant that lets C step it and takes note of how far that went."""
-
-    def edge(self) -> Edge:
-        """Return how, once started."""
-        ...
-
-    def crossed(self, steps: int, code: int) -> None:
-        """Take note of steps done by C and of the outcome that ended them early, if not 0; raise PlantFailed then."""
-        ...
-
-
-class Compiled(Protocol):
-    """A filter in C, as `railgrip.estimators.compiled.CompiledFilter`."""
-
-    mean: Array
-    covariance: Array
-    inputs: Array
-    readings: Array
+class FilterOfDesign(FilterInC, Protocol):
+    """A filter in C that says what it is about, as `railgrip.estimators.compiled.CompiledFilter`."""
 
     @property
     def design(self) -> Any:
         """Names of states, inputs and outputs, and the period."""
-        ...
-
-    @property
-    def entry(self) -> tuple[int, int, int]:
-        """Addresses of its step function, of that function's argument, and of the squared innovation."""
         ...
 
 
@@ -80,7 +58,7 @@ class Observer:
     """
 
     name: str
-    filter: Compiled
+    filter: FilterOfDesign
     sources: Mapping[str, Source]
 
 
@@ -141,7 +119,7 @@ _KINDS = {"column": 0, "integral": 1}
 
 
 def run(
-    plant: SteppedInC,
+    plant: PlantInC,
     inputs: Array,
     *,
     further: Sequence[str] = (),
@@ -163,7 +141,7 @@ def run(
 
     Raises:
         LoopError: Shapes, names or periods do not fit.
-        PlantFailed: Raised by the plant's `crossed`.
+        PlantFailed: Raised by the plant's `note_steps`.
     """
     edge = plant.edge()
     table, noises = (np.ascontiguousarray(values, dtype=np.float64) for values in (inputs, noise))
@@ -190,7 +168,7 @@ def run(
         record=_at(outputs), filter=ctypes.addressof(filters), first=edge.sample,
     )  # fmt: skip
     code = _library().run(ctypes.byref(plan))
-    plant.crossed(plan.done, code)
+    plant.note_steps(plan.done, code)
     return Record(
         sample=edge.sample + every * np.arange(1, rows + 1),
         outputs=outputs,

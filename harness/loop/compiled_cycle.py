@@ -12,11 +12,21 @@ from numpy.typing import NDArray
 
 from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
-from railgrip.loop.ended import Clock, Ended, diverged, implausible, still_moving, stood, without_command
+from railgrip.loop.ending import Clock, Ending, divergence, horizon, implausibility, standstill, without_command
 from railgrip.loop.faults import Faults
-from railgrip.loop.library import compiled, kernel
+from railgrip.loop.library import address_of, kernel
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Actuation, Controller, DirectEstimator, Edge, LawStates, Plant, Sensors
+from railgrip.loop.ports import (
+    Actuation,
+    Controller,
+    DirectEstimator,
+    Edge,
+    FilterInC,
+    LawStates,
+    Plant,
+    PlantInC,
+    Sensors,
+)
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, StateEstimator, complete
@@ -27,23 +37,6 @@ Vector = NDArray[np.float64]
 
 _GOING, _STANDING, _PLANT_FAILED, _DIVERGED, _NO_COMMAND, _IMPLAUSIBLE = range(6)
 _NEGATIVE_VARIANCE = -1
-
-
-@runtime_checkable
-class PlantInC(Protocol):
-    """A plant that C can step."""
-
-    def start(self, inputs: Vector) -> Vector:
-        """Initialise with `inputs` applied and return the outputs at the start time."""
-        ...
-
-    def edge(self) -> Edge:
-        """Return how, once started."""
-        ...
-
-    def crossed(self, steps: int, ended: int) -> None:
-        """Take note of steps done by C and of the outcome that ended them early, if not 0; raise PlantFailed then."""
-        ...
 
 
 @runtime_checkable
@@ -59,26 +52,6 @@ class FormulaInC(Protocol):
     @property
     def step(self) -> ca.Function:
         """(state, input, parameter) → (state, output)."""
-        ...
-
-
-@runtime_checkable
-class FilterInC(Protocol):
-    """An estimator as `railgrip.estimators.compiled.CompiledFilter`."""
-
-    mean: Vector
-    covariance: NDArray[np.float64]
-    inputs: Vector
-    readings: Vector
-    selection: Vector
-
-    @property
-    def entry(self) -> tuple[int, int, int]:
-        """Addresses of its step, of the argument of that, and of the squared innovation."""
-        ...
-
-    def failure(self, outcome: int) -> str:
-        """Return what a number that its step returns means."""
         ...
 
 
@@ -177,7 +150,7 @@ def run(
     stop_speed: float,
     recorder: Recorder,
     progress: Callable[[float], None] | None = None,
-) -> Ended:
+) -> Ending:
     """Brake until the train stands, the horizon is reached, or a party fails; arguments as for `cycle.run`.
 
     `progress` is called after every `BLOCK` samples, which is also how long Ctrl-C waits.
@@ -208,39 +181,43 @@ def run(
         law,
         recorder,
     )
-    its = parts.struct
+    state = parts.struct
     plausibility = Plausibility(period=clock.period, start_speed=start_speed)
-    its.period, its.stop_speed, its.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
-    its.sensors_every, its.estimator_every, its.controller_every = clock.sensors, clock.estimator, clock.controller
-    its.truth[:], its.inputs[:] = truth.tolist(), inputs.tolist()
-    cycle, address = kernel(layout).cycle, ctypes.addressof(its)
+    state.period, state.stop_speed, state.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
+    state.sensors_every, state.estimator_every, state.controller_every = (
+        clock.sensors,
+        clock.estimator,
+        clock.controller,
+    )
+    state.truth[:], state.inputs[:] = truth.tolist(), inputs.tolist()
+    cycle, address = kernel(layout).cycle, ctypes.addressof(state)
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
-    ended = _GOING
+    outcome = _GOING
     try:
         for first in range(0, clock.samples + 1, BLOCK):
             if isinstance(sensors, WhiteSensors | ServiceSensors) and first % (BLOCK * clock.sensors) == 0:
                 sensors.draw()
-            before = its.crossed
-            ended = cycle(address, min(first + BLOCK, clock.samples + 1))
-            plant.crossed(its.crossed - before, its.failure if ended == _PLANT_FAILED else 0)
-            if ended != _GOING:
+            before = state.crossed
+            outcome = cycle(address, min(first + BLOCK, clock.samples + 1))
+            plant.note_steps(state.crossed - before, state.failure if outcome == _PLANT_FAILED else 0)
+            if outcome != _GOING:
                 break
             if progress is not None:
-                progress(its.truth[at_speed])
+                progress(state.truth[at_speed])
     finally:
-        recorder.written = its.written
+        recorder.written = state.written
         if isinstance(state_estimator, StateEstimator):
-            complete(recorder.rows[: its.written], recorder, state_estimator.wheel_radius)
-    time, distance, speed = its.sample * clock.period, its.truth[at_distance], its.truth[at_speed]
-    if ended == _STANDING:
-        return stood(distance, time, its.written)
-    if ended == _IMPLAUSIBLE:
-        return implausible(plausibility.reason(time), its.written)
-    if ended == _DIVERGED:
-        return diverged(parts.failure(), time, its.written)
-    if ended == _NO_COMMAND:
-        return without_command(tuple(its.command), time, its.written)
-    return still_moving(speed, distance, clock, its.written)
+            complete(recorder.rows[: state.written], recorder, state_estimator.wheel_radius)
+    time, distance, speed = state.sample * clock.period, state.truth[at_distance], state.truth[at_speed]
+    if outcome == _STANDING:
+        return standstill(distance, time, state.written)
+    if outcome == _IMPLAUSIBLE:
+        return implausibility(plausibility.reason(time), state.written)
+    if outcome == _DIVERGED:
+        return divergence(parts.failure(), time, state.written)
+    if outcome == _NO_COMMAND:
+        return without_command(tuple(state.command), time, state.written)
+    return horizon(speed, distance, clock, state.written)
 
 
 class _Parts:
@@ -263,7 +240,7 @@ class _Parts:
     ) -> None:
         self._keep: list[Any] = [plant, rail, sensors, state_estimator, controller, actuation, driver, faults, recorder]
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
-        read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.shown)
+        read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.places)
         self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, set_step_get=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size,
@@ -279,28 +256,30 @@ class _Parts:
             driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
             traction_at=recorder.at.get("traction", -1), reference_at=recorder.at.get("reference_speed", -1),
         )  # fmt: skip
-        its = self.struct
-        its.reference[0] = math.nan
+        struct = self.struct
+        struct.reference[0] = math.nan
         if law is not None:
-            its.law_of, its.law_count = self._places(law.places), law.places.size
-            its.law_at = recorder.block(law.signals).start
+            struct.law_of, struct.law_count = self._places(law.places), law.places.size
+            struct.law_at = recorder.block(law.signals).start
         if isinstance(sensors, WhiteSensors):
-            its.gain, its.bias, its.noise = (self._at(part) for part in (sensors.gain, sensors.bias, sensors.noise))
+            struct.gain, struct.bias, struct.noise = (
+                self._at(part) for part in (sensors.gain, sensors.bias, sensors.noise)
+            )
         self._filter = filter_ = state_estimator.filter if isinstance(state_estimator, StateEstimator) else None
         if isinstance(state_estimator, StateEstimator) and isinstance(filter_, FilterInC):
-            its.advance, its.block, its.squared = filter_.entry
+            struct.advance, struct.block, struct.squared = filter_.entry
             parts = filter_.inputs, filter_.readings, filter_.selection
-            its.held, its.seen, its.used = (self._at(part) for part in parts)
-            its.mean, its.covariance = self._at(filter_.mean), self._at(filter_.covariance)
-            its.row = filter_.covariance.strides[0] // filter_.covariance.itemsize
-            its.seen_of, its.seen_count = (
+            struct.held, struct.seen, struct.used = (self._at(part) for part in parts)
+            struct.mean, struct.covariance = self._at(filter_.mean), self._at(filter_.covariance)
+            struct.row = filter_.covariance.strides[0] // filter_.covariance.itemsize
+            struct.seen_of, struct.seen_count = (
                 self._places(state_estimator.reading_places),
                 state_estimator.reading_places.size,
             )
             places = state_estimator.wheelset_speed, state_estimator.adhesion, state_estimator.pad_friction
-            its.believed_of = self._places(np.concatenate([[state_estimator.speed], *places]))
-            its.radius = self._at(np.array(state_estimator.wheel_radius))
-            its.believed_at, its.spread_at, its.innovation_at = (
+            struct.believed_of = self._places(np.concatenate([[state_estimator.speed], *places]))
+            struct.radius = self._at(np.array(state_estimator.wheel_radius))
+            struct.believed_at, struct.spread_at, struct.innovation_at = (
                 recorder.block(block).start for block in (BELIEVED, SPREAD, INNOVATION)
             )
 
@@ -320,5 +299,5 @@ class _Parts:
         if not isinstance(formula, FormulaInC):
             return _Formula()
         return _Formula(
-            call=compiled(formula.step), state=self._at(formula.state), parameter=self._at(formula.parameters)
+            call=address_of(formula.step), state=self._at(formula.state), parameter=self._at(formula.parameters)
         )

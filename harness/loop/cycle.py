@@ -9,13 +9,13 @@ import numpy as np
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, SensorsFailed
 from railgrip.loop.driver import Driver
-from railgrip.loop.ended import (
+from railgrip.loop.ending import (
     Clock,
-    Ended,
-    diverged,
-    implausible,
-    still_moving,
-    stood,
+    Ending,
+    divergence,
+    horizon,
+    implausibility,
+    standstill,
     without_command,
     without_controller,
     without_reading,
@@ -28,7 +28,7 @@ from railgrip.signals import SENT, Layout
 from railgrip.trace.recorder import Recorder
 
 
-def run(*, controller: Controller, **parties: Any) -> Ended:
+def run(*, controller: Controller, **parties: Any) -> Ending:
     """Brake with a controller; the other arguments, errors and results are those of `decisions`."""
     going = decisions(**parties)
     try:
@@ -61,7 +61,7 @@ def decisions(
     stop_speed: float,
     recorder: Recorder,
     progress: Callable[[float], None] | None = None,
-) -> Generator[Observation, Sequence[float], Ended]:
+) -> Generator[Observation, Sequence[float], Ending]:
     """Brake until the train stands, the horizon is reached, or a party fails in a way that is a result.
 
     Whenever a decision is due, yields what a controller is shown and is sent the pressures that it demands [Pa]; a
@@ -96,7 +96,9 @@ def decisions(
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
     """
     rows = recorder.rows
-    true, sent, read = (recorder.block(s) for s in (layout.plant_signals, SENT, layout.reading_signals))
+    truth_columns, input_columns, reading_columns = (
+        recorder.block(s) for s in (layout.plant_signals, SENT, layout.reading_signals)
+    )
     period = clock.period
     report_every = max(round(0.25 / period), 1)
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
@@ -116,24 +118,24 @@ def decisions(
     nothing_new = np.full(layout.readings, np.nan)
     plausibility = Plausibility(period=period, start_speed=start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
-    written, moved = 0, False
+    count, has_moved = 0, False
     try:
         for k in range(clock.samples + 1):
             if k > 0:
                 truth = plant.step(inputs)
             time, distance, speed = k * period, float(truth[at_distance]), float(truth[at_speed])
             if not plausibility.holds(layout, k, truth, inputs):
-                return implausible(plausibility.reason(time), k)
+                return implausibility(plausibility.reason(time), k)
             try:
                 reading = nothing_new if k % clock.sensors else sensors.read(k // clock.sensors, truth)
             except SensorsFailed as failed:
                 return without_reading(str(failed), k)
             if faults is not None:
-                reading = faults.shown(k, reading)
+                reading = faults.show(k, reading)
             row = rows[k]
-            row[true] = truth
-            row[sent] = inputs
-            row[read] = reading
+            row[truth_columns] = truth
+            row[input_columns] = inputs
+            row[reading_columns] = reading
             if demand_columns is not None:
                 row[demand_columns] = demands
             if law is not None:
@@ -148,33 +150,33 @@ def decisions(
             if k % clock.estimator == 0:
                 problem = watch.believe(time)
                 if problem:
-                    return diverged(problem, time, k)
+                    return divergence(problem, time, k)
             watch.record(row)
-            written = k + 1
+            count = k + 1
             if k % clock.controller == 0:
                 observation = watch.observation(time)
                 try:
                     demands = yield observation
                 except ControllerFailed as failed:
-                    return without_controller(str(failed), written)
+                    return without_controller(str(failed), count)
                 if not math.isfinite(sum(demands)):  # valve logic would take it for a wish to hold
-                    return without_command(demands, time, written)
-                allowed = watch.allowed(demands)
+                    return without_command(demands, time, count)
+                demands_with_releases = watch.release(demands)
                 if driver_columns is None:
-                    command = actuation.command(allowed, observation.pressure)
+                    command = actuation.command(demands_with_releases, observation.pressure)
                 else:
                     driver_demands = driver.pressure.tolist()
-                    pairs = zip(allowed, driver_demands, strict=True)
-                    lower = [min(pair) for pair in pairs] if driver.binding else allowed
+                    pairs = zip(demands_with_releases, driver_demands, strict=True)
+                    lower = [min(pair) for pair in pairs] if driver.binding else demands_with_releases
                     command = actuation.command(lower, observation.pressure)
                 if not math.isfinite(sum(command)):
-                    return without_command(command, time, written)
+                    return without_command(command, time, count)
                 inputs[sent_command] = command
             if faults is not None:
-                inputs[sent_command] = faults.passed(k, truth, command)
-            moved = moved or speed > stop_speed
-            if speed <= stop_speed and (moved or driver.pressure.any()):
-                return stood(distance, time, written)
+                inputs[sent_command] = faults.transmit(k, truth, command)
+            has_moved = has_moved or speed > stop_speed
+            if speed <= stop_speed and (has_moved or driver.pressure.any()):
+                return standstill(distance, time, count)
             if progress is not None and k % report_every == 0:
                 progress(speed)
             rail.roll(time, truth)
@@ -182,6 +184,6 @@ def decisions(
             if driver_columns is not None:
                 inputs[sent_force] += driver.force
     finally:
-        recorder.written = written
-        watch.complete(rows[:written])
-    return still_moving(speed, distance, clock, written)
+        recorder.written = count
+        watch.complete(rows[:count])
+    return horizon(speed, distance, clock, count)

@@ -141,10 +141,10 @@ class Driver:
         rows = [_Phase(**values, until=code) for values, code in zip(numbers, codes, strict=True)]
         tables = [np.array([getattr(phase, name) for phase in phases]) for name in ("pressures", "slopes")]
         self._keep: Any = ((_Phase * len(rows))(*rows), *tables, np.array(touching), np.array(full))
-        named = zip(("pressures", "slopes", "touching", "full"), self._keep[1:], strict=True)
+        arrays = zip(("pressures", "slopes", "touching", "full"), self._keep[1:], strict=True)
         self.struct: Any = driver_struct(layout.formation.groups)(
             phases=ctypes.addressof(self._keep[0]), period=period, count=len(rows), binding=binding,
-            **{name: array.ctypes.data for name, array in named},
+            **{name: array.ctypes.data for name, array in arrays},
         )  # fmt: skip
         if phases:
             self._drive = kernel(layout).drive

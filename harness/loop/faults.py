@@ -138,16 +138,16 @@ class Faults:
         self._keep.append(np.ascontiguousarray(values))
         return {"past": self._keep[-1].ctypes.data, "count": values.size}
 
-    def shown(self, sample: int, reading: Vector) -> Vector:
+    def show(self, sample: int, reading: Vector) -> Vector:
         """Return what the sensors show of a reading at a sample; samples come in order."""
-        shown = np.array(reading, dtype=np.float64)
-        self._library.show_faults(ctypes.addressof(self.struct), sample, shown.ctypes.data)
-        return shown
+        values = np.array(reading, dtype=np.float64)
+        self._library.show_faults(ctypes.addressof(self.struct), sample, values.ctypes.data)
+        return values
 
-    def passed(self, sample: int, truth: Vector, sent: Sequence[float]) -> Vector:
+    def transmit(self, sample: int, truth: Vector, commands: Sequence[float]) -> Vector:
         """Return the commands that arrive at the plant, of those sent, at a sample with these outputs of the plant."""
         self._truth[:] = truth
-        command = np.array(sent, dtype=np.float64)
+        command = np.array(commands, dtype=np.float64)
         self._library.pass_faults(
             ctypes.addressof(self.struct),
             sample,

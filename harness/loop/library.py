@@ -44,7 +44,7 @@ def kernel(layout: Layout) -> ctypes.CDLL:
 
 
 @cache
-def compiled(step: ca.Function) -> int:
+def address_of(step: ca.Function) -> int:
     """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
 
     It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.

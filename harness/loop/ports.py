@@ -56,6 +56,23 @@ class Plant(Protocol):
 
 
 @runtime_checkable
+class PlantInC(Protocol):
+    """A plant that C can step, and that takes note of how far that went."""
+
+    def start(self, inputs: Vector) -> Vector:
+        """Initialise with `inputs` applied and return the outputs at the start time."""
+        ...
+
+    def edge(self) -> Edge:
+        """Return how, once started."""
+        ...
+
+    def note_steps(self, steps: int, code: int) -> None:
+        """Take note of steps done by C and of the outcome that ended them early, if not 0; raise PlantFailed then."""
+        ...
+
+
+@runtime_checkable
 class Sensors(Protocol):
     """What the train's instruments make of the truth."""
 
@@ -103,6 +120,26 @@ class Filter(Estimator, Protocol):
     @property
     def squared_innovation(self) -> float:
         """Normalised innovation squared of the last step, of `used.sum()` degrees; 0 before the first."""
+        ...
+
+
+@runtime_checkable
+class FilterInC(Protocol):
+    """An estimator as `railgrip.estimators.compiled.CompiledFilter`."""
+
+    mean: Vector
+    covariance: Matrix
+    inputs: Vector
+    readings: Vector
+    selection: Vector
+
+    @property
+    def entry(self) -> tuple[int, int, int]:
+        """Addresses of its step, of the argument of that, and of the squared innovation."""
+        ...
+
+    def failure(self, outcome: int) -> str:
+        """Return what a number that its step returns means."""
         ...
 
 

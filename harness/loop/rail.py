@@ -250,7 +250,7 @@ class TabulatedRail:
         self.friction, self.sections, self.field, self.sand = friction, sections, field, sand
         self._truth = np.empty(layout.outputs)
         self._roll = kernel(layout).roll
-        self._needed = [layout.output[name] for name in ("adhesion", "slip", "wheelset_load")]
+        self._energy_places = [layout.output[name] for name in ("adhesion", "slip", "wheelset_load")]
         self._keep = tuple(
             np.ascontiguousarray(table, dtype=np.float64)
             for table in (friction.mu0_at, sections.begins, sections.forces, sections.rates)
@@ -278,7 +278,7 @@ class TabulatedRail:
         Raises:
             ScenarioError: Slip is to change the rail, and the plant has no adhesion, slip or load of its wheelsets.
         """
-        if self.field is not None and any(np.isnan(truth[place]).any() for place in self._needed):
+        if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(
                 "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion, slip and "
                 "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"

@@ -22,33 +22,33 @@ class IdealSensors:
     """Readings are the plant's outputs.
 
     Attributes:
-        shown: Which output each entry of a reading shows.
+        places: Which output each entry of a reading shows.
     """
 
     def __init__(self, layout: Layout) -> None:
         """Read a vehicle whose vectors have this layout."""
         places = [layout.output[name] for name in layout.reading]
-        self.shown = np.concatenate([np.arange(place.start, place.stop) for place in places])
+        self.places = np.concatenate([np.arange(place.start, place.stop) for place in places])
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the truth, in the order of a reading."""
-        return truth.take(self.shown)
+        return truth.take(self.places)
 
 
 class WhiteSensors:
     """Readings are the plant's outputs times a gain, plus a bias and noise that is white from sample to sample.
 
     Attributes:
-        shown: Which output each entry of a reading shows.
+        places: Which output each entry of a reading shows.
         gain, bias: Of each entry, constant over a stop.
         noise: Of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
     """
 
     def __init__(
-        self, shown: NDArray[np.intp], gain: Vector, bias: Vector, deviation: Vector, random: np.random.Generator
+        self, places: NDArray[np.intp], gain: Vector, bias: Vector, deviation: Vector, random: np.random.Generator
     ) -> None:
         """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it."""
-        self.shown, self.gain, self.bias = shown, gain, bias
+        self.places, self.gain, self.bias = places, gain, bias
         self.noise = np.empty((BLOCK, deviation.size))
         self._deviation, self._random = deviation, random
 
@@ -60,7 +60,7 @@ class WhiteSensors:
         """Return the reading of a sample; they come one after the other, from 0 on."""
         if sample % BLOCK == 0:
             self.draw()
-        return truth.take(self.shown) * self.gain + self.bias + self.noise[sample % BLOCK]
+        return truth.take(self.places) * self.gain + self.bias + self.noise[sample % BLOCK]
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,28 +201,29 @@ class ServiceSensors:
         self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
     ) -> None:
         """Read a vehicle of this layout every `period` [s], with noise from `random`."""
-        its, groups = instruments, layout.formation.groups
+        groups = layout.formation.groups
         self._random = random
         whole = (MissingTeeth(),) * groups
-        self._encoders = [Encoder(layout, its, period, random, of) for of in its.missing_teeth or whole]
+        self._encoders = [Encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or whole]
         self._deviation = np.array(
-            [its.speed_noise, its.acceleration_noise] + [its.deflection_noise] * layout.formation.wheelsets
+            [instruments.speed_noise, instruments.acceleration_noise]
+            + [instruments.deflection_noise] * layout.formation.wheelsets
         )
         self._noise = np.empty((BLOCK, self._deviation.size))
-        self._past = np.empty(its.speed_latency + 1)
-        self._offset_steps = its.pressure_offset / its.pressure_step
+        self._past = np.empty(instruments.speed_latency + 1)
+        self._offset_steps = instruments.pressure_offset / instruments.pressure_step
         self.struct: Any = service_struct(groups, layout.formation.wheelsets)(
             encoder=(_Encoder * groups)(*(encoder.struct for encoder in self._encoders)),
             noise=self._noise.ctypes.data, offset_steps=self._offset_steps.ctypes.data, past=self._past.ctypes.data,
-            period=period, acceleration_bias=its.acceleration_bias,
-            pressure_step=its.pressure_step, pressure_share=period / (its.pressure_lag + period),
-            block=BLOCK, speed_every=its.speed_every, speed_latency=its.speed_latency,
-            speed_factor=its.speed_factor.ctypes.data, speed_factors=its.speed_factor.size,
+            period=period, acceleration_bias=instruments.acceleration_bias,
+            pressure_step=instruments.pressure_step, pressure_share=period / (instruments.pressure_lag + period),
+            block=BLOCK, speed_every=instruments.speed_every, speed_latency=instruments.speed_latency,
+            speed_factor=instruments.speed_factor.ctypes.data, speed_factors=instruments.speed_factor.size,
         )  # fmt: skip
-        self._instruments = its
-        if its.gravity is not None:
-            self.struct.gravity = _course(its.gravity)
-        if (rail := its.rail) is not None:
+        self._instruments = instruments
+        if instruments.gravity is not None:
+            self.struct.gravity = _course(instruments.gravity)
+        if (rail := instruments.rail) is not None:
             self.struct.rail, self.struct.position = _course(rail.height), rail.position.ctypes.data
             self.struct.shift[:], self.struct.forward[:] = rail.state.ravel().tolist(), rail.forward.tolist()
             self.struct.back[:] = rail.back.tolist()
@@ -263,14 +264,13 @@ class Encoder:
         missing: MissingTeeth = MissingTeeth(),
     ) -> None:
         """Mount a pole wheel at a random angle."""
-        its = instruments
-        pitch = 2.0 * np.pi / its.pulses
+        pitch = 2.0 * np.pi / instruments.pulses
         # Errors of the tooth positions, not of the gaps: they close after one revolution by construction.
-        self._teeth = its.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(its.pulses)
+        self._teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
         self.struct = _Encoder(
-            teeth=self._teeth.ctypes.data, pulses=its.pulses, pitch=pitch, clock=its.clock, period=period,
-            angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
-            silence=pitch * its.wheel_radius / max(its.cut_off, 1e-3),
+            teeth=self._teeth.ctypes.data, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
+            period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
+            silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
             missing=missing.count, begin=missing.begin, end=missing.end,
         )  # fmt: skip
         self._address = ctypes.addressof(self.struct)

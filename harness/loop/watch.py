@@ -82,7 +82,7 @@ class Readings:
     def believe(self, time: float) -> str | None:
         """Estimate anew at a time [s]; return what is wrong with that, if anything is."""
 
-    def allowed(self, demands: Sequence[float]) -> Sequence[float]:
+    def release(self, demands: Sequence[float]) -> Sequence[float]:
         """Return demanded pressures [Pa], none of groups that are to be released."""
         return demands
 
@@ -119,7 +119,7 @@ class DirectEstimates(Readings):
         self._estimator = estimator
         self._columns = {name: recorder.columns[f"estimate_{name}"] for name in estimator.provides}
         self._values: Mapping[str, Vector] = {}
-        self._shown: dict[str, Any] = {}
+        self._replacements: dict[str, Any] = {}
 
     def believe(self, time: float) -> str | None:
         """Estimate anew at a time [s]; return what is wrong with that, if anything is."""
@@ -127,11 +127,11 @@ class DirectEstimates(Readings):
             self._values = values = self._estimator.step(super().observation(time))
         except EstimatorFailed as failed:
             return str(failed)
-        self._shown = {name: value for name, value in values.items() if name in Observation._fields}
+        self._replacements = {name: value for name, value in values.items() if name in Observation._fields}
         if "speed" in values:
-            self._shown["speed"] = float(values["speed"][0])
+            self._replacements["speed"] = float(values["speed"][0])
         if "slip" in values:
-            self._shown["slip_is_estimated"] = True
+            self._replacements["slip_is_estimated"] = True
         return None
 
     def record(self, row: Vector) -> None:
@@ -141,7 +141,7 @@ class DirectEstimates(Readings):
 
     def observation(self, time: float) -> Observation:
         """Return what the controller is shown now."""
-        return super().observation(time)._replace(**self._shown)
+        return super().observation(time)._replace(**self._replacements)
 
 
 class Beliefs:
@@ -161,13 +161,13 @@ class Beliefs:
         self.driver_demand = driver_demand
         self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
         self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
-        self._filter = its = state_estimator.filter
+        self._filter = filter_ = state_estimator.filter
         self._radius, self._reading_places = np.array(state_estimator.wheel_radius), state_estimator.reading_places
         uncertain = [state_estimator.adhesion, state_estimator.pad_friction]
         self._states = np.concatenate([[state_estimator.speed], state_estimator.wheelset_speed, *uncertain])
         self._uncertain = np.concatenate(uncertain)
-        self._variances = its.covariance.diagonal()  # a view: the filter writes its belief where it stood
-        self._believed = its.mean.take(self._states)
+        self._variances = filter_.covariance.diagonal()  # a view: the filter writes its belief where it stood
+        self._means = filter_.mean.take(self._states)
         self._spread = self._variances.take(self._uncertain)
         self._wheels, self._unknown = state_estimator.wheelset_speed, (_UNKNOWN_SPEED / self._radius) ** 2
         self._free_wheel, at = state_estimator.free_wheel, layout.reading
@@ -200,7 +200,7 @@ class Beliefs:
         if self._fresh is None:  # the first sample: the belief is the one that the filter begins with
             return None
         assert self._latest is not None
-        its, fresh = self._filter, self._fresh
+        filter_, fresh = self._filter, self._fresh
         if self._free_wheel is not None:
             wheels, pressures = self._latest[self._reading_wheels], self._latest[self._pressure]
             self._reference = self._free_wheel.call(
@@ -208,28 +208,28 @@ class Beliefs:
             )
             fresh = fresh.copy()
             fresh[self._reading_speed] = self._reference[0]
-        its.readings[:] = fresh.take(self._reading_places)
+        filter_.readings[:] = fresh.take(self._reading_places)
         try:
-            its.advance()
+            filter_.advance()
         except ArithmeticError as diverged:
             return str(diverged)
         self._fresh = None
-        its.inputs[: self._groups] = self._latest[self._pressure]
-        self._innovation = (its.squared_innovation, np.add.reduce(its.selection))
-        self._believed = its.mean.take(self._states)
+        filter_.inputs[: self._groups] = self._latest[self._pressure]
+        self._innovation = (filter_.squared_innovation, np.add.reduce(filter_.selection))
+        self._means = filter_.mean.take(self._states)
         self._spread = spread = self._variances.take(self._uncertain)
         if not np.minimum.reduce(spread) >= 0.0:
             return NEGATIVE
         return None
 
-    def allowed(self, demands: Sequence[float]) -> Sequence[float]:
+    def release(self, demands: Sequence[float]) -> Sequence[float]:
         """Return demanded pressures [Pa], none of groups that are to be released."""
-        released = self._reference[1:]
-        return [0.0 if off else demand for demand, off in zip(demands, released, strict=True)]
+        releases = self._reference[1:]
+        return [0.0 if off else demand for demand, off in zip(demands, releases, strict=True)]
 
     def record(self, row: Vector) -> None:
         """Write the belief into a row."""
-        row[self._mean_columns] = self._believed
+        row[self._mean_columns] = self._means
         row[self._spread_columns] = self._spread
         row[self._innovation_columns] = self._innovation
         if self._free_wheel is not None:
@@ -241,10 +241,10 @@ class Beliefs:
 
     def observation(self, time: float) -> Observation:
         """Return what the controller is shown now; a sensor without a new reading shows its last one."""
-        latest, believed, last = self._latest, self._believed, 1 + self._groups
+        latest, means, last = self._latest, self._means, 1 + self._groups
         assert latest is not None
-        speed, wheels = float(believed[0]), believed[1:last]
-        adhesion, pad_friction = believed[last : last + self._groups], believed[last + self._groups :]
+        speed, wheels = float(means[0]), means[1:last]
+        adhesion, pad_friction = means[last : last + self._groups], means[last + self._groups :]
         slip, acceleration = _slips(speed, wheels, self._radius), float(latest[self._acceleration])
         pressure = latest[self._pressure]
         demand = self.driver_demand

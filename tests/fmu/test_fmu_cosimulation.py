@@ -12,7 +12,7 @@ from tiny_fmu import GUID, tiny, xml
 
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu import Binding, CoSimulation, Description, Plant, Signal, bind, describe
-from railgrip.fmu.instance import Instance, unpacked
+from railgrip.fmu.instance import Instance, unpack
 from railgrip.loop.compiled import run
 
 PERIOD = 1e-3
@@ -311,7 +311,7 @@ def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_o
     foundry: Path, tool: str, capfd: pytest.CaptureFixture[str]
 ):
     description = describe(faulty_fmu(foundry, "TALKS", tool=tool))
-    with unpacked(description) as folder, closing(Instance(description, "co-simulation", folder, name="m")) as fmu:
+    with unpack(description) as folder, closing(Instance(description, "co-simulation", folder, name="m")) as fmu:
         print("before")
         fmu.enter_initialization()
         fmu.exit_initialization()

@@ -24,8 +24,8 @@ def test_a_description_holds_what_the_xml_says(foundry: Path):
     assert description.model == "Tiny"
     assert description.states == ("x",)
     assert description.derivatives == ("der(x)",)
-    assert description.named("input") == ("u", "mode")
-    assert description.named("parameter") == ("rate", "gain", "label", "allowed")
+    assert description.names("input") == ("u", "mode")
+    assert description.names("parameter") == ("rate", "gain", "label", "allowed")
     rate = description.variables["rate"]
     assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, "2")
     unit = description.variables["x"].unit

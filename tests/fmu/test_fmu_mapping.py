@@ -258,7 +258,7 @@ def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
         parameters=[signal("speed_start", "m/s")],
         table={"speed_start": "rate"},
     )
-    assert binding.translated({"speed_start": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
+    assert binding.translate({"speed_start": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
 
 
 def test_a_missing_parameter_of_ours_is_told(foreign: Description):

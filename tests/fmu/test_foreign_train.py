@@ -86,7 +86,7 @@ def stop(
         grip,
         force,
     )
-    parameters = binding.translated({"speed_start": 20.0})
+    parameters = binding.translate({"speed_start": 20.0})
     with CoSimulation(foreign, binding, period=PERIOD, parameters=parameters) as plant:
         rows = [plant.start(inputs)]
         rows += [plant.step(inputs) for _ in range(round(duration / PERIOD))]

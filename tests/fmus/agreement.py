@@ -27,7 +27,7 @@ def nudged(fmus: Pair) -> dict[str, float]:
 
     One that a compiler has evaluated for good shows in the trajectories.
     """
-    parameters = [fmus.ours.variables[n] for n in fmus.ours.named("parameter") if n in fmus.theirs.named("parameter")]
+    parameters = [fmus.ours.variables[n] for n in fmus.ours.names("parameter") if n in fmus.theirs.names("parameter")]
     values = {v.name: 0.99 * float(v.start or 0) for v in parameters if v.kind == "Real"}
     least = {v.name: -np.inf if v.minimum is None else v.minimum for v in parameters}
     most = {v.name: np.inf if v.maximum is None else v.maximum for v in parameters}
@@ -51,7 +51,7 @@ def integrated(
         relative_tolerance=1e-9,
         input=signals,
         start_values=dict(start),
-        output=list(description.named("output")),
+        output=list(description.names("output")),
     )
 
 
@@ -63,7 +63,7 @@ def stepped(
     def signals(causality: str) -> list[Signal]:
         return [
             Signal(name=n, unit=description.variables[n].unit_name or "1", size=0, needed=True)
-            for n in description.named(causality)
+            for n in description.names(causality)
         ]
 
     binding = bind(description, inputs=signals("input"), outputs=signals("output"))

@@ -36,9 +36,9 @@ def pair(modelica) -> Pair:
 
 
 def test_the_pair_differs_as_meant(pair):
-    assert pair.ours.named("output") == ("y", "z")
-    assert pair.theirs.named("output") == ("z", "y")
-    assert {"k", "spring.c"} <= set(pair.ours.named("parameter"))
+    assert pair.ours.names("output") == ("y", "z")
+    assert pair.theirs.names("output") == ("z", "y")
+    assert {"k", "spring.c"} <= set(pair.ours.names("parameter"))
 
 
 def test_what_a_class_protects_is_hidden_but_for_its_states(pair):

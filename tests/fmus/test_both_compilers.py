@@ -53,7 +53,7 @@ def test_the_face_is_the_same(pair, name):
 
     for causality in ("input", "output", "parameter"):
         ours, theirs = (
-            {n: d.variables[n] for n in d.named(causality) if not n.startswith("_")} for d in (fmus.ours, fmus.theirs)
+            {n: d.variables[n] for n in d.names(causality) if not n.startswith("_")} for d in (fmus.ours, fmus.theirs)
         )
         assert sorted(theirs) == sorted(ours)
         for n, v in ours.items():
@@ -69,7 +69,7 @@ def test_the_face_is_the_same(pair, name):
 def test_the_trajectory_is_the_same(pair, name):
     """Three seconds, parameters nudged; a difference of compilers is one in rounding, of two integrations 1e-5."""
     fmus = pair(name)
-    inputs = {n: held(n) for n in fmus.ours.named("input")}
+    inputs = {n: held(n) for n in fmus.ours.names("input")}
     start = nudged(fmus)
     assert beyond(1e-5, fmus, integrated(fmus.ours, inputs, start), integrated(fmus.theirs, inputs, start)) == {}
 
@@ -77,7 +77,7 @@ def test_the_trajectory_is_the_same(pair, name):
 def test_the_trajectory_is_the_same_through_lock_and_standstill(pair):
     """From 3 m/s on bad rail; after standstill the frames swing out, 1e-4 of their largest deflection apart."""
     fmus = pair("TwoPartTrain")
-    inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmus.ours.named("input")}
+    inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmus.ours.names("input")}
     ours, theirs = (integrated(d, inputs, {"speed_start": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))
     assert all(ours[f"locked[{group}]"][-1] for group in range(1, 5))
     assert ours["standstill"][-1]
@@ -86,7 +86,7 @@ def test_the_trajectory_is_the_same_through_lock_and_standstill(pair):
 
 def beyond(tolerance: float, fmus: Pair, ours: np.ndarray, theirs: np.ndarray) -> dict[str, float]:
     """Return the outputs that differ by more than a tolerance of their largest value."""
-    booleans = tuple(n for n in fmus.ours.named("output") if fmus.ours.variables[n].kind == "Boolean")
+    booleans = tuple(n for n in fmus.ours.names("output") if fmus.ours.variables[n].kind == "Boolean")
     return {n: worst for n, worst in disagreement(ours, theirs, booleans).items() if worst > tolerance}
 
 
@@ -97,8 +97,8 @@ def test_a_prediction_is_the_same_function(pair, name):
     assert sorted(fmus.theirs.states) == sorted(fmus.ours.states)
     names = {
         "states": fmus.ours.states,
-        "inputs": fmus.ours.named("input"),
-        "outputs": fmus.ours.named("output"),
+        "inputs": fmus.ours.names("input"),
+        "outputs": fmus.ours.names("output"),
     }
     u = np.array([held(n) for n in names["inputs"]])
     random = np.random.default_rng(7)

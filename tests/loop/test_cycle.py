@@ -7,7 +7,7 @@ from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 from railgrip import signals
 from railgrip.loop.cycle import run
 from railgrip.loop.driver import Driver
-from railgrip.loop.ended import Clock
+from railgrip.loop.ending import Clock
 from railgrip.loop.sensors import IdealSensors
 from railgrip.loop.watch import StateEstimator
 from railgrip.trace.outcome import Outcome

@@ -25,7 +25,7 @@ from railgrip.errors import Failure, PlantFailed
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
-from railgrip.loop.ended import Clock
+from railgrip.loop.ending import Clock
 from railgrip.loop.faults import CommandFault, Faults, ReadingFault
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
@@ -100,8 +100,8 @@ class Plant:
             input_names=(), output_names=(), period=1e-3, sample=0,
         )  # fmt: skip
 
-    def crossed(self, steps, ended):
-        if ended:
+    def note_steps(self, steps, code):
+        if code:
             raise self._failure()
 
     def _set_step_get(self, plan, what, time):
@@ -217,7 +217,7 @@ VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, 
 SENSORS = {
     "ideal": lambda: IdealSensors(LAYOUT),
     "white": lambda: WhiteSensors(
-        IdealSensors(LAYOUT).shown,
+        IdealSensors(LAYOUT).places,
         np.linspace(0.99, 1.01, LAYOUT.readings),
         np.full(LAYOUT.readings, 1e-3),
         np.full(LAYOUT.readings, 1e-2),

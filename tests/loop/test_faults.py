@@ -19,7 +19,7 @@ def shown(course, *, valves=True, noise_every=1, **fault):
     for k, speed in enumerate(course):
         reading = np.arange(LAYOUT.readings, dtype=float)
         reading[SPEED] = np.nan if speed == -1 else speed
-        result = faults.shown(k, reading)
+        result = faults.show(k, reading)
         assert np.delete(result, SPEED).tolist() == np.delete(reading, SPEED).tolist()
         readings.append(result[SPEED])
     return [-1 if np.isnan(reading) else reading for reading in readings]
@@ -55,7 +55,7 @@ def test_a_sensor_that_is_broken_from_the_start_shows_its_first_reading_only(kin
 def test_faults_of_one_sensor_act_in_their_order():
     scaled, biased = (ReadingFault(kind=k, place=SPEED, begin=0, end=9, value=2.0) for k in ("scaled", "biased"))
     reading = np.full(LAYOUT.readings, 10.0)
-    results = [Faults(LAYOUT, order, [], valves=True, noise_every=1).shown(0, reading)[SPEED]
+    results = [Faults(LAYOUT, order, [], valves=True, noise_every=1).show(0, reading)[SPEED]
                for order in ([scaled, biased], [biased, scaled])]  # fmt: skip
     assert results == [22.0, 24.0]
 
@@ -69,7 +69,7 @@ def passed(commands, *, valves, inside=(0.0,) * 20, air=(0.0,) * 20, **fault):
         truth = np.zeros(LAYOUT.outputs)
         truth[LAYOUT.output["cylinder_pressure"]] = inside[k]
         truth[LAYOUT.output["air_used"]] = air[k]
-        result = faults.passed(k, truth, (7.0, command, 8.0, 9.0))
+        result = faults.transmit(k, truth, (7.0, command, 8.0, 9.0))
         assert result[[0, 2, 3]].tolist() == [7.0, 8.0, 9.0]
         arrived.append(float(result[1]))
     return arrived

@@ -58,7 +58,7 @@ def test_white_sensors_err_by_gain_bias_and_noise_as_stated():
     deviation = np.zeros(size)
     deviation[speed] = 0.1
     sensors = WhiteSensors(
-        IdealSensors(LAYOUT).shown, np.full(size, 1.01), np.full(size, 0.5), deviation, np.random.default_rng(3)
+        IdealSensors(LAYOUT).places, np.full(size, 1.01), np.full(size, 0.5), deviation, np.random.default_rng(3)
     )
     readings = np.array([sensors.read(k, truth()) for k in range(20000)])
     assert readings[:, speed].mean() == pytest.approx(20 * 1.01 + 0.5, abs=4 * 0.1 / np.sqrt(20000))

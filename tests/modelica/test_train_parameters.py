@@ -21,7 +21,7 @@ DEAD_TIMES = {"dead_fill": 1.5, "dead_vent": 1.5}
 def plant(name: str) -> tuple[Description, Binding]:
     found = describe(fmu(name))
     signals = {
-        side: [Signal(name=n, unit=found.variables[n].unit_name or "1", size=0, needed=True) for n in found.named(side)]
+        side: [Signal(name=n, unit=found.variables[n].unit_name or "1", size=0, needed=True) for n in found.names(side)]
         for side in ("input", "output")
     }
     return found, bind(found, inputs=signals["input"], outputs=signals["output"])
@@ -39,7 +39,7 @@ def course(plant: tuple[Description, Binding], parameters: Mapping[str, float]) 
         braked = t < 1.0 or 1.3 < t < 3.0 or t > 3.5
         return (1.0 if braked else -1.0) if name.startswith("valve") else 4e5 if braked else 0.0
 
-    inputs = [np.array([value(n, k * PERIOD) for n in found.named("input")]) for k in range(300)]
+    inputs = [np.array([value(n, k * PERIOD) for n in found.names("input")]) for k in range(300)]
     with CoSimulation(found, binding, period=PERIOD, parameters=parameters) as running:
         return np.array([running.start(inputs[0]), *(running.step(u) for u in inputs)])
 
@@ -55,7 +55,7 @@ def changed(found: Description, name: str) -> float:
 
 
 def numbers(found: Description) -> list[str]:
-    return [n for n in found.named("parameter") if found.variables[n].kind == "Real" and not n.startswith("_")]
+    return [n for n in found.names("parameter") if found.variables[n].kind == "Real" and not n.startswith("_")]
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def ideal() -> tuple[Description, Binding]:
 
 def test_the_course_sees_lock_release_rest_and_departure(ideal: tuple[Description, Binding]) -> None:
     """Without these, parameters of lock and rest could not show."""
-    outputs = ideal[0].named("output")
+    outputs = ideal[0].names("output")
     rows = course(ideal, {"speed_start": 10.0})
     locked, rest = rows[:, outputs.index("locked[1]")] > 0.5, rows[:, outputs.index("standstill")] > 0.5
     moving = ~rest

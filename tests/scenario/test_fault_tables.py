@@ -135,7 +135,7 @@ def test_without_place_a_fault_is_everywhere_and_time_is_meant_to_the_nearest_sa
     assert faults.struct.reading_count == 4
     assert set(READ_BY) < set(KINDS)
     reading = np.ones(200)
-    shown = {k: np.isnan(faults.shown(k, reading)).sum() for k in (0, 569, 570, 571)}
+    shown = {k: np.isnan(faults.show(k, reading)).sum() for k in (0, 569, 570, 571)}
     assert shown == {0: 0, 569: 0, 570: 4, 571: 0}
 
 

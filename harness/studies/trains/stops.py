@@ -190,7 +190,7 @@ def _step_cost(scenario: Scenario) -> float:
             Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
         ]
 
-    inputs, outputs = real(description.named("input")), real(description.named("output"))
+    inputs, outputs = real(description.names("input")), real(description.names("output"))
     binding = bind(description, inputs=inputs, outputs=outputs, parameters=(), table={}, where=description.file.name)
     constants = {"pressure_command": 1e7, "mu0": 0.5}
     values = np.array([constants.get(signal.name.partition("[")[0], 0.0) for signal in inputs])

@@ -26,7 +26,7 @@ class Clock:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ended:
+class Ending:
     """How a run of the loop ended.
 
     Attributes:
@@ -40,39 +40,39 @@ class Ended:
     samples: int
 
 
-def stood(distance: float, time: float, samples: int) -> Ended:
+def standstill(distance: float, time: float, samples: int) -> Ending:
     """Return the end of a stop: after so many metres and seconds."""
     reason = f"Stopped after {distance:.2f} m and {time:.3f} s."
-    return Ended(outcome=Outcome.STANDSTILL, reason=reason, samples=samples)
+    return Ending(outcome=Outcome.STANDSTILL, reason=reason, samples=samples)
 
 
-def still_moving(speed: float, distance: float, clock: Clock, samples: int) -> Ended:
+def horizon(speed: float, distance: float, clock: Clock, samples: int) -> Ending:
     """Return the end of a run that reached its horizon with a speed [m/s]."""
     reason = f"Still moving at {speed:.2f} m/s after {clock.samples * clock.period:g} s and {distance:.1f} m."
-    return Ended(outcome=Outcome.HORIZON, reason=reason, samples=samples)
+    return Ending(outcome=Outcome.HORIZON, reason=reason, samples=samples)
 
 
-def diverged(problem: str, time: float, samples: int) -> Ended:
+def divergence(problem: str, time: float, samples: int) -> Ending:
     """Return the end of a run whose estimator failed with `problem`, a sentence."""
-    return Ended(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=samples)
+    return Ending(outcome=Outcome.DIVERGED, reason=f"{problem} At {time:.3f} s.", samples=samples)
 
 
-def implausible(problem: str, samples: int) -> Ended:
+def implausibility(problem: str, samples: int) -> Ending:
     """Return the end of a run whose plant showed what cannot be, `problem` in a sentence."""
-    return Ended(outcome=Outcome.IMPLAUSIBLE, reason=problem, samples=samples)
+    return Ending(outcome=Outcome.IMPLAUSIBLE, reason=problem, samples=samples)
 
 
-def without_reading(problem: str, samples: int) -> Ended:
+def without_reading(problem: str, samples: int) -> Ending:
     """Return the end of a run whose sensors failed with `problem`, a sentence."""
-    return Ended(outcome=Outcome.SENSORS_FAILED, reason=problem, samples=samples)
+    return Ending(outcome=Outcome.SENSORS_FAILED, reason=problem, samples=samples)
 
 
-def without_controller(problem: str, samples: int) -> Ended:
+def without_controller(problem: str, samples: int) -> Ending:
     """Return the end of a run whose controller failed with `problem`, a sentence."""
-    return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=problem, samples=samples)
+    return Ending(outcome=Outcome.CONTROLLER_FAILED, reason=problem, samples=samples)
 
 
-def without_command(command: Sequence[float], time: float, samples: int) -> Ended:
+def without_command(command: Sequence[float], time: float, samples: int) -> Ending:
     """Return the end of a run whose controller gave something else than numbers."""
     reason = f"The controller's command at {time:.3f} s is {tuple(command)}, not {len(command)} numbers."
-    return Ended(outcome=Outcome.CONTROLLER_FAILED, reason=reason, samples=samples)
+    return Ending(outcome=Outcome.CONTROLLER_FAILED, reason=reason, samples=samples)
