@@ -3,28 +3,20 @@
 import shutil
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
-from railgrip.errors import InputError, RailgripError
-from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, choose, translate
+from railgrip.console import complain, progress, say, show_table
+from railgrip.errors import InputError, for_user
+from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.recipe import read_recipes
+from railgrip.report.table import Table
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Modelica classes to FMI 2.0 FMUs.")
-# Where nobody watches, a table is not cut to a screen that is not there.
-out = Console(width=None if sys.stdout.isatty() else 140)
-err = Console(stderr=True)
 
 Names = Annotated[list[str] | None, typer.Argument(help="FMUs of recipes.toml; all when none is named")]
 Choice = Annotated[str, typer.Option(help="auto, openmodelica or native")]
-
-
-def _compiler(text: str) -> Compiler:
-    choose(text)  # pyright: ignore[reportArgumentType] - which is what checks it
-    return text  # pyright: ignore[reportReturnType]
 
 
 @app.command("build")
@@ -41,37 +33,34 @@ def build_command(
     if library is not None:
         if names is None or len(names) != 1:
             raise InputError("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
-        artifact = build_class(names[0], library, compiler=_compiler(compiler))
+        artifact = build_class(names[0], library, compiler=cast(Compiler, compiler))
         file = Path(f"{artifact.name}.fmu") if output is None else output
         file.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(artifact.path, file)
-        out.print(f"{file}  {artifact.action} ({artifact.compiler})", highlight=False, soft_wrap=True)
+        say(f"{file}  {artifact.action} ({artifact.compiler})")
         return
     if output is not None:
         raise InputError("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
-    with err.status("building"):
-        for artifact in build(names or (), _compiler(compiler)):
-            out.print(f"{artifact.path}  {artifact.action} ({artifact.compiler})", highlight=False, soft_wrap=True)
+    with progress("building"):
+        for artifact in build(names or (), cast(Compiler, compiler)):
+            say(f"{artifact.path}  {artifact.action} ({artifact.compiler})")
 
 
 @app.command("list")
 def list_command() -> None:
     """Show the recipes and which FMUs are there."""
-    book = read_recipes()
-    table = Table()
-    for title in ("FMU", "class", "interfaces", "solver", "tolerance", "on disk"):
-        table.add_column(title, no_wrap=True)
-    for name, recipe in book.recipes.items():
-        there = (OUTPUT / f"{name}.fmu").exists()
-        table.add_row(
-            name,
-            recipe.class_name,
-            " ".join(recipe.interfaces),
-            recipe.solver,
-            f"{recipe.tolerance:g}",
-            "yes" if there else "no",
-        )
-    out.print(table)
+    rows = [
+        {
+            "FMU": name,
+            "class": recipe.class_name,
+            "interfaces": " ".join(recipe.interfaces),
+            "solver": recipe.solver,
+            "tolerance": f"{recipe.tolerance:g}",
+            "on disk": "yes" if (OUTPUT / f"{name}.fmu").exists() else "no",
+        }
+        for name, recipe in read_recipes().recipes.items()
+    ]
+    show_table(Table(rows, left=list(rows[0])))
 
 
 @app.command("check")
@@ -89,31 +78,33 @@ def check_command(
     book = read_recipes()
     complaints: list[str] = []
     faces: dict[str, Entry] = {}
-    actual = _compiler(compiler)
-    for artifact in build(() if update else names or (), actual):
+    for artifact in build(() if update else names or (), cast(Compiler, compiler)):
         complaints += [f"{artifact.name}.fmu: {problem}" for problem in validate_fmu(str(artifact.path))]
         # The lock file records the built-in compiler's view, whichever compiler made the FMU.
         faces[artifact.name] = artifact.face or translate(book[artifact.name])[1]
     if update:
         write_lock(book, faces)
-        out.print(f"{LOCK} written", highlight=False)
+        say(f"{LOCK} written")
     else:
         lock = read_lock()
         complaints += [f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, lock, face)]
     for complaint in complaints:
-        err.print(complaint, highlight=False, markup=False, soft_wrap=True)
+        complain(complaint)
     if complaints:
         raise typer.Exit(3)
-    out.print(f"{len(faces)} FMUs are valid" + ("" if update else " and as lock.toml says"), highlight=False)
+    say(f"{len(faces)} FMUs are valid" + ("" if update else " and as lock.toml says"))
 
 
 def main() -> None:
-    """Run the command line; an error of ours ends in its sentence and its exit code."""
+    """Run the command line; what a user can answer ends in its sentence and its exit code."""
     try:
         app()
-    except RailgripError as error:
-        err.print(str(error), highlight=False, markup=False, soft_wrap=True)
-        sys.exit(error.exit_code)
+    except Exception as problem:
+        message = for_user(problem)
+        if message is None:
+            raise
+        complain(str(message))
+        sys.exit(message.exit_code)
 
 
 if __name__ == "__main__":
