@@ -140,7 +140,7 @@ class SlopeSeeking(Law):
 
     A wheel speed that cannot be true is believed no more: one that is not known (NaN), a slip of less than −5 %, or a
     slide on which the rail does nothing although the brake is off. Such a group gets the torque for seven tenths of the
-    adhesion that the others use, until its wheel speed makes sense again.
+    adhesion that the others use, by the pad friction that it had before, until its wheel speed makes sense again.
     """
 
     needs = ("adhesion", "pad_friction")
@@ -188,7 +188,8 @@ class _Wheels:
         slip_change: Of ln(filtered slip) since the last sample.
         adhesion_change: Of the filtered adhesion since then.
         adhesion: Filtered, zero at least.
-        known: Whether its speed can be true.
+        credible: Whether its speed can be true now, and is that of no deep slide.
+        known: Whether its speed can be true, or could a moment ago.
         sliding: Whether it is known, and slips by more than a rolling wheel.
     """
 
@@ -198,6 +199,7 @@ class _Wheels:
     slip_change: Expression
     adhesion_change: Expression
     adhesion: Expression
+    credible: Expression
     known: Expression
     sliding: Expression
 
@@ -240,12 +242,14 @@ def slope_seeking(groups: int) -> Formula:
             mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
             draft.show(seen.named("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
             draft.show(seen.named("slip_target"), "1", "slip that is sought, dither included", target[0])
+            kept = draft.state(seen.named("pad_friction"), "1", "pad friction when the wheel speed was last credible")
+            pad_friction = choose(own.credible, seen.pad_friction, kept)
+            draft.keep(kept, pad_friction)
             if not others:
                 return controlled
             loads = [each.seen.brake["load"] for each in others]
             share = _mean([(each.known, each.adhesion) for each in others], loads)
-            rubbing = _mean([(each.known, each.seen.pad_friction) for each in others], loads)
-            followed = pressure_for(_FOLLOWED * share * held, rubbing, brake)
+            followed = pressure_for(_FOLLOWED * share * held, pad_friction, brake)
             return choose(following, followed, controlled)
 
         return demand
@@ -296,6 +300,7 @@ def _wheels(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], s
         slip_change=ca.log(ca.fmax(slip_now, small) / ca.fmax(slip_before, small)),
         adhesion_change=adhesion_now - adhesion_before,
         adhesion=ca.fmax(adhesion_now, 0.0),
+        credible=every(ca.logic_not(impossible), slip < t["slip_vent"]),
         known=known,
         sliding=every(known, slip_now >= small),
     )

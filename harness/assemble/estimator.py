@@ -93,6 +93,7 @@ def state_estimator(
         pad_friction=places("mu_b"),
         wheel_radius=radius,
         free_wheel=FreeWheel(layout.formation.brakes, period) if table.free_wheels else None,
+        load_deviation=table.load_deviation,
     )
 
 

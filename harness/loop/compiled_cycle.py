@@ -207,7 +207,7 @@ def run(
     finally:
         recorder.written = state.written
         if isinstance(state_estimator, StateEstimator):
-            complete(recorder.rows[: state.written], recorder, state_estimator.wheel_radius)
+            complete(recorder.rows[: state.written], recorder, state_estimator)
     time, distance, speed = state.sample * clock.period, state.truth[at_distance], state.truth[at_speed]
     if outcome == _STANDING:
         return standstill(distance, time, state.written)

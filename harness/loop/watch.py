@@ -43,6 +43,7 @@ class StateEstimator:
         free_wheel: Given the reading of the speed, those of the wheelset speeds and of the pressures, returns the
             speed that the filter takes, and 1 for each group that is to be released; None where nobody stands in for
             the radar.
+        load_deviation: Standard deviation of a wheelset's load over the one that the filter knows.
     """
 
     filter: Filter
@@ -53,6 +54,7 @@ class StateEstimator:
     pad_friction: Indices
     wheel_radius: tuple[float, ...]
     free_wheel: Calculation | None = None
+    load_deviation: float = 0.0
 
 
 class Readings:
@@ -158,7 +160,7 @@ class Beliefs:
         self, layout: Layout, state_estimator: StateEstimator, recorder: Recorder, driver_demand: Vector
     ) -> None:
         """See nothing yet, and believe what the filter does."""
-        self.driver_demand = driver_demand
+        self.driver_demand, self._state_estimator = driver_demand, state_estimator
         self._groups, self._every = layout.formation.groups, np.ones(layout.readings)
         self._acceleration, self._pressure = layout.reading["acceleration"].start, layout.reading["cylinder_pressure"]
         self._filter = filter_ = state_estimator.filter
@@ -237,7 +239,7 @@ class Beliefs:
 
     def complete(self, rows: Matrix) -> None:
         """Add to the rows of a stop what follows from the beliefs in them."""
-        complete(rows, self._recorder, self._radius)
+        complete(rows, self._recorder, self._state_estimator)
 
     def observation(self, time: float) -> Observation:
         """Return what the controller is shown now; a sensor without a new reading shows its last one."""
@@ -267,12 +269,17 @@ def watch_of(
     return DirectEstimates(layout, state_estimator, wheel_radius, recorder, driver_demand)
 
 
-def complete(rows: Matrix, recorder: Recorder, radius: tuple[float, ...] | Vector) -> None:
-    """Add to the rows of a stop what follows from the beliefs in them: slips, and deviations for variances."""
+def complete(rows: Matrix, recorder: Recorder, state_estimator: StateEstimator) -> None:
+    """Add to the rows of a stop what follows from the beliefs in them: slips, and deviations for variances.
+
+    Adhesion is a force that the readings tell over a load that they do not: its relative error is the load's as well.
+    """
     spread, columns = rows[:, recorder.block(signals.SPREAD)], recorder.columns
+    unloaded = state_estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
+    rows[:, columns["estimate_adhesion_sd"]] += unloaded**2
     np.sqrt(spread, out=spread)
     speed = rows[:, columns["estimate_speed"]]
-    rolling = np.asarray(radius) * rows[:, columns["estimate_wheelset_speed"]]
+    rolling = np.asarray(state_estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
     ratio = np.divide(rolling, speed, out=np.ones_like(rolling), where=speed >= _SMALL_SPEED)
     rows[:, columns["estimate_slip"]] = 1.0 - ratio
 

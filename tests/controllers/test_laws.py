@@ -186,19 +186,28 @@ def test_a_worn_wheel_is_no_slide(error):
 
 @pytest.mark.parametrize("lie", ["zero", "lost", "backwards"])
 def test_a_wheel_whose_speed_cannot_be_true_follows_the_others(lie):
-    """A sensor that shows a locked wheel where nothing brakes, or that is silent, must not keep the brake off."""
+    """A sensor that shows a locked wheel where nothing brakes, or that is silent, must not keep the brake off.
+
+    What the estimator makes of its pads meanwhile is worth nothing either: 0.3 were known of them before.
+    """
     law = SlopeSeeking([GROUP, GROUP], replace(SLOPE, period=1e-2))
     slip, adhesion = {"zero": (1.0, 0.0), "lost": (0.2, 0.05), "backwards": (-0.2, 0.05)}[lie]
     demands = []
     for k in range(200):
         braked = 2e5 if k else 0.0  # what shows before the brake is on is taken for an error of the radius
         now = shown(
-            k * 1e-2, SPEED, 0.0, (slip if k else 0.0, 0.05), (adhesion, 0.06), (0.35, 0.35), (1e5 * (k == 1), braked)
+            k * 1e-2,
+            SPEED,
+            0.0,
+            (slip if k else 0.0, 0.05),
+            (adhesion, 0.06),
+            (0.6 if k else 0.3, 0.35),
+            (1e5 * (k == 1), braked),
         )
-        if lie == "lost":
+        if lie == "lost" and k:
             now = now._replace(wheelset_speed=np.array([np.nan, now.wheelset_speed[1]]))
         demands.append(law.decide(now)[0])
-    followed = (0.7 * 0.06 * GROUP.load * 0.38 / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
+    followed = (0.7 * 0.06 * GROUP.load * 0.38 / (2 * 0.3 * 0.22) / 5.7 + 1200.0) / 0.0324
     assert demands[-1] == pytest.approx(followed, rel=0.01)
     assert demands[10] != pytest.approx(followed, rel=0.1)  # not before it is sure
     again = shown(2.0, SPEED, 0.0, (0.1, 0.05), (0.05, 0.06), (0.35, 0.35), (1e5, 2e5))

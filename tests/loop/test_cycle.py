@@ -1,5 +1,7 @@
 """The loop on plants and parties of a few lines: who acts when, and how it ends."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
@@ -223,6 +225,18 @@ def test_slip_and_deviations_follow_from_the_belief():
     slips = recorder.rows[:4, recorder.columns["estimate_slip"]]
     assert slips == pytest.approx(np.array([[0.0] * 4] + [[0.2] * 4] * 3))
     assert recorder.rows[:4, recorder.at["estimate_adhesion_sd"]].tolist() == [1.0, 2.0, 2.0, 2.0]
+
+
+def test_a_load_that_nobody_weighed_counts_in_the_deviation_of_adhesion():
+    """The filter says 0.04 ± 1 of the first group, and 2 from the first step on; a load off by a half adds 0.02."""
+    spy = Spy()
+    spy.mean[9:13] = [0.04, 3.0, 0.0, -3.0]
+    believing = replace(state_estimator(spy), load_deviation=0.5)
+    _, recorder = brake(Block(10.0), state_estimator=believing, samples=3)
+    deviations = recorder.rows[:4, recorder.columns["estimate_adhesion_sd"]]
+    others = [np.hypot(1.0, 1.5), 1.0, np.hypot(1.0, 1.5)]
+    assert deviations[:, 0] == pytest.approx(np.hypot([1.0, 2.0, 2.0, 2.0], 0.02), rel=1e-12)
+    assert deviations[:, 1:] == pytest.approx(np.array([others] * 4), rel=1e-12)
 
 
 def test_a_variance_below_zero_is_an_outcome():

@@ -80,7 +80,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
         if stop.name == "random-service-slope_seeking"
     )
     changes = {
-        "estimator": {"model": "TrainPredictionDisturbed", "outlier_limit": {"speed": 4.0}},
+        "estimator": {"model": "TrainPredictionDisturbed", "outlier_limit": {"speed": 4.0}, "load_deviation": "10 %"},
         "faults": [
             {"part": "speed_sensor", "kind": "dead", "group": 1, "begin": "1 s"},
             {"part": "radar", "kind": "stuck", "begin": "4 s"},

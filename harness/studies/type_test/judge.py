@@ -243,7 +243,8 @@ class Summary:
         longest_lock_s: Of any case.
         air, strokes: Medians over those of three-state slip control with the published levels in the same case.
         utilisation: Median.
-        nees_low, nees, nees_high: 10 % quantile, median and 90 % quantile.
+        nees_low, nees, nees_high: 10 % quantile, mean and 90 % quantile over the cases. Of a filter that is as sure
+            as it is right the mean is 1; single cases differ by what is constant in them and not to be known.
         kept: Clause → share of the cases it is judged in that keep it.
     """
 
@@ -309,7 +310,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 strokes=_relative(own, frugal, "strokes"),
                 utilisation=_quantile([stop.utilisation for stop in own if stop.utilisation is not None], 0.5),
                 nees_low=_quantile(sure, 0.1),
-                nees=_quantile(sure, 0.5),
+                nees=_number(float(np.mean(sure))) if sure else None,
                 nees_high=_quantile(sure, 0.9),
                 kept={clause: _kept(own, clause) for clause in JUDGED},
             )
