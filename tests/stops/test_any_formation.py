@@ -298,13 +298,13 @@ def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: s
         return scenario_of(table, directory=Path(scenario).parent, origin=name)
 
     with assembled(with_estimator("compiled", **model)) as parts:
-        ended = compiled_cycle.run(controller=parts.controller, **parts.parties)
+        ended = compiled_cycle.run(parts.parties)
         rows, columns = parts.recorder.rows[: ended.samples], parts.recorder.columns
-        layout, radius = parts.parties["layout"], np.array(parts.parties["wheel_radius"])
+        layout, radius = parts.parties.layout, np.array(parts.parties.wheel_radius)
         central = [rows[:, columns[f"estimate_{name}"]] for name in ("adhesion", "pad_friction", "slip")]
     readings = np.column_stack([rows[:, columns[signal.name]] for signal in layout.reading_signals])
     with assembled(with_estimator("decentralised")) as parts:
-        ours = parts.parties["state_estimator"]
+        ours = parts.parties.state_estimator
     adhesion, pads, slip = (np.full((ended.samples, len(counts)), np.nan) for _ in range(3))
     latest, pressure = readings[0], layout.reading["cylinder_pressure"]
     for k, reading in enumerate(readings[1:], 1):
