@@ -25,6 +25,10 @@ ROUNDING = 1e-11
 precision; some Lie derivatives lose some three digits of sixteen, scaling of the columns a few more."""
 
 
+LARGEST_ORDER = 6
+"""Derivatives to try at most; expressions of larger models grow fast."""
+
+
 class ReadingsAndRates:
     """The map z = [y, ẏ, ÿ, …] of state and held input, by Lie derivatives of the outputs along f.
 
@@ -94,7 +98,6 @@ def observability(
     x: Vector,
     u: Vector,
     scale: ArrayLike,
-    largest_order: int = 6,
     tolerance: float = ROUNDING,
 ) -> Observability:
     """Return what [y, ẏ, …] determines at a point, with as many derivatives as bring something new.
@@ -107,7 +110,6 @@ def observability(
         x: The point, shape (n,).
         u: Inputs held there, shape (nu,).
         scale: Typical size of each state, shape (n,), positive: makes columns comparable.
-        largest_order: Derivatives to try at most; expressions of larger models grow fast.
         tolerance: Share of the largest singular value below which one counts as zero. The default asks what
             is determined in principle; a smoothed model, whose released pads still rub a little, wants more.
 
@@ -122,7 +124,7 @@ def observability(
             f"got shapes {np.shape(x)} and {np.shape(u)}."
         )
     rank, order, values, directions = 0, 0, np.zeros(0), np.eye(n)
-    for order in range(largest_order + 1):
+    for order in range(LARGEST_ORDER + 1):
         scaled = ReadingsAndRates(prediction, order).jacobian(x, u) * size
         # Readings and their derivatives have units of their own: every row counts by its direction only.
         lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
@@ -201,7 +203,7 @@ def along(
     scale: ArrayLike,
     window: int,
     stride: int,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> Information:
     """Return how well the state is known from windows along a trajectory.
 

@@ -11,9 +11,10 @@ from faulty_fmu import faulty_fmu
 from tiny_fmu import GUID, tiny, xml
 
 from railgrip.errors import FmuError, PlantFailed
-from railgrip.fmu import Binding, CoSimulation, Description, Plant, Signal, bind, describe
+from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmu.instance import Instance, unpack
 from railgrip.loop.compiled import run
+from railgrip.loop.ports import Plant
 
 PERIOD = 1e-3
 
