@@ -125,10 +125,10 @@ def observability(
         )
     rank, order, values, directions = 0, 0, np.zeros(0), np.eye(n)
     for order in range(LARGEST_ORDER + 1):
-        scaled = ReadingsAndRates(prediction, order).jacobian(x, u) * size
+        jacobian = ReadingsAndRates(prediction, order).jacobian(x, u) * size
         # Readings and their derivatives have units of their own: every row counts by its direction only.
-        lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
-        rows = scaled[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
+        lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
+        rows = jacobian[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
         _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
         count = int(np.sum(values > tolerance * np.max(values, initial=0.0)))
         if count == n or (order > 0 and count == rank):
@@ -230,8 +230,8 @@ def along(
     smallest, deviation = np.empty(starts.size), np.empty((starts.size, size.size))
     for i, first in enumerate(starts):
         part = slice(first, first + window)
-        scaled = gramian(prediction, x[part], u[part], period, reading_noise) * np.outer(size, size)
-        values, directions = np.linalg.eigh(scaled)
+        information = gramian(prediction, x[part], u[part], period, reading_noise) * np.outer(size, size)
+        values, directions = np.linalg.eigh(information)
         smallest[i] = max(values[0], 0.0)
         deviation[i] = size * _deviation(values, directions)
         progress(i + 1, starts.size)

@@ -123,7 +123,7 @@ def test_a_filter_that_loses_itself_is_known_by_its_innovations(plant, lost):
     dry = Trial(name="dry", changes=((0.0, DRY),), duration=1.0)
     trace = simulate(Case(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
     measures = measure(trace, observe=False)
-    assert trace.beliefs["known_track"].diverged == 0
+    assert trace.beliefs["known_track"].failure == 0
     assert np.isfinite(trace.beliefs["known_track"].mean).all()
     assert (beliefs_about(trace, "known_track")["mu0"].mean[-1] > 1e9) == lost
     assert (measures["lost"]["known_track"] is not None) == lost

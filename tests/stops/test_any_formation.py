@@ -1,5 +1,6 @@
 """Trains of any number of wheelsets and groups run from their scenario to metrics and figures, with both engines."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -95,7 +96,7 @@ def test_a_train_runs_to_metrics_and_figures_and_engines_agree_to_the_byte(tmp_p
     monkeypatch.chdir(tmp_path)
     counts, (scenario, *overrides) = TRAINS[name]
     if name == "trolley":
-        build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo"), directory=tmp_path)
+        shutil.copy(build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo")).path, tmp_path)
         rest = (LIBRARY / "foreign_train.toml").read_text()
         rest = rest[rest.index("[start]") : rest.index("[controller]")] + rest[rest.index("[periods]") :]
         (tmp_path / scenario).write_text(f"{TROLLEY}\n{rest}")
@@ -221,7 +222,7 @@ A_piston = 0.02, i_rigging = 5.0, eta_rigging = 0.95, F_spring = 500.0 }
 def foreign(tmp_path_factory) -> Path:
     """A trolley whose formation and brakes stand in [vehicle.formation] alone."""
     folder = tmp_path_factory.mktemp("foreign")
-    build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo"), directory=folder)
+    shutil.copy(build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo")).path, folder)
     rest = (LIBRARY / "foreign_train.toml").read_text()
     table = TROLLEY[TROLLEY.index("[vehicle.map]") : TROLLEY.index("[controller.parameters]")]
     head = 'name = "trolley"\nseed = 1\n'
