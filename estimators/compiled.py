@@ -157,18 +157,6 @@ class CompiledFilter(StepInC):
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
         self._last: Estimate | None = None
 
-    def change_process_noise(self, process_noise: ArrayLike) -> None:
-        """Trust the model otherwise from the next step on.
-
-        Args:
-            process_noise: Density in (unit of the state)²/s, shape (n,) or (n, n).
-
-        Raises:
-            EstimatorError: Wrong shape, or no covariance.
-        """
-        self.design = self.design.with_process_noise(process_noise)
-        self._spread[:] = self.design.spread
-
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""
         first = self.design.start(mean, covariance)
@@ -191,12 +179,12 @@ class CompiledFilter(StepInC):
         self._last = None
         self.go_on()
 
-    def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> None:
+    def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike | None = None) -> None:
         """Take other noises from the next step on, without compiling again.
 
         Args:
             process_noise: As the filter was made with.
-            reading_noise: Likewise.
+            reading_noise: Likewise; None leaves it.
 
         Raises:
             EstimatorError: They do not fit the model.

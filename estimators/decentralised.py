@@ -1,6 +1,5 @@
 """A Kalman filter whose cost is linear in the parts of a train: one for each bogie or group, around what they share."""
 
-from collections.abc import Iterable
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
@@ -15,12 +14,12 @@ from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import Design, index
 from railgrip.estimators.gate import Gate
+from railgrip.estimators.generated import LANES, in_c, places, table
 from railgrip.estimators.prediction import Model
 
 RANK = 9
 """Common unknowns that are kept: on the two-part train enough for the central filter's deviations, within 0.1 %."""
 
-_LANES = 4
 _SOURCES = ("dispatch.c", "plain.c", "wide.c")
 
 
@@ -82,9 +81,8 @@ class DecentralisedFilter(StepInC):
             "PARAMETERS": consist.parameters.size, "SPREAD": (len(first) - 1) * width * width, "SHARED": n * RANK,
             "COMMON": RANK, "PUSH": n, "NOISE": n, "READING_NOISE": m, "PERIOD": 1, "THRESHOLD": 1,
         }  # fmt: skip
-        ends = np.cumsum(list(sizes.values())).tolist()
-        at = {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
-        self._block = block = np.zeros(ends[-1])
+        at = places(sizes)
+        self._block = block = np.zeros(sum(sizes.values()))
         self.mean, self.covariance = block[at["MEAN"]], block[at["COVARIANCE"]].reshape(n, n)
         self.inputs, self.readings, self.selection = (block[at[name]] for name in ("HELD", "SEEN", "USED"))
         self._nis, self._common = block[at["SQUARED"]], block[at["COMMON"]]
@@ -96,7 +94,7 @@ class DecentralisedFilter(StepInC):
         block[at["READING_NOISE"]] = np.diag(design.reading_noise)
         block[at["PERIOD"]], block[at["THRESHOLD"]] = design.period, design.gate_threshold
         numbers = {name: place.start for name, place in at.items()} | {
-            "N": n, "M": m, "RANK": RANK, "WIDTH": width, "LENGTH": -(-(RANK + 3) // _LANES) * _LANES,
+            "N": n, "M": m, "RANK": RANK, "WIDTH": width, "LENGTH": -(-(RANK + 3) // LANES) * LANES,
             "PARTS": len(self._members), "GATES": len(design.gated_states),
             "TRACK_FORCE": design.inputs.index("track_force"),
         }  # fmt: skip
@@ -139,7 +137,7 @@ class DecentralisedFilter(StepInC):
 
 
 def _width(consist: Consist) -> int:
-    return -(-max(len(part.states) for part in consist.parts) // _LANES) * _LANES
+    return -(-max(len(part.states) for part in consist.parts) // LANES) * LANES
 
 
 def _tables(consist: Consist, design: Design) -> dict[str, list[int]]:
@@ -178,15 +176,7 @@ def _sources(
     slopes = [ca.densify(ca.jacobian(acceleration, one)) for one in (v, u[0])]
     moving = ca.Function("body", [v, u, p], [acceleration, *slopes])
     functions = [moving, *(getattr(kind, name) for kind in kinds for name in ("slope", "linear", "force"))]
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions:
-        generator.add(function)
-    counts = dict(numbers) | {
-        "ARGUMENTS": max(function.sz_arg() for function in functions),
-        "RESULTS": max(function.sz_res() for function in functions),
-        "WHOLE": 1 + max(function.sz_iw() for function in functions),
-        "WORK": 1 + max(function.sz_w() for function in functions),
-    }
+    workspace, text = in_c(functions)
     pointers = [
         f"static int (*const {name.upper()}[])(const double **, double **, casadi_int *, double *, int) = "
         f"{{{', '.join(f'{name}_{kind}' for kind in range(len(kinds)))}}};"
@@ -194,16 +184,12 @@ def _sources(
     ]
     shape = (
         "#define CASADI_SYMBOL_EXPORT static",
-        *(f"#define {name} {number}" for name, number in counts.items()),
-        *(_table(name, values) for name, values in tables),
-        generator.dump(),
+        *(f"#define {name} {number}" for name, number in (*numbers, *workspace.items())),
+        *(table(name, values) for name, values in tables),
+        text,
         *pointers,
     )
     kernel = files("railgrip.estimators") / "kernel"
     texts = {name: (kernel / name).read_text(encoding="utf-8") for name in _SOURCES}
     step = (kernel / "parts.h").read_text(encoding="utf-8")
     return tuple((texts | {"step.h": step, "shape.h": "\n".join(shape)}).items())
-
-
-def _table(name: str, values: Iterable[int]) -> str:
-    return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"

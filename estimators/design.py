@@ -107,18 +107,14 @@ class Design:
             order=order,
         )
 
-    def with_noises(self, process_noise: ArrayLike, reading_noise: ArrayLike) -> Self:
-        """Return the same filter with other noises; see `of`.
+    def with_noises(self, process_noise: ArrayLike, reading_noise: ArrayLike | None) -> Self:
+        """Return the same filter with another process noise, and another one of the readings unless None; see `of`.
 
         Raises:
             EstimatorError: They do not fit.
         """
-        reading = _reading_covariance(reading_noise, self.outputs)
+        reading = self.reading_noise if reading_noise is None else _reading_covariance(reading_noise, self.outputs)
         return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
-
-    def with_process_noise(self, process_noise: ArrayLike) -> Self:
-        """Return the same filter with another process noise; see `of`."""
-        return replace(self, spread=_spread(process_noise, self.states, self.period))
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return the belief before the first step.

@@ -1,6 +1,6 @@
 """The C of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -45,25 +45,13 @@ def generate(prediction: CasadiPrediction, design: Design) -> Code:
 def _code(of: Equations, gated_states: tuple[int, ...], gating_inputs: tuple[int, ...], order: Order) -> Code:
     n, m = of.derivative.numel(), of.output.numel()
     width = -(-n // LANES) * LANES
-    layout: dict[str, slice] = {}
-    end = 0
-    for part, size in (
-        ("MEAN", n),
-        ("COVARIANCE", n * width),
-        ("HELD", of.u.numel()),
-        ("SEEN", m),
-        ("PARAMETERS", of.p.numel()),
-        ("SPREAD", n * width),
-        ("READING_NOISE", m * m),
-        ("PERIOD", 1),
-        ("THRESHOLD", 1),
-        ("LIMIT_SQUARED", m),
-        ("SQUARED", 1),
-        ("USED", m),
-        ("EXPECTED", m),
-    ):
-        layout[part] = slice(end, end + size)
-        end += size
+    layout = places(
+        {
+            "MEAN": n, "COVARIANCE": n * width, "HELD": of.u.numel(), "SEEN": m, "PARAMETERS": of.p.numel(),
+            "SPREAD": n * width, "READING_NOISE": m * m, "PERIOD": 1, "THRESHOLD": 1, "LIMIT_SQUARED": m, "SQUARED": 1,
+            "USED": m, "EXPECTED": m,
+        }
+    )  # fmt: skip
     kernel = sorted(
         (file for file in (files("railgrip.estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
         key=lambda file: file.name,
@@ -88,20 +76,10 @@ def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...
         ca.Function("slope_and_jacobian", arguments, [of.derivative, slopes], names, ["f", "A"]),
         ca.Function("expected", arguments, [of.output, observations], names, ["h", "H"]),
     ]
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions:
-        generator.add(function)
+    workspace, text = in_c(functions)
     phi = _transition_pattern(slopes.sparsity(), order)
-    numbers = sizes | {
-        "ARGUMENTS": max(function.sz_arg() for function in functions),
-        "RESULTS": max(function.sz_res() for function in functions),
-        # One more than needed, since C knows no empty arrays.
-        "WHOLE": 1 + max(function.sz_iw() for function in functions),
-        "WORK": 1 + max(function.sz_w() for function in functions),
-        "A_COUNT": 1 + slopes.nnz(),
-        "H_COUNT": 1 + observations.nnz(),
-        "PHI_COUNT": int(phi.sum()),
-    }
+    counts = {"A_COUNT": 1 + slopes.nnz(), "H_COUNT": 1 + observations.nnz(), "PHI_COUNT": int(phi.sum())}
+    numbers = sizes | workspace | counts
     tables = {
         "A_ROW": slopes.sparsity().colind(),
         "A_COLUMN": slopes.sparsity().row(),
@@ -116,14 +94,35 @@ def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...
             (
                 "#define CASADI_SYMBOL_EXPORT static",
                 '#include "sizes.h"',
-                *(_table(name, values) for name, values in tables.items()),
-                generator.dump(),
+                *(table(name, values) for name, values in tables.items()),
+                text,
             )
         ),
     }
 
 
-def _table(name: str, values: Iterable[int]) -> str:
+def places(sizes: Mapping[str, int]) -> dict[str, slice]:
+    """Return where parts of these sizes lie, one after the other in their order."""
+    ends = np.cumsum(list(sizes.values())).tolist()
+    return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
+
+
+def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
+    """Return the sizes of the arrays that CasADi functions in C want to work in, large enough for each, and the C."""
+    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
+    for function in functions:
+        generator.add(function)
+    sizes = {
+        "ARGUMENTS": max(function.sz_arg() for function in functions),
+        "RESULTS": max(function.sz_res() for function in functions),
+        # One more than needed, since C knows no empty arrays.
+        "WHOLE": 1 + max(function.sz_iw() for function in functions),
+        "WORK": 1 + max(function.sz_w() for function in functions),
+    }
+    return sizes, generator.dump()
+
+
+def table(name: str, values: Iterable[int]) -> str:
     """Return a constant C array; one element at least, since C knows no empty ones."""
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
 

@@ -25,6 +25,10 @@ ROUNDING = 1e-11
 precision; some Lie derivatives lose some three digits of sixteen, scaling of the columns a few more."""
 
 
+LARGEST_ORDER = 6
+"""Derivatives to try at most; expressions of larger models grow fast."""
+
+
 class ReadingsAndRates:
     """The map z = [y, ẏ, ÿ, …] of state and held input, by Lie derivatives of the outputs along f.
 
@@ -94,7 +98,6 @@ def observability(
     x: Vector,
     u: Vector,
     scale: ArrayLike,
-    largest_order: int = 6,
     tolerance: float = ROUNDING,
 ) -> Observability:
     """Return what [y, ẏ, …] determines at a point, with as many derivatives as bring something new.
@@ -107,7 +110,6 @@ def observability(
         x: The point, shape (n,).
         u: Inputs held there, shape (nu,).
         scale: Typical size of each state, shape (n,), positive: makes columns comparable.
-        largest_order: Derivatives to try at most; expressions of larger models grow fast.
         tolerance: Share of the largest singular value below which one counts as zero. The default asks what
             is determined in principle; a smoothed model, whose released pads still rub a little, wants more.
 
@@ -122,11 +124,11 @@ def observability(
             f"got shapes {np.shape(x)} and {np.shape(u)}."
         )
     rank, order, values, directions = 0, 0, np.zeros(0), np.eye(n)
-    for order in range(largest_order + 1):
-        scaled = ReadingsAndRates(prediction, order).jacobian(x, u) * size
+    for order in range(LARGEST_ORDER + 1):
+        jacobian = ReadingsAndRates(prediction, order).jacobian(x, u) * size
         # Readings and their derivatives have units of their own: every row counts by its direction only.
-        lengths = np.linalg.norm(scaled, axis=1, keepdims=True)
-        rows = scaled[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
+        lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
+        rows = jacobian[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
         _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
         count = int(np.sum(values > tolerance * np.max(values, initial=0.0)))
         if count == n or (order > 0 and count == rank):
@@ -201,7 +203,7 @@ def along(
     scale: ArrayLike,
     window: int,
     stride: int,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> Information:
     """Return how well the state is known from windows along a trajectory.
 
@@ -228,8 +230,8 @@ def along(
     smallest, deviation = np.empty(starts.size), np.empty((starts.size, size.size))
     for i, first in enumerate(starts):
         part = slice(first, first + window)
-        scaled = gramian(prediction, x[part], u[part], period, reading_noise) * np.outer(size, size)
-        values, directions = np.linalg.eigh(scaled)
+        information = gramian(prediction, x[part], u[part], period, reading_noise) * np.outer(size, size)
+        values, directions = np.linalg.eigh(information)
         smallest[i] = max(values[0], 0.0)
         deviation[i] = size * _deviation(values, directions)
         progress(i + 1, starts.size)

@@ -1,27 +1,9 @@
 """A filter on values as one whose belief moves on in place."""
 
-from typing import Protocol
-
 import numpy as np
 
-from railgrip.estimators.belief import Estimate, Vector
-from railgrip.estimators.ekf import Innovation
-
-
-class Filter(Protocol):
-    """A filter on values, as `railgrip.estimators.ekf.ExtendedKalmanFilter`."""
-
-    def predict(self, prior: Estimate, inputs: Vector) -> Estimate:
-        """Return the belief one period after `prior`, before anything is seen."""
-        ...
-
-    def innovation(self, forecast: Estimate, inputs: Vector, readings: Vector) -> Innovation:
-        """Return what the readings say beyond `forecast`."""
-        ...
-
-    def condition(self, forecast: Estimate, inputs: Vector, innovation: Innovation) -> Estimate:
-        """Return the belief after the readings."""
-        ...
+from railgrip.estimators.belief import Estimate
+from railgrip.estimators.ekf import ExtendedKalmanFilter
 
 
 class Running:
@@ -36,7 +18,7 @@ class Running:
         squared_innovation: Normalised innovation squared of the last step, 0 at first.
     """
 
-    def __init__(self, filter_: Filter, first: Estimate, *, inputs: int, outputs: int) -> None:
+    def __init__(self, filter_: ExtendedKalmanFilter, first: Estimate, *, inputs: int, outputs: int) -> None:
         """Begin with the belief `first` of a filter with so many inputs and outputs."""
         self._filter = filter_
         self._belief = first

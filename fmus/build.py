@@ -90,9 +90,8 @@ def build_one(
 
 
 def build_class(
-    class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto",
-    directory: Path | None = None,
-) -> Artifact:  # fmt: skip
+    class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto"
+) -> Artifact:
     """Bring the FMU of a class of the user's own up to date; it is named after the last part of the class's name.
 
     Args:
@@ -100,7 +99,6 @@ def build_class(
         library: A library's folder or its `package.mo`, or a single `.mo` file. It may use RailBraking.
         interface: cs for a plant, me for a prediction.
         compiler: As for recipes.
-        directory: Gets a copy.
 
     Raises:
         InputError: There is no such library or class, or it does not compile.
@@ -117,7 +115,7 @@ def build_class(
             recipe=Recipe.own(class_name, interface),
             library=whole,
             compiler=choose(compiler),
-            directory=directory,
+            directory=None,
         )
     )
 
@@ -147,11 +145,11 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
 
 
 def build(
-    names: Iterable[str] = (), compiler: Compiler = "auto", directory: Path | None = OUTPUT, *, jobs: int = JOBS
+    names: Iterable[str] = (), compiler: Compiler = "auto", directory: Path | None = OUTPUT
 ) -> Iterator[Artifact]:
     """Bring FMUs up to date, all of them when none is named, and yield each when it is; `directory` gets copies.
 
-    Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `jobs` C compilers
+    Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `JOBS` C compilers
     work on what is translated. So the library is read once and CasADi loaded once.
 
     Raises:
@@ -173,7 +171,7 @@ def build(
         else:
             stale.append((order, inputs))
     running: set[Future[Artifact]] = set()
-    with ThreadPoolExecutor(jobs) as pool:
+    with ThreadPoolExecutor(JOBS) as pool:
         try:
             for order, inputs in stale:
                 running.add(pool.submit(_compile, order, inputs, _translation_of(order)))
@@ -284,5 +282,5 @@ def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:
 @lru_cache(maxsize=1)
 def toolchain_digest() -> str:
     """Return a digest over the C compiler and its options."""
-    chosen = toolchain.compiler()
-    return digest([*chosen.command, chosen.version, *toolchain.FLAGS, *toolchain.FMU_FLAGS])
+    actual = toolchain.compiler()
+    return digest([*actual.command, actual.version, *toolchain.FLAGS, *toolchain.FMU_FLAGS])

@@ -143,12 +143,11 @@ def _with(expressions: SX, dependent: Sequence[Scalar], values: SX) -> SX:
     return ca.substitute(expressions, vector(dependent), values) if dependent and expressions.numel() else expressions
 
 
-def c_sources(system: System, *, guid: str, interfaces: Sequence[str], solver: str, tolerance: float) -> dict[str, str]:
-    """Return the C files of an FMU: `model.c`, which includes the others.
+def c_sources(system: System, *, interfaces: Sequence[str], solver: str, tolerance: float) -> dict[str, str]:
+    """Return the C files of an FMU, its GUID empty: `model.c`, which includes the others.
 
     Args:
         interfaces: Of "me" and "cs".
-        guid: Checked at instantiation.
         solver: rodas3 or rodas4, the default of the parameter `_solver`.
         tolerance: Relative error of an internal step, the default of `_tolerance`.
     """
@@ -181,7 +180,7 @@ def c_sources(system: System, *, guid: str, interfaces: Sequence[str], solver: s
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
         "DEFAULT_TOLERANCE": repr(float(tolerance)),
-        "MODEL_GUID": string_literal(guid),
+        "MODEL_GUID": string_literal(""),
     }
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
     body = [

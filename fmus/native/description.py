@@ -1,6 +1,6 @@
 """modelDescription.xml: variables, units and structure of an FMU."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from xml.sax.saxutils import quoteattr
@@ -11,7 +11,7 @@ from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
 from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.units import BASE, parse
-from railgrip.fmus.native.variables import Scalar, vector
+from railgrip.fmus.native.variables import Scalar
 
 TYPE = {"integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
 
@@ -24,14 +24,19 @@ SETTINGS = {
     "_evaluations": "Evaluations of the derivatives",
     "_events": "Event iterations",
 }
+_SOLVER_BOUNDS = {"min": "3", "max": "4"}
 
 
 @dataclass(slots=True)
 class Writer:
-    """Collects ScalarVariables and remembers their place, which ModelStructure refers to."""
+    """Collects ScalarVariables, time first, and remembers their place, which ModelStructure refers to."""
 
     rows: list[str] = field(default_factory=list)
     index: dict[int, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Begin with time."""
+        self.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
 
     def add(
         self,
@@ -46,6 +51,7 @@ class Writer:
         description: str = "",
         attributes: dict[str, str] | None = None,
     ) -> None:
+        """Add a variable; `attributes` are those of its type."""
         self.index.setdefault(reference, len(self.rows) + 1)
         inner = dict(attributes or {})
         if start is not None:
@@ -58,6 +64,23 @@ class Writer:
             head["initial"] = initial
         self.rows.append(
             f"    <ScalarVariable{attributes_text(head)}><{type_}{attributes_text(inner)}/></ScalarVariable>"
+        )
+
+    def scalar(
+        self, s: Scalar, reference: int, variability: str, *, causality: str = "", initial: str | None = "calculated",
+        start: float | None = None, attributes: dict[str, str] | None = None,
+    ) -> None:  # fmt: skip
+        """Add a variable of the class, an output or local one unless another causality is given."""
+        self.add(
+            s.name,
+            reference,
+            causality=causality or ("output" if s.causality == "output" else "local"),
+            variability=variability,
+            initial=initial,
+            type_="Real" if variability == "continuous" else _type(s),
+            start=start,
+            description=s.attributes.get("description") or "",
+            attributes=_attributes(s) | (attributes or {}),
         )
 
 
@@ -94,14 +117,13 @@ def _attributes(s: Scalar) -> dict[str, str]:
 def write(
     system: System,
     *,
-    guid: str,
     identifier: str,
     interfaces: tuple[str, ...],
     solver: str,
     tolerance: float,
     step: float,
 ) -> str:
-    """Return modelDescription.xml.
+    """Return modelDescription.xml, its GUID empty.
 
     Args:
         interfaces: Of "me" and "cs".
@@ -117,33 +139,64 @@ def write(
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
-    head = {
-        "fmiVersion": "2.0",
-        "modelName": system.class_name,
-        "guid": guid,
-        "generationTool": f"railgrip (rumoca {version('rumoca')}, CasADi {version('casadi')})",
-        "variableNamingConvention": "structured",
-        "numberOfEventIndicators": str(system.indicators.numel()),
-    }
-    experiment = {"startTime": "0", "stopTime": "1", "tolerance": repr(tolerance), "stepSize": repr(step)}
     step_flag = {"canHandleVariableCommunicationStepSize": "true"}
+    kinds = {"me": ("ModelExchange", flags), "cs": ("CoSimulation", flags | step_flag)}
+    return document(
+        {
+            "fmiVersion": "2.0",
+            "modelName": system.class_name,
+            "guid": "",
+            "generationTool": f"railgrip (rumoca {version('rumoca')}, CasADi {version('casadi')})",
+            "variableNamingConvention": "structured",
+            "numberOfEventIndicators": str(system.indicators.numel()),
+        },
+        dict(kinds[key] for key in kinds if key in interfaces),
+        units=_units(lay),
+        categories={"logStatusError": "Why a call failed", "logStatusWarning": "Assertions of level warning"},
+        experiment={"tolerance": repr(tolerance), "stepSize": repr(step)},
+        rows=w.rows,
+        structure=_structure(w, system, lay),
+    )
+
+
+def document(
+    head: dict[str, str],
+    interfaces: Mapping[str, dict[str, str]],
+    *,
+    units: Iterable[str],
+    categories: Mapping[str, str],
+    experiment: dict[str, str],
+    rows: Iterable[str],
+    structure: Mapping[str, Sequence[str]],
+) -> str:
+    """Return modelDescription.xml.
+
+    Args:
+        head: Attributes of the document.
+        interfaces: Attributes of CoSimulation and ModelExchange, as far as they are offered.
+        units: Modelica unit strings in use.
+        categories: Of the log, with their descriptions.
+        experiment: Attributes of the default experiment beside its times.
+        rows: Lines of `Writer`.
+        structure: Lines of each part of ModelStructure; a part without a line is left out.
+    """
     # No generationDateAndTime: the same sources give the same bytes.
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f"<fmiModelDescription{attributes_text(head)}>",
-            *([f"  <ModelExchange{attributes_text(flags)}/>"] if "me" in interfaces else []),
-            *([f"  <CoSimulation{attributes_text(flags | step_flag)}/>"] if "cs" in interfaces else []),
-            *_units(lay),
+            *(f"  <{kind}{attributes_text(flags)}/>" for kind, flags in interfaces.items()),
+            *_unit_definitions(units),
             "  <LogCategories>",
-            '    <Category name="logStatusError" description="Why a call failed"/>',
-            '    <Category name="logStatusWarning" description="Assertions of level warning"/>',
+            *(f"    <Category{attributes_text({'name': k, 'description': v})}/>" for k, v in categories.items()),
             "  </LogCategories>",
-            f"  <DefaultExperiment{attributes_text(experiment)}/>",
+            f"  <DefaultExperiment{attributes_text({'startTime': '0', 'stopTime': '1'} | experiment)}/>",
             "  <ModelVariables>",
-            *w.rows,
+            *rows,
             "  </ModelVariables>",
-            *_structure(w, system, lay),
+            "  <ModelStructure>",
+            *(line for name, own in structure.items() if own for line in (f"    <{name}>", *own, f"    </{name}>")),
+            "  </ModelStructure>",
             "</fmiModelDescription>",
             "",
         ]
@@ -151,30 +204,19 @@ def write(
 
 
 def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
-    def out(s: Scalar) -> str:
-        return "output" if s.causality == "output" else "local"
-
-    def text(s: Scalar) -> str:
-        return s.attributes.get("description") or ""
-
     def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
         """Yield place, variable and value reference of what is shown: as in OpenModelica, whatever is not protected.
 
         States are shown whatever they are, for FMI lists them.
         """
-        return ((i, s, lay.reference(group) + i) for i, s in enumerate(members) if not s.protected)
+        return ((i, s, first(group) + i) for i, s in enumerate(members) if not s.protected)
 
     first = lay.reference
-    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
-    for i, s in enumerate(lay.states):
-        calculated = system.calculated[i]
-        attributes = _attributes(s)
-        if nominal(s) != 1.0:
-            attributes["nominal"] = repr(nominal(s))
-        w.add(
-            s.name, first("states") + i, causality=out(s), variability="continuous",
-            initial="calculated" if calculated else "exact", start=None if calculated else s.start,
-            description=text(s), attributes=attributes,
+    for i, (s, calculated) in enumerate(zip(lay.states, system.calculated, strict=True)):
+        w.scalar(
+            s, first("states") + i, "continuous", initial="calculated" if calculated else "exact",
+            start=None if calculated else s.start,
+            attributes={"nominal": repr(nominal(s))} if nominal(s) != 1.0 else {},
         )  # fmt: skip
     for i, s in enumerate(lay.states):
         unit = s.attributes.get("unit")
@@ -185,47 +227,34 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
             initial="calculated", attributes=attributes,
         )  # fmt: skip
     for i, s in enumerate(lay.inputs):
-        w.add(
-            s.name, first("inputs") + i, causality="input", initial=None, type_=_type(s), start=s.start,
-            variability="continuous" if _type(s) == "Real" else "discrete", description=text(s),
-            attributes=_attributes(s),
-        )  # fmt: skip
+        variability = "continuous" if _type(s) == "Real" else "discrete"
+        w.scalar(s, first("inputs") + i, variability, causality="input", initial=None, start=s.start)
     for i, s, reference in public("parameters", lay.parameters):
-        free = i < lay.free
-        w.add(
-            s.name, reference, causality="parameter" if free else "calculatedParameter",
-            variability="tunable" if s.attributes["tunable"] or not free else "fixed",
-            initial="exact" if free else "calculated", type_=_type(s), start=s.start if free else None,
-            description=text(s), attributes=_attributes(s),
-        )  # fmt: skip
-    for group, members in (("outputs", lay.outputs), ("locals", lay.locals)):
+        if i < lay.free:
+            variability = "tunable" if s.attributes["tunable"] else "fixed"
+            w.scalar(s, reference, variability, causality="parameter", initial="exact", start=s.start)
+        else:
+            w.scalar(s, reference, "tunable", causality="calculatedParameter")
+    for group, members, variability in (
+        ("outputs", lay.outputs, "continuous"),
+        ("locals", lay.locals, "continuous"),
+        ("discretes", lay.discretes, "discrete"),
+    ):
         for _, s, reference in public(group, members):
-            w.add(
-                s.name, reference, causality=out(s), variability="continuous", initial="calculated",
-                description=text(s), attributes=_attributes(s),
-            )  # fmt: skip
-    for _, s, reference in public("discretes", lay.discretes):
-        w.add(
-            s.name, reference, causality=out(s), variability="discrete", initial="calculated",
-            type_=_type(s), description=text(s), attributes=_attributes(s),
-        )  # fmt: skip
+            w.scalar(s, reference, variability)
+    own = {"_tolerance": ("Real", tolerance, {"unit": "1"}), "_solver": ("Integer", SOLVERS[solver], _SOLVER_BOUNDS)}
     for i, name in enumerate(lay.settings):
-        reference = first("settings") + i
-        if name == "_tolerance":
+        reference, text = first("settings") + i, SETTINGS[name]
+        if name in own:
+            type_, start, attributes = own[name]
             w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact",
-                start=tolerance, description=SETTINGS[name], attributes={"unit": "1"},
-            )  # fmt: skip
-        elif name == "_solver":
-            w.add(
-                name, reference, causality="parameter", variability="tunable", initial="exact",
-                type_="Integer", start=SOLVERS[solver], description=SETTINGS[name],
-                attributes={"min": "3", "max": "4"},
+                name, reference, causality="parameter", variability="tunable", initial="exact", type_=type_,
+                start=start, description=text, attributes=attributes,
             )  # fmt: skip
         else:
             w.add(
                 name, reference, causality="local", variability="discrete", initial="calculated",
-                type_="Integer", description=SETTINGS[name],
+                type_="Integer", description=text,
             )  # fmt: skip
 
 
@@ -240,15 +269,14 @@ def _per_second(unit: str) -> str:
     return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
-def _units(lay: Layout) -> list[str]:
+def _units(lay: Layout) -> set[str]:
     names = {"1", "s"}
     for group in (lay.states, lay.inputs, lay.parameters, lay.outputs, lay.locals, lay.discretes):
         names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
-    names |= {_per_second(s.attributes["unit"]) for s in lay.states if s.attributes.get("unit")}
-    return unit_definitions(names)
+    return names | {_per_second(s.attributes["unit"]) for s in lay.states if s.attributes.get("unit")}
 
 
-def unit_definitions(names: Iterable[str]) -> list[str]:
+def _unit_definitions(names: Iterable[str]) -> list[str]:
     """Return the lines of UnitDefinitions for Modelica unit strings; what is not understood gets its name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
@@ -265,7 +293,7 @@ def unit_definitions(names: Iterable[str]) -> list[str]:
     return [*out, "  </UnitDefinitions>"]
 
 
-def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
+def _structure(w: Writer, system: System, lay: Layout) -> dict[str, list[str]]:
     first = lay.reference
     nx = len(lay.states)
     outputs, _ = split_algebraics(system)
@@ -305,16 +333,9 @@ def _structure(w: Writer, system: System, lay: Layout) -> list[str]:
     initial += [
         first("parameters") + i for i in range(lay.free, len(lay.parameters)) if not lay.parameters[i].protected
     ]
-    out = ["  <ModelStructure>"]
-    for name, items in (
-        ("Outputs", output_rows),
-        ("Derivatives", derivatives),
-        ("InitialUnknowns", [unknown(reference, None) for reference in initial if reference in w.index]),
-    ):
-        if items:
-            entries = items if name == "Derivatives" else sorted(items)
-            out += [f"    <{name}>", *(line for _, line in entries), f"    </{name}>"]
-    return [*out, "  </ModelStructure>"]
-
-
-__all__ = ["vector", "write"]
+    unknowns_at_start = [unknown(reference, None) for reference in initial if reference in w.index]
+    return {
+        "Outputs": [line for _, line in sorted(output_rows)],
+        "Derivatives": [line for _, line in derivatives],
+        "InitialUnknowns": [line for _, line in sorted(unknowns_at_start)],
+    }

@@ -5,7 +5,6 @@ same packager and compiler as for Modelica classes, another small runtime (`runt
 of one period calls the function once: outputs at its end come from the inputs set at its beginning.
 """
 
-import hashlib
 import re
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -15,7 +14,7 @@ import casadi as ca
 from railgrip.errors import InputError
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.ctext import string_literal, table
-from railgrip.fmus.native.description import Writer, attributes_text, unit_definitions
+from railgrip.fmus.native.description import Writer, document
 from railgrip.fmus.native.model import Variable
 from railgrip.fmus.native.package import Source
 from railgrip.fmus.native.straight import straight
@@ -67,16 +66,11 @@ class Discrete:
 def sources(system: Discrete) -> Source:
     """Return C code and modelDescription.xml, ready for `package.pack`."""
     identifier = re.sub(r"\W", "_", system.name)
-    xml, code = _xml(system, identifier, ""), _code(system, "")
-    guid = hashlib.sha256("\0".join([xml, code]).encode()).hexdigest()[:32]
-    return Source(
-        identifier=identifier,
-        files={"model.c": _code(system, f"{{{guid}}}")} | {part: (RUNTIME / part).read_text() for part in PARTS},
-        xml=_xml(system, identifier, f"{{{guid}}}"),
-    )
+    files = {"model.c": _code(system)} | {part: (RUNTIME / part).read_text() for part in PARTS}
+    return Source.of(identifier, files, _xml(system, identifier))
 
 
-def _code(system: Discrete, guid: str) -> str:
+def _code(system: Discrete) -> str:
     # Expanded to scalar operations and inputs that are all there: then no argument is a null pointer.
     state, entry, parameter = (
         ca.SX.sym(name, len(group))
@@ -87,7 +81,7 @@ def _code(system: Discrete, guid: str) -> str:
     step = ca.Function("f_step", [state, entry, parameter], [ca.densify(following), ca.densify(output)], {"cse": True})
     sizes = {
         "NX": len(system.states), "NU": len(system.inputs), "NP": len(system.parameters), "NY": len(system.outputs),
-        "PERIOD": repr(float(system.period)), "MODEL_GUID": string_literal(guid),
+        "PERIOD": repr(float(system.period)), "MODEL_GUID": string_literal(""),
     }  # fmt: skip
     groups = {"x": system.states, "u": system.inputs, "p": system.parameters, "y": system.outputs}
     return "\n".join(
@@ -103,9 +97,8 @@ def _code(system: Discrete, guid: str) -> str:
     )
 
 
-def _xml(system: Discrete, identifier: str, guid: str) -> str:
+def _xml(system: Discrete, identifier: str) -> str:
     w = Writer()
-    w.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
     place = 1
     for group, causality, variability, initial in (
         (system.states, "local", "discrete", "exact"),
@@ -123,40 +116,28 @@ def _xml(system: Discrete, identifier: str, guid: str) -> str:
             )  # fmt: skip
             place += 1
     every = (*system.states, *system.inputs, *system.parameters, *system.outputs)
-    head = {
-        "fmiVersion": "2.0",
-        "modelName": system.name,
-        "guid": guid,
-        "description": system.description,
-        "generationTool": f"railgrip (CasADi {version('casadi')})",
-        "variableNamingConvention": "structured",
-    }
-    flags = {
-        "modelIdentifier": identifier,
-        "canHandleVariableCommunicationStepSize": "true",
-        "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
-    }
     first = len(every) - len(system.outputs) + 2
-    outputs = [f'      <Unknown index="{first + k}"/>' for k in range(len(system.outputs))]
-    return "\n".join(
-        [
-            '<?xml version="1.0" encoding="UTF-8"?>',
-            f"<fmiModelDescription{attributes_text(head)}>",
-            f"  <CoSimulation{attributes_text(flags)}/>",
-            *unit_definitions({"1", "s"} | {v.unit for v in every if v.unit}),
-            "  <LogCategories>",
-            '    <Category name="logStatusError" description="Why a call failed"/>',
-            "  </LogCategories>",
-            f'  <DefaultExperiment startTime="0" stopTime="1" stepSize="{float(system.period)!r}"/>',
-            "  <ModelVariables>",
-            *w.rows,
-            "  </ModelVariables>",
-            "  <ModelStructure>",
-            *(["    <Outputs>", *outputs, "    </Outputs>"] if outputs else []),
-            "  </ModelStructure>",
-            "</fmiModelDescription>",
-            "",
-        ]
+    return document(
+        {
+            "fmiVersion": "2.0",
+            "modelName": system.name,
+            "guid": "",
+            "description": system.description,
+            "generationTool": f"railgrip (CasADi {version('casadi')})",
+            "variableNamingConvention": "structured",
+        },
+        {
+            "CoSimulation": {
+                "modelIdentifier": identifier,
+                "canHandleVariableCommunicationStepSize": "true",
+                "canNotUseMemoryManagementFunctions": "true",
+                "canGetAndSetFMUstate": "true",
+                "canSerializeFMUstate": "true",
+            }
+        },
+        units={"1", "s"} | {v.unit for v in every if v.unit},
+        categories={"logStatusError": "Why a call failed"},
+        experiment={"stepSize": repr(float(system.period))},
+        rows=w.rows,
+        structure={"Outputs": [f'      <Unknown index="{first + k}"/>' for k in range(len(system.outputs))]},
     )

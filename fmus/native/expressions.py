@@ -165,8 +165,8 @@ class Evaluator:
         values = [self._value(operation["body"], frame.at(point)) for point in points]
         return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
-    def _subscripts(self, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
-        """Return a numpy index; or, for one subscript known only at run time, its expression."""
+    def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
+        """Return a numpy index; or, for one subscript of a vector known only at run time, its expression."""
         places: list[Any] = []
         for subscript in operation["subscripts"]:
             if subscript["kind"] == "whole":
@@ -174,7 +174,7 @@ class Evaluator:
                 continue
             value = self._value(subscript["expression"], frame)
             if not all(is_number(v) for v in value.flat):
-                if len(operation["subscripts"]) == 1 and value.ndim == 0:
+                if len(operation["subscripts"]) == 1 and value.ndim == 0 and base.ndim == 1:
                     return value.item()
                 raise self._refusal("a matrix subscript that is only known at run time", node)
             places.append([whole(v) - 1 for v in value.flat] if value.ndim else whole(value.item()) - 1)
@@ -182,11 +182,9 @@ class Evaluator:
 
     def _index(self, operation: Node, node: Node, frame: Frame) -> Array:
         base = self._value(operation["base"], frame)
-        places = self._subscripts(operation, node, frame)
+        places = self._subscripts(base, operation, node, frame)
         if isinstance(places, tuple):
             return as_array(base[places])
-        if base.ndim != 1:
-            raise self._refusal("a matrix subscript that is only known at run time", node)
         out = base[0]  # selection; beyond the bounds the nearest element, as no C code could raise here
         for j in range(1, len(base)):
             out = choose(places >= j + 0.5, base[j], out)
@@ -194,11 +192,9 @@ class Evaluator:
 
     def _array_update(self, operation: Node, node: Node, frame: Frame) -> Array:
         base = self._value(operation["base"], frame).copy()
-        places = self._subscripts(operation, node, frame)
+        places = self._subscripts(base, operation, node, frame)
         value = self._value(operation["value"], frame)
         if not isinstance(places, tuple):
-            if base.ndim != 1:
-                raise self._refusal("a matrix subscript that is only known at run time", node)
             return array([choose(places == j + 1, value.item(), base[j]) for j in range(len(base))], base.shape)
         base[places] = value.item() if value.ndim == 0 else value
         return base

@@ -39,6 +39,15 @@ class Source:
     files: dict[str, str]
     xml: str
 
+    @classmethod
+    def of(cls, identifier: str, files: dict[str, str], xml: str) -> "Source":
+        """Return sources whose GUID is empty, in `model.c` and in the XML, with the one that all of them decide."""
+        guid = f"{{{hashlib.sha256(chr(0).join([xml, *files.values()]).encode()).hexdigest()[:32]}}}"
+        model = files["model.c"].replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{guid}"')
+        return cls(
+            identifier=identifier, files=files | {"model.c": model}, xml=xml.replace('guid=""', f'guid="{guid}"')
+        )
+
     @property
     def digest(self) -> str:
         """SHA-256 over the C files and the XML."""
@@ -70,27 +79,11 @@ def sources(
     """
     identifier = re.sub(r"\W", "_", system.class_name)
 
-    def make(guid: str) -> tuple[dict[str, str], str]:
-        xml = description.write(
-            system,
-            guid=guid,
-            identifier=identifier,
-            interfaces=interfaces,
-            solver=solver,
-            tolerance=tolerance,
-            step=step,
-        )
-        return code.c_sources(system, guid=guid, interfaces=interfaces, solver=solver, tolerance=tolerance), xml
-
-    files, xml = make("")
-    guid = hashlib.sha256("\0".join([xml, *files.values()]).encode()).hexdigest()[:32]
-    # Everything that decides the GUID is in it already; now it is put in place.
-    return Source(
-        identifier=identifier,
-        files=files
-        | {"model.c": files["model.c"].replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{{{guid}}}"')},
-        xml=xml.replace('guid=""', f'guid="{{{guid}}}"'),
+    xml = description.write(
+        system, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step
     )
+    files = code.c_sources(system, interfaces=interfaces, solver=solver, tolerance=tolerance)
+    return Source.of(identifier, files, xml)
 
 
 def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> Path:

@@ -323,7 +323,9 @@ def _start(
                 table[name] = ca.substitute(expression, symbols, values)
     place = {s.name: i for i, s in enumerate(free)}
     start = [solution[place[s.name]] if s.name in place else starts[i] for i, s in enumerate(states)]
-    return column(start), [known or s.name in place for known, s in zip(calculated, states, strict=True)]
+    return column(start), [
+        is_calculated or s.name in place for is_calculated, s in zip(calculated, states, strict=True)
+    ]
 
 
 def _event_equations(

@@ -133,5 +133,5 @@ def _probe(command: tuple[str, ...]) -> Compiler:
     return Compiler(command=command, version=process.stdout.partition("\n")[0])
 
 
-def _head(text: str, lines: int = 12) -> str:
-    return "\n".join(text.splitlines()[:lines])
+def _head(text: str) -> str:
+    return "\n".join(text.splitlines()[:12])

@@ -96,7 +96,7 @@ class Bench:
         self.close()
         self._observation = self._end = self._stop = None
         self._parts = self._stack.enter_context(assembled(self._scenario, own=self._own))
-        self._going = cycle.decisions(**self._parts.parties)
+        self._going = cycle.decisions(self._parts.parties)
         self._advance(lambda: next(self._going))
         if self._observation is None:
             reason = "" if self._end is None else self._end.reason

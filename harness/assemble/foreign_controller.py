@@ -7,7 +7,8 @@ import numpy as np
 
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, FmuError, PlantFailed
-from railgrip.fmu import Binding, Description, Plant, Signal, bind, open_plant
+from railgrip.fmu import Binding, Description, Signal, bind, open_plant
+from railgrip.loop.ports import Plant
 from railgrip.scenario.parties import ControllerFmu
 from railgrip.scenario.schema import Scenario
 

@@ -26,6 +26,7 @@ from railgrip.fmu import Description
 from railgrip.loop import compiled_cycle, cycle
 from railgrip.loop.actuation import Direct
 from railgrip.loop.ending import Clock, Ending, implausibility
+from railgrip.loop.parties import Parties
 from railgrip.loop.ports import Controller
 from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.custom import Custom, Role
@@ -86,16 +87,14 @@ class Assembled:
 
     Attributes:
         vehicle: What is known of the scenario's.
-        parties: Arguments of the loops, but for the controller.
-        controller: Of the scenario.
+        parties: What the loops are given.
         obstacle: Why C cannot run it; None if it can.
         fmus: Those that take part, by name.
         classes: Of the user's own that take part, by party.
     """
 
     vehicle: VehicleData
-    parties: Mapping[str, Any]
-    controller: Controller
+    parties: Parties
     obstacle: str | None
     fmus: Mapping[str, Description]
     classes: Mapping[str, Origin]
@@ -103,7 +102,7 @@ class Assembled:
     @property
     def recorder(self) -> Recorder:
         """What the loop writes into."""
-        return self.parties["recorder"]
+        return self.parties.recorder
 
     def run(self, progress: Callable[[float], None] | None = None, engine: Engine = Engine.AUTO) -> Ending:
         """Run the stop to its end, once.
@@ -121,7 +120,7 @@ class Assembled:
             )
         loop = cycle.run if self.obstacle or engine is Engine.PYTHON else compiled_cycle.run
         try:
-            return loop(controller=self.controller, progress=progress, **self.parties)
+            return loop(self.parties, progress)
         except PlantFailed as problem:
             return self.failed(problem)
 
@@ -213,32 +212,33 @@ def assembled(
             *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
             *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
         )
+        parties = Parties(
+            layout=layout,
+            plant=plant,
+            rail=rail_of(vehicle),
+            sensors=sensors,
+            state_estimator=filter_,
+            controller=controller,
+            actuation=actuation,
+            driver=driver_of(vehicle),
+            faults=faults_of(scenario, layout, formation.brakes, shown=vehicle.shown, valves=pneumatic),
+            wheel_radius=radius,
+            law=law,
+            clock=Clock(
+                period=period,
+                estimator=scenario.periods.every("estimator"),
+                controller=scenario.periods.every("controller"),
+                samples=samples,
+                sensors=sampled_every(scenario.sensors, period),
+            ),
+            start_speed=scenario.start.speed,
+            stop_speed=scenario.limits.stop_speed,
+            recorder=Recorder(signals, formation, samples + 1),
+        )
         yield Assembled(
             vehicle=vehicle,
-            parties={
-                "layout": layout,
-                "plant": plant,
-                "rail": rail_of(vehicle),
-                "sensors": sensors,
-                "state_estimator": filter_,
-                "actuation": actuation,
-                "driver": driver_of(vehicle),
-                "faults": faults_of(scenario, layout, formation.brakes, shown=vehicle.shown, valves=pneumatic),
-                "wheel_radius": radius,
-                "law": law,
-                "clock": Clock(
-                    period=period,
-                    estimator=scenario.periods.every("estimator"),
-                    controller=scenario.periods.every("controller"),
-                    samples=samples,
-                    sensors=sampled_every(scenario.sensors, period),
-                ),
-                "start_speed": scenario.start.speed,
-                "stop_speed": scenario.limits.stop_speed,
-                "recorder": Recorder(signals, formation, samples + 1),
-            },
-            controller=controller,
-            obstacle=compiled_cycle.obstacle(layout, plant, sensors, filter_, controller, actuation),
+            parties=parties,
+            obstacle=compiled_cycle.obstacle(parties),
             fmus=fmus,
             classes=classes,
         )

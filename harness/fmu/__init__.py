@@ -5,7 +5,7 @@
 (`FmuPrediction`). A wrong question is an `FmuError`; an FMU that fails while it runs is a `PlantFailed`.
 """
 
-from railgrip.fmu.cosimulation import CoSimulation, Plant
+from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description, Variable, describe
 from railgrip.fmu.exchange import FmuPrediction, ModelExchange
 from railgrip.fmu.isolation import IsolatedCoSimulation, open_plant
@@ -18,7 +18,6 @@ __all__ = [
     "FmuPrediction",
     "IsolatedCoSimulation",
     "ModelExchange",
-    "Plant",
     "Side",
     "Signal",
     "Variable",

@@ -9,7 +9,7 @@ from contextlib import ExitStack, contextmanager
 from math import isfinite
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self, runtime_checkable
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,19 +23,6 @@ from railgrip.fmu.set_step_get import Outcome, SetStepGet, outcome
 from railgrip.loop.ports import Edge
 
 Vector = NDArray[np.float64]
-
-
-@runtime_checkable
-class Plant(Protocol):
-    """A plant on a grid of equal periods, used inside `with`."""
-
-    def start(self, inputs: Vector) -> Vector:
-        """Initialise with `inputs` applied and return the outputs at the start time."""
-        ...
-
-    def step(self, inputs: Vector) -> Vector:
-        """Hold `inputs` over one period and return the outputs at its end."""
-        ...
 
 
 class CoSimulation:

@@ -9,7 +9,6 @@ import ctypes
 from collections.abc import Sequence
 from contextlib import ExitStack
 from math import isfinite
-from pathlib import Path
 from types import TracebackType
 from typing import Final, Literal, Self
 
@@ -24,7 +23,6 @@ from railgrip.fmu.parameters import Values, assignments
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-Differentiation = Literal["auto", "directional", "central"]
 
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
@@ -44,7 +42,6 @@ class ModelExchange:
         parameters: Values,
         inputs: Sequence[str],
         outputs: Sequence[str],
-        folder: Path | None = None,
     ) -> None:
         """Check the question; nothing is loaded before `with`.
 
@@ -53,7 +50,6 @@ class ModelExchange:
             parameters: Values by FMU variable, in the FMU's units.
             inputs: Real inputs to drive, in the order of u; all of the FMU's.
             outputs: Real variables to read, in the order of y.
-            folder: Where the FMU is unpacked already; None unpacks it for the time of the `with`.
 
         Raises:
             FmuError: A parameter is wrong, a variable is missing or is not Real, or the FMU has events.
@@ -71,14 +67,13 @@ class ModelExchange:
                 f"{description.event_indicators} event indicators; write its equations without if, when, "
                 "abs, sign, min or max."
             )
-        self._folder = folder
         self._stack = ExitStack()
         self._instance: Instance | None = None
 
     def __enter__(self) -> Self:
         """Unpack, load, instantiate, set the parameters and initialise."""
         with ExitStack() as stack:
-            folder = self._folder or stack.enter_context(unpack(self.description))
+            folder = stack.enter_context(unpack(self.description))
             instance = Instance(self.description, "model exchange", folder, name="prediction")
             stack.callback(instance.close)
             instance.assign(self._assignments, 0.0)
@@ -231,8 +226,7 @@ class ModelExchange:
 
     def _move(self, x: Vector, u: Vector) -> None:
         """Set state and inputs, unless the FMU is there already."""
-        if self._instance is None:
-            raise RuntimeError("a ModelExchange is used inside 'with'")
+        self._open()
         point = x.tobytes() + u.tobytes()
         if point == self._at:
             return
@@ -283,8 +277,6 @@ class FmuPrediction:
         states: Sequence[str],
         inputs: Sequence[str],
         outputs: Sequence[str],
-        differentiation: Differentiation = "auto",
-        folder: Path | None = None,
     ) -> None:
         """Check the question; nothing is loaded before `with`.
 
@@ -294,12 +286,9 @@ class FmuPrediction:
             states: All of the FMU's states, in the order wanted.
             inputs: All of its inputs, in the order wanted.
             outputs: What the filter reads, in the order wanted.
-            differentiation: 'auto' takes directional derivatives where offered.
-            folder: Where the FMU is unpacked already.
 
         Raises:
-            FmuError: The FMU has other states, lacks a variable, has events, is not in SI, or does not offer
-                the directional derivatives asked for.
+            FmuError: The FMU has other states, lacks a variable, has events, or is not in SI.
         """
         if sorted(states) != sorted(description.states):
             lacks = [s for s in states if s not in description.states]
@@ -310,17 +299,12 @@ class FmuPrediction:
             )
         for name in (*states, *inputs, *outputs):
             _require_si(description, description.variable(name, "prediction"))
-        has_derivatives = description.model_exchange is not None and description.model_exchange.directional_derivatives
-        if differentiation == "directional" and not has_derivatives:
-            raise FmuError(
-                f"{description.file}: does not offer directional derivatives; use central differences or "
-                "export it with providesDirectionalDerivative."
-            )
         self.states = tuple(states)
         self.inputs = tuple(inputs)
         self.outputs = tuple(outputs)
-        self._directional = has_derivatives and differentiation != "central"
-        self._model = ModelExchange(description, parameters=parameters, inputs=inputs, outputs=outputs, folder=folder)
+        interface = description.model_exchange
+        self._directional = interface is not None and interface.directional_derivatives
+        self._model = ModelExchange(description, parameters=parameters, inputs=inputs, outputs=outputs)
         # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
         self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
         self._ours = np.array([description.states.index(s) for s in self.states], dtype=np.intp)

@@ -12,6 +12,7 @@ import tempfile
 from collections import deque
 from collections.abc import Callable, Generator
 from contextlib import chdir, contextmanager
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import Any, Final, Literal, cast
@@ -256,14 +257,10 @@ class Instance:
         termination, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
         knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(termination))
         knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_time))
-        return Failure(
-            file=failure.file,
-            time=failure.time,
+        return replace(
+            failure,
             reason="ended" if knows_end in OK_OR_WARNING and termination.value else "discard",
-            call=failure.call,
-            detail=failure.detail,
             reached=last_time.value if knows_time in OK_OR_WARNING else None,
-            log=failure.log,
         )
 
     def assign(self, assignments: tuple[Assignment, ...], time: float) -> None:

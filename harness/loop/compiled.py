@@ -70,15 +70,15 @@ class Beliefs:
         mean: Shape (k, n).
         covariance: Shape (k, n, n).
         squared_innovation: NIS, shape (k,).
-        diverged: Outcome of the filter's C step, 0 when fine, as in `railgrip.estimators.compiled.DIVERGED`.
-        diverged_at: Sample at which it diverged, or −1.
+        failure: Outcome of the filter's C step, 0 when fine, as in `railgrip.estimators.compiled.DIVERGED`.
+        failure_sample: Sample at which it diverged, or −1.
     """
 
     mean: Array
     covariance: Array
     squared_innovation: Array
-    diverged: int
-    diverged_at: int
+    failure: int
+    failure_sample: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -219,8 +219,8 @@ class _Beside:
             mean=self._means,
             covariance=self._covariances,
             squared_innovation=self._squares,
-            diverged=after.failed,
-            diverged_at=first + after.failed_at + 1 if after.failed else -1,
+            failure=after.failed,
+            failure_sample=first + after.failed_at + 1 if after.failed else -1,
         )
 
 

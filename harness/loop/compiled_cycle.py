@@ -11,27 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.loop.actuation import Direct
-from railgrip.loop.driver import Driver
-from railgrip.loop.ending import Clock, Ending, divergence, horizon, implausibility, standstill, without_command
-from railgrip.loop.faults import Faults
+from railgrip.loop.ending import Ending, divergence, horizon, implausibility, standstill, without_command
 from railgrip.loop.library import address_of, kernel
+from railgrip.loop.parties import Parties
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import (
-    Actuation,
-    Controller,
-    DirectEstimator,
-    Edge,
-    FilterInC,
-    LawStates,
-    Plant,
-    PlantInC,
-    Sensors,
-)
+from railgrip.loop.ports import Edge, FilterInC, PlantInC
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, StateEstimator, complete
 from railgrip.signals import BELIEVED, INNOVATION, SENT, SPREAD, Layout, length, places
-from railgrip.trace.recorder import Recorder
 
 Vector = NDArray[np.float64]
 
@@ -102,16 +90,11 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
     return Cycle
 
 
-def obstacle(
-    layout: Layout,
-    plant: Plant,
-    sensors: Sensors,
-    state_estimator: StateEstimator | DirectEstimator | None,
-    controller: Controller,
-    actuation: Actuation,
-) -> str | None:
+def obstacle(parties: Parties) -> str | None:
     """Return which party cannot be called from C, and why; None when all can."""
-    if not isinstance(plant, PlantInC):
+    sensors, state_estimator = parties.sensors, parties.state_estimator
+    controller, actuation = parties.controller, parties.actuation
+    if not isinstance(parties.plant, PlantInC):
         return "the plant is not called in this process"
     if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
         return "the sensors are Python"
@@ -125,32 +108,14 @@ def obstacle(
         return "the actuation is Python, not a formula"
     # In C the vectors of both have the lengths that cycle.c gives them. A law is shown speed and acceleration, and of
     # each group slip, adhesion, pad friction, wheelset speed, and the demanded and read pressure.
-    groups = layout.formation.groups
+    groups = parties.layout.formation.groups
     for who, formula, takes in (("controller", controller, 2 + 6 * groups), ("actuation", actuation, 2 * groups)):
         if isinstance(formula, FormulaInC) and (formula.step.numel_in(1), formula.step.numel_out(1)) != (takes, groups):
             return f"the {who} is not for {groups} groups"
     return None
 
 
-def run(
-    *,
-    layout: Layout,
-    plant: Plant,
-    rail: TabulatedRail,
-    sensors: Sensors,
-    state_estimator: StateEstimator | DirectEstimator | None,
-    controller: Controller,
-    actuation: Actuation,
-    driver: Driver,
-    faults: Faults | None = None,
-    wheel_radius: tuple[float, ...],
-    law: LawStates | None = None,
-    clock: Clock,
-    start_speed: float,
-    stop_speed: float,
-    recorder: Recorder,
-    progress: Callable[[float], None] | None = None,
-) -> Ending:
+def run(parties: Parties, progress: Callable[[float], None] | None = None) -> Ending:
     """Brake until the train stands, the horizon is reached, or a party fails; arguments as for `cycle.run`.
 
     `progress` is called after every `BLOCK` samples, which is also how long Ctrl-C waits.
@@ -159,36 +124,17 @@ def run(
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
         TypeError: There is an `obstacle`.
     """
-    if (reason := obstacle(layout, plant, sensors, state_estimator, controller, actuation)) is not None:
+    if (reason := obstacle(parties)) is not None:
         raise TypeError(f"the loop in C cannot run this: {reason}")
+    layout, plant, rail, sensors = parties.layout, parties.plant, parties.rail, parties.sensors
+    state_estimator, clock, recorder = parties.state_estimator, parties.clock, parties.recorder
     assert isinstance(plant, PlantInC)
-    assert isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors)
     inputs = np.zeros(layout.inputs)
     inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0, rail.force
     truth = plant.start(inputs)
     rail.meet(truth)
-    parts = _Parts(
-        layout,
-        plant.edge(),
-        rail,
-        sensors,
-        state_estimator,
-        controller,
-        actuation,
-        driver,
-        faults,
-        wheel_radius,
-        law,
-        recorder,
-    )
+    parts = _Parts(parties, plant.edge())
     state = parts.struct
-    plausibility = Plausibility(period=clock.period, start_speed=start_speed)
-    state.period, state.stop_speed, state.plausibility = clock.period, stop_speed, ctypes.addressof(plausibility)
-    state.sensors_every, state.estimator_every, state.controller_every = (
-        clock.sensors,
-        clock.estimator,
-        clock.controller,
-    )
     state.truth[:], state.inputs[:] = truth.tolist(), inputs.tolist()
     cycle, address = kernel(layout).cycle, ctypes.addressof(state)
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
@@ -212,7 +158,7 @@ def run(
     if outcome == _STANDING:
         return standstill(distance, time, state.written)
     if outcome == _IMPLAUSIBLE:
-        return implausibility(plausibility.reason(time), state.written)
+        return implausibility(parts.plausibility.reason(time), state.written)
     if outcome == _DIVERGED:
         return divergence(parts.failure(), time, state.written)
     if outcome == _NO_COMMAND:
@@ -223,33 +169,27 @@ def run(
 class _Parts:
     """The argument of the cycle in C, and everything it points to."""
 
-    def __init__(
-        self,
-        layout: Layout,
-        plant: Edge,
-        rail: TabulatedRail,
-        sensors: IdealSensors | WhiteSensors | ServiceSensors,
-        state_estimator: StateEstimator | DirectEstimator | None,
-        controller: Controller,
-        actuation: Actuation,
-        driver: Driver,
-        faults: Faults | None,
-        wheel_radius: tuple[float, ...],
-        law: LawStates | None,
-        recorder: Recorder,
-    ) -> None:
-        self._keep: list[Any] = [plant, rail, sensors, state_estimator, controller, actuation, driver, faults, recorder]
+    def __init__(self, parties: Parties, plant: Edge) -> None:
+        layout, sensors, state_estimator, law = parties.layout, parties.sensors, parties.state_estimator, parties.law
+        rail, driver, faults, recorder = parties.rail, parties.driver, parties.faults, parties.recorder
+        clock = parties.clock
+        self.plausibility = Plausibility(period=clock.period, start_speed=parties.start_speed)
+        assert isinstance(rail, TabulatedRail)
+        assert isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors)
+        self._keep: list[Any] = [parties, plant]
         service = ctypes.addressof(sensors.struct) if isinstance(sensors, ServiceSensors) else None
         read_of = None if isinstance(sensors, ServiceSensors) else self._places(sensors.places)
         self.struct: Any = cycle_struct(layout)(
             cross=plant.cross, set_step_get=plant.plan, taken=self._at(plant.inputs), shown=self._at(plant.outputs),
             present=self._places(plant.present), present_count=plant.present.size,
             slip_radius=None if plant.slip_radius is None else self._at(plant.slip_radius),
-            service=service, read_of=read_of, radius=self._at(np.array(wheel_radius)),
+            service=service, read_of=read_of, radius=self._at(np.array(parties.wheel_radius)),
             rail=ctypes.addressof(rail.struct), driver=ctypes.addressof(driver.struct) if driver.has_phases else None,
             full=self._at(driver.pressure), faults=ctypes.addressof(faults.struct) if faults is not None else None,
-            law=self._formula(controller), valves=self._formula(actuation),
+            law=self._formula(parties.controller), valves=self._formula(parties.actuation),
             free_wheel=self._formula(None if state_estimator is None else getattr(state_estimator, "free_wheel", None)),
+            plausibility=ctypes.addressof(self.plausibility), period=clock.period, stop_speed=parties.stop_speed,
+            sensors_every=clock.sensors, estimator_every=clock.estimator, controller_every=clock.controller,
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,
             read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),

@@ -2,15 +2,12 @@
 
 import math
 from collections.abc import Callable, Generator, Sequence
-from typing import Any
 
 import numpy as np
 
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, SensorsFailed
-from railgrip.loop.driver import Driver
 from railgrip.loop.ending import (
-    Clock,
     Ending,
     divergence,
     horizon,
@@ -20,22 +17,20 @@ from railgrip.loop.ending import (
     without_controller,
     without_reading,
 )
-from railgrip.loop.faults import Faults
+from railgrip.loop.parties import Parties
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Actuation, Controller, DirectEstimator, LawStates, Plant, Rail, Sensors
-from railgrip.loop.watch import StateEstimator, watch_of
-from railgrip.signals import SENT, Layout
-from railgrip.trace.recorder import Recorder
+from railgrip.loop.watch import watch_of
+from railgrip.signals import SENT
 
 
-def run(*, controller: Controller, **parties: Any) -> Ending:
-    """Brake with a controller; the other arguments, errors and results are those of `decisions`."""
-    going = decisions(**parties)
+def run(parties: Parties, progress: Callable[[float], None] | None = None) -> Ending:
+    """Brake with the parties' controller; arguments, errors and results are those of `decisions`."""
+    going = decisions(parties, progress)
     try:
         observation = next(going)
         while True:
             try:
-                demands = controller.decide(observation)
+                demands = parties.controller.decide(observation)
             except ControllerFailed as failed:
                 observation = going.throw(failed)
             else:
@@ -45,22 +40,7 @@ def run(*, controller: Controller, **parties: Any) -> Ending:
 
 
 def decisions(
-    *,
-    layout: Layout,
-    plant: Plant,
-    rail: Rail,
-    sensors: Sensors,
-    state_estimator: StateEstimator | DirectEstimator | None,
-    actuation: Actuation,
-    driver: Driver,
-    faults: Faults | None = None,
-    wheel_radius: tuple[float, ...],
-    law: LawStates | None = None,
-    clock: Clock,
-    start_speed: float,
-    stop_speed: float,
-    recorder: Recorder,
-    progress: Callable[[float], None] | None = None,
+    parties: Parties, progress: Callable[[float], None] | None = None
 ) -> Generator[Observation, Sequence[float], Ending]:
     """Brake until the train stands, the horizon is reached, or a party fails in a way that is a result.
 
@@ -75,26 +55,15 @@ def decisions(
     holds the truth at its end, the reading and belief then, and what was demanded and sent for it.
 
     Args:
-        layout: Of the vectors that parties exchange.
-        plant: Not yet started.
-        rail: Friction and force along the track.
-        sensors: Instruments.
-        state_estimator: None if the controller sees readings only.
-        actuation: From demanded pressure to the plant's command.
-        driver: The most that may be demanded, and traction.
-        faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
-        wheel_radius: Nominal radii for a slip from readings [m].
-        law: What of the controller's states is kept, if any is.
-        clock: Periods and horizon.
-        start_speed: That the plant was asked to start with [m/s].
-        stop_speed: The train stands below this speed [m/s]; one that starts at rest, once it has been faster or brakes
-            are asked for.
-        recorder: Written from row 0 on; holds clock.samples + 1 rows.
+        parties: Not yet started; their controller is not asked.
         progress: Called with the train speed [m/s] every 0.25 s of simulated time.
 
     Raises:
         PlantFailed: The plant refused a step; `recorder` holds the rows before.
     """
+    layout, plant, rail, sensors = parties.layout, parties.plant, parties.rail, parties.sensors
+    actuation, driver, faults, law = parties.actuation, parties.driver, parties.faults, parties.law
+    clock, stop_speed, recorder = parties.clock, parties.stop_speed, parties.recorder
     rows = recorder.rows
     truth_columns, input_columns, reading_columns = (
         recorder.block(s) for s in (layout.plant_signals, SENT, layout.reading_signals)
@@ -109,14 +78,14 @@ def decisions(
     inputs[sent_friction], inputs[sent_force] = rail.mu0, rail.force
     truth = plant.start(inputs)
     rail.meet(truth)
-    watch = watch_of(layout, state_estimator, wheel_radius, recorder, driver.pressure)
+    watch = watch_of(layout, parties.state_estimator, parties.wheel_radius, recorder, driver.pressure)
     demand_columns = recorder.columns.get("demand")
     law_columns = recorder.block(law.signals) if law is not None else None
     driver_columns = recorder.columns["driver_demand"] if driver.has_phases else None
     traction_columns = recorder.columns.get("traction")
     demands = driver_demands = command = (0.0,) * layout.formation.groups
     nothing_new = np.full(layout.readings, np.nan)
-    plausibility = Plausibility(period=period, start_speed=start_speed)
+    plausibility = Plausibility(period=period, start_speed=parties.start_speed)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     count, has_moved = 0, False
     try:

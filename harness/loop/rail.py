@@ -153,13 +153,13 @@ class Field:
     τ. W is that of the sample before.
     """
 
-    def __init__(self, formation: Formation, clean: Clean, laid: Falling, reach: float) -> None:
+    def __init__(self, formation: Formation, clean: Clean, falling: Falling, reach: float) -> None:
         """Lay a rail that no wheel has cleaned.
 
         Args:
             formation: Whose wheelsets run on it; it says where they are.
             clean: What slip makes of the rail.
-            laid: How the plant's contact lets friction fall.
+            falling: How the plant's contact lets friction fall.
             reach: How far the train may get [m].
         """
         position, self.origin, self.energy = _cells(formation, reach)
@@ -168,7 +168,7 @@ class Field:
         self.struct: Any = _structs(formation.wheelsets)[1](
             energy=self.energy.ctypes.data, position=self._keep[0].ctypes.data, group=self._keep[1].ctypes.data,
             origin=self.origin, length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
-            A=laid.A, B=laid.B, cells=self.energy.size,
+            A=falling.A, B=falling.B, cells=self.energy.size,
         )  # fmt: skip
 
 

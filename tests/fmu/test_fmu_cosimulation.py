@@ -11,9 +11,10 @@ from faulty_fmu import faulty_fmu
 from tiny_fmu import GUID, tiny, xml
 
 from railgrip.errors import FmuError, PlantFailed
-from railgrip.fmu import Binding, CoSimulation, Description, Plant, Signal, bind, describe
+from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmu.instance import Instance, unpack
 from railgrip.loop.compiled import run
+from railgrip.loop.ports import Plant
 
 PERIOD = 1e-3
 
@@ -195,6 +196,16 @@ def test_a_spent_plant_repeats_its_failure_instead_of_running(foundry: Path):
         for _ in range(2):
             with pytest.raises(PlantFailed, match="the wheel came off at 0"):
                 plant.step(np.zeros(1))
+
+
+def test_two_fmus_of_one_guid_and_library_name_are_two_libraries(foundry: Path):
+    """One of them fails in its first step; the other, open at the same time, steps as it should."""
+    with opened(tiny(foundry, "ERROR_STATUS"), allowed=0) as ill, opened(tiny(foundry)) as well:
+        ill.start(np.zeros(1))
+        well.start(np.zeros(1))
+        with pytest.raises(PlantFailed):
+            ill.step(np.zeros(1))
+        assert well.step(np.ones(1))[0] == pytest.approx(closed_form(PERIOD, 2.0, 3.0, 1.0), rel=1e-15)
 
 
 def test_a_failure_survives_the_way_between_processes(foundry: Path):

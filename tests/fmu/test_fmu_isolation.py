@@ -12,13 +12,13 @@ from railgrip.fmu import (
     CoSimulation,
     Description,
     IsolatedCoSimulation,
-    Plant,
     Signal,
     bind,
     describe,
     open_plant,
 )
 from railgrip.limits import FmuLimits
+from railgrip.loop.ports import Plant
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)

@@ -103,8 +103,8 @@ def test_a_prediction_is_the_same_function(pair, name):
     u = np.array([held(n) for n in names["inputs"]])
     random = np.random.default_rng(7)
     with (
-        FmuPrediction(fmus.ours, parameters={}, **names, differentiation="directional") as ours,
-        FmuPrediction(fmus.theirs, parameters={}, **names, differentiation="directional") as theirs,
+        FmuPrediction(fmus.ours, parameters={}, **names) as ours,
+        FmuPrediction(fmus.theirs, parameters={}, **names) as theirs,
     ):
         assert theirs.start == pytest.approx(ours.start, rel=1e-12)
         for _ in range(20):

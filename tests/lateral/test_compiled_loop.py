@@ -80,8 +80,8 @@ def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table):
     clean = Observer(name="again", filter=parties()[1].filter, sources=two[0].observer.sources)
     (record,) = in_c(table, noise, [two[0].observer])
     belief = record.beliefs["known_track"]
-    assert belief.diverged == 3
-    assert belief.diverged_at == 101
+    assert belief.failure == 3
+    assert belief.failure_sample == 101
     assert np.isfinite(belief.mean[99]).all()
     assert np.isnan(belief.mean[100:]).all()
     assert np.isfinite(record.outputs).all()

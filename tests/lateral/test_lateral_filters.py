@@ -69,7 +69,7 @@ def test_an_order_that_does_not_exist_is_refused():
 def test_a_filter_told_of_another_process_noise_uses_it():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
     retuned_filter, fresh = (CompiledFilter(*arguments) for _ in range(2))
-    retuned_filter.change_process_noise(np.full(5, 4e-6))
+    retuned_filter.retune(np.full(5, 4e-6))
     inputs, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
     deviations = [
         one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), inputs, nothing).covariance
@@ -78,7 +78,7 @@ def test_a_filter_told_of_another_process_noise_uses_it():
     # Three more parts of 1e-6·50 µs on a diagonal of 1e-6: differences lose some digits.
     assert np.diag(deviations[0] - deviations[1]) == pytest.approx(np.full(5, 3e-6 * PERIOD), rel=1e-6)
     with pytest.raises(EstimatorError, match="negative eigenvalue"):
-        retuned_filter.change_process_noise(np.full(5, -1.0))
+        retuned_filter.retune(np.full(5, -1.0))
 
 
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
@@ -123,7 +123,7 @@ def test_a_filter_that_loses_itself_is_known_by_its_innovations(plant, lost):
     dry = Trial(name="dry", changes=((0.0, DRY),), duration=1.0)
     trace = simulate(Case(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
     measures = measure(trace, observe=False)
-    assert trace.beliefs["known_track"].diverged == 0
+    assert trace.beliefs["known_track"].failure == 0
     assert np.isfinite(trace.beliefs["known_track"].mean).all()
     assert (beliefs_about(trace, "known_track")["mu0"].mean[-1] > 1e9) == lost
     assert (measures["lost"]["known_track"] is not None) == lost

@@ -10,6 +10,7 @@ from railgrip import signals
 from railgrip.loop.cycle import run
 from railgrip.loop.driver import Driver
 from railgrip.loop.ending import Clock
+from railgrip.loop.parties import Parties
 from railgrip.loop.sensors import IdealSensors
 from railgrip.loop.watch import StateEstimator
 from railgrip.trace.outcome import Outcome
@@ -83,7 +84,7 @@ def brake(
         TWO_PART_TRAIN,
         samples + 1,
     )
-    ended = run(
+    parties = Parties(
         layout=LAYOUT,
         plant=plant,
         rail=Rail(),
@@ -98,7 +99,7 @@ def brake(
         stop_speed=stop_speed,
         recorder=recorder,
     )
-    return ended, recorder
+    return run(parties), recorder
 
 
 def test_a_block_stops_after_the_textbook_distance():

@@ -27,6 +27,7 @@ from railgrip.loop.actuation import Direct
 from railgrip.loop.driver import Driver
 from railgrip.loop.ending import Clock
 from railgrip.loop.faults import CommandFault, Faults, ReadingFault
+from railgrip.loop.parties import Parties
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.ports import Edge
 from railgrip.loop.rail import Field, TabulatedRail
@@ -242,27 +243,24 @@ def brake(
         samples + 1,
     )
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
-    parties = dict(
+    parties = Parties(
         layout=LAYOUT,
         plant=plant,
+        rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps(), field()),
         sensors=SENSORS[sensors](),
         state_estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
         actuation=ValveLogic([3.4e5] * 4, VALVES) if valves else Direct(),
+        driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
+        faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
+        wheel_radius=RADIUS,
+        clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
+        start_speed=asked or plant.speed,
+        stop_speed=0.1,
+        recorder=recorder,
     )
-    assert compiled_cycle.obstacle(**parties) is None
     try:
-        end = engine.run(
-            **parties,
-            rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps(), field()),
-            driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
-            faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
-            wheel_radius=RADIUS,
-            clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
-            start_speed=asked or plant.speed,
-            stop_speed=0.1,
-            recorder=recorder,
-        )
+        end = engine.run(parties)
         how = end.outcome, end.reason, end.samples
     except PlantFailed as failed:
         how = Outcome.PLANT_FAILED, str(failed), recorder.written
@@ -276,7 +274,7 @@ def brake(
 def same(plant=Plant, controller=SLIP, filter_=None, **changed):
     """Return how it ended, with either engine."""
     setup = dict(samples=BLOCK + 40, sensors="service", valves=False, every=(1, 1), over_time=True) | changed
-    one, other = (brake(engine, plant, controller, filter_, **setup) for engine in (cycle, compiled_cycle))
+    one, other = (brake(engine, plant, controller, filter_, **setup) for engine in (compiled_cycle, cycle))
     assert one == other
     return one[0]
 
@@ -526,7 +524,5 @@ def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
 
 def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
-    reason = compiled_cycle.obstacle(
-        LAYOUT, Plant(), IdealSensors(LAYOUT), None, SlipBased(GROUPS[:1], PAPER_LEVELS), Direct()
-    )
-    assert reason == "the controller is not for 4 groups"
+    with pytest.raises(TypeError, match="the controller is not for 4 groups"):
+        same(controller=lambda: SlipBased(GROUPS[:1], PAPER_LEVELS), sensors="ideal")

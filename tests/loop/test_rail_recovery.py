@@ -142,8 +142,8 @@ def test_beyond_the_reach_the_rail_is_the_last_cell_s():
 def test_both_engines_clean_the_same_rail_and_the_heat_of_the_contacts_is_on_it():
     scenario = load(LIBRARY / "plain.toml", [*LOW, WRITTEN, "limits.horizon=4 s"])
     with assembled(scenario) as parts:
-        ended = run(controller=parts.controller, **parts.parties)
-        field, trace = parts.parties["rail"].field, parts.recorder.trace(ended.samples, 1e-3)
+        ended = run(parts.parties)
+        field, trace = parts.parties.rail.field, parts.recorder.trace(ended.samples, 1e-3)
     # Of both wheels of each wheelset; the plant's heat is that of all slip, the rail's that of samples 1 ms apart.
     kept = 2 * (CELL * field.energy.sum() + sum(field.struct.left))
     assert kept == pytest.approx(float(trace.contact_heat[-1]), rel=1e-3)

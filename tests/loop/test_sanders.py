@@ -113,7 +113,7 @@ def test_a_train_that_stands_or_leaves_the_table_keeps_finite_friction():
 def test_both_engines_lay_the_same_sand():
     scenario = load(LIBRARY / "plain.toml", [*LOW, *WRITTEN, "limits.horizon=4 s"])
     with assembled(scenario) as parts:
-        ended = run(controller=parts.controller, **parts.parties)
+        ended = run(parts.parties)
         trace = parts.recorder.trace(ended.samples, 1e-3)
     last = trace.mu0.values[-1]
     assert last[0] == 0.03

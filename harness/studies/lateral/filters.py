@@ -86,7 +86,7 @@ class Party:
     def change_condition(self, condition: Condition) -> None:
         """Tell the filter of a change of the rail, if it is one that is told."""
         if self.name == "literal":
-            self.filter.change_process_noise(literal_density(condition, self.filter.design.period))
+            self.filter.retune(literal_density(condition, self.filter.design.period))
 
 
 def literal_density(condition: Condition, period: float) -> Vector:

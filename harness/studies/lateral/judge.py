@@ -152,8 +152,8 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
 def _loss(trace: Trace, belief: Beliefs) -> float | None:
     row = loss_step(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
     instants = [] if row is None else [float(trace.time[row])]
-    if belief.diverged:
-        instants.append(belief.diverged_at * trace.period / EVERY)
+    if belief.failure:
+        instants.append(belief.failure_sample * trace.period / EVERY)
     return min(instants, default=None)
 
 

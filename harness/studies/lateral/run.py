@@ -109,7 +109,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
 
 
 def _alive(records: Sequence[Record], name: str) -> bool:
-    return all(name in record.beliefs and not record.beliefs[name].diverged for record in records)
+    return all(name in record.beliefs and not record.beliefs[name].failure for record in records)
 
 
 def _trace(case: Case, realisation: Course, records: Sequence[Record], names: Sequence[Name], wall: float) -> Trace:
@@ -145,6 +145,6 @@ def _join(records: Sequence[Record], name: str) -> Beliefs:
         mean=np.concatenate([*(b.mean for b in beliefs), np.full((missing, n), np.nan)]),
         covariance=np.concatenate([*(b.covariance for b in beliefs), np.full((missing, n, n), np.nan)]),
         squared_innovation=np.concatenate([*(b.squared_innovation for b in beliefs), np.full(missing, np.nan)]),
-        diverged=last.diverged,
-        diverged_at=last.diverged_at,
+        failure=last.failure,
+        failure_sample=last.failure_sample,
     )

@@ -203,13 +203,13 @@ def _run_filter(
     middle = 0.5 * (inputs[:-1] + inputs[1:])  # pressures move within a period
     usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
     turning = np.array([states.index(f"w[{g + 1}]") for g in range(GROUPS)])
-    filter_.change_process_noise(usual)
+    filter_.retune(usual)
     try:
         for k in range(1, count):
             if (locked[k] != locked[k - 1]).any() or k == 1:
                 noise = usual.copy()
                 noise[turning[locked[k]]] = _FREE
-                filter_.change_process_noise(noise)
+                filter_.retune(noise)
             filter_.inputs[:] = middle[k - 1]
             filter_.readings[:] = readings[k]
             filter_.advance()

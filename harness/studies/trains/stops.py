@@ -17,7 +17,7 @@ from railgrip.estimators.belief import Vector
 from railgrip.fmu.comparison import seconds_in_c
 from railgrip.fmu.mapping import Signal, bind
 from railgrip.fmus.build import build_class
-from railgrip.loop import compiled_cycle, cycle
+from railgrip.loop import compiled_cycle
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import BrakePipe, Train
@@ -99,9 +99,8 @@ def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
     from_speed = speed or (data.reference[0].speed if data.reference else USUAL_SPEED)
     scenario = dry_scenario(train, from_speed)
     with assembled(scenario) as parts:
-        loop = cycle.run if parts.obstacle else compiled_cycle.run
         begin = perf_counter()
-        result = loop(controller=parts.controller, progress=None, **parts.parties)
+        result = parts.run()
         seconds = perf_counter() - begin
     if result.outcome is not Outcome.STANDSTILL:
         raise ScenarioError(f"{data.name}: the dry stop ended with {result.outcome.value}: {result.reason}")
@@ -172,7 +171,7 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     for _ in range(_ROUNDS):
         with assembled(scenario) as parts:
             begin = process_time()
-            result = compiled_cycle.run(controller=parts.controller, progress=None, **parts.parties)
+            result = compiled_cycle.run(parts.parties)
             times.append(process_time() - begin)
         if result.outcome is not Outcome.STANDSTILL:
             raise ScenarioError(f"{scenario.name}: ended with {result.outcome.value}: {result.reason}")
