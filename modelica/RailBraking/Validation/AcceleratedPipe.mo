@@ -41,7 +41,7 @@ equation
     openings = pre(openings) + 1;
   end when;
   der(vented) = if venting.open then 1 else 0;
-  error = (if resting.open then 1 else 0) + (if time < 5 then 0 else abs(openings - 1)) + (if time < 5 then 0 else vented/t_exact - 1);
+  error = (if resting.open then 1 else 0) + (if time < 5 then 0 else abs(vented/t_exact - 1) + abs(openings - 1));
   annotation (
     experiment(StopTime=6, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
