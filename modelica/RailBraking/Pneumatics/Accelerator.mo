@@ -45,11 +45,12 @@ it closes and is ready again are estimated.
 </p>
 <h4>Limitations</h4>
 <p>
-It vents in emergency brakes only. It cannot be faster than the front that opens it: behind the front the pressure falls
-faster, the front itself runs no faster than sound. A BrakePipe smears its front over some cells, and where T_sense
-<code>rate_open</code> is small the foot of it opens the next accelerator too early. With one in each of ten cars of
-26.4 m, a front of 288 m/s without them runs at 472, 358 and 316 m/s in 1, 4 and 16 cells a car where that product is 0.025
-bar, at 365 m/s and 315 m/s in 1 and 4 cells where it is 0.1 bar, and at 319 m/s and 295 m/s where it is 0.21 bar.
+It vents in emergency brakes only. It cannot be faster than the front that opens it: behind the front the pressure
+falls faster, the front itself runs no faster than sound. A BrakePipe smears its front over some cells, and where
+T_sense <code>rate_open</code> is small the foot of it opens the next accelerator too early. With one in each of ten
+cars of 26.4 m, a front of 288 m/s without them runs at 472, 358 and 316 m/s in 1, 4 and 16 cells a car where that
+product is 0.025 bar, at 365 m/s and 315 m/s in 1 and 4 cells where it is 0.1 bar, and at 319 m/s and 295 m/s where it
+is 0.21 bar.
 </p>
 </html>"));
 end Accelerator;
