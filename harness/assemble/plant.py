@@ -93,7 +93,8 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu.limits(),
     )
-    if not own:
+    # A train file's class is of our parts; what a distributor does by speed or a long pipe late is no mistake of a map.
+    if not own and (table.train is None or table.map):
         # The stop itself will say how it failed.
         with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, first)

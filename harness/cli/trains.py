@@ -43,13 +43,15 @@ def show(
     from railgrip.report.style import save
     from railgrip.rolling_stock.drawing import drawing
     from railgrip.rolling_stock.files import load_train
-    from railgrip.rolling_stock.tables import table_of_axles
+    from railgrip.rolling_stock.tables import table_of_axles, table_of_distributors
 
     train = load_train(file)
     path = out or Path("build/trains") / f"{train.name}.png"
     if path.suffix not in (".png", ".svg"):
         raise InputError(f"--out {path}: a figure ends in .png or .svg")
     show_table(table_of_axles(train))
+    if equipment := table_of_distributors(train):
+        show_table(equipment)
     say(str(save(drawing(train), path)))
 
 
@@ -58,7 +60,7 @@ def check(file: TrainFile) -> None:
     """Say what of a train does not fit together, and how it stops by hand calculation."""
     from railgrip.rolling_stock.check import findings, stops_by_hand
     from railgrip.rolling_stock.files import load_train
-    from railgrip.rolling_stock.tables import sentence_of_stop
+    from railgrip.rolling_stock.tables import sentence_of_equipment, sentence_of_stop
     from railgrip.scenario.file import installed
 
     train = load_train(file)
@@ -70,6 +72,8 @@ def check(file: TrainFile) -> None:
     wrong = [f"{name}: {one}" for one in results if one.wrong]
     if wrong:
         raise InputError("\n".join(wrong))
+    if equipment := sentence_of_equipment(train):
+        say(equipment)
     for speed, stop in stops_by_hand(train).items():
         say(sentence_of_stop(train, speed, stop))
 

@@ -26,6 +26,13 @@ def type_test(
         str | None,
         typer.Option(help="A scenario (.toml) whose train it is, a train, an .fmu or a recipe; ours without it."),
     ] = None,
+    task: Annotated[
+        Path | None,
+        typer.Option(help="A scenario (.toml) whose demand and [adhesion.conditioning] hold in every case."),
+    ] = None,
+    against: Annotated[
+        str | None, typer.Option(help="A controller of the test: distances of the others over its own, case by case.")
+    ] = None,
     quick: Annotated[bool, typer.Option(help="A tenth of the cases: shows where a controller stands.")] = False,
     validation: Annotated[bool, typer.Option(help="Other cases, which nobody may look at while tuning.")] = False,
     count: Annotated[int | None, typer.Option("--cases", min=1, max=10000, help="Number of cases.")] = None,
@@ -44,21 +51,23 @@ def type_test(
     from railgrip.report.index import write_report as write_panels
     from railgrip.report.results import read_results
     from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
-    from railgrip.studies.type_test.entrants import campaign_of, chosen, entrants, train_of
+    from railgrip.studies.type_test.entrants import campaign_of, chosen, entrants, task_of, train_of
     from railgrip.studies.type_test.judge import limits_of
-    from railgrip.studies.type_test.report import leaderboard_of, write_report
+    from railgrip.studies.type_test.report import compared, leaderboard_of, write_report
 
     judging, ours = limits_of(limits), entrants()
     selected = ours if controller is None else chosen(controller, ours)
+    if against is not None and against not in ours | selected:
+        raise ScenarioError(f"--against {against}: is none of {', '.join(ours | selected)}")
     # What others are measured with is run, too; what they are compared with comes from earlier runs.
     running = {name for name, one in ours.items() if one.role in {"reference", "bound"}} | selected.keys()
     if case:
         drawn = tuple(case_named(name) for name in case)
     else:
         drawn = cases(count or (QUICK if quick else CASES), VALIDATION_SEED if validation else SEED)
-    whole = campaign_of(drawn, ours | selected, train_of(train), keep_traces=bool(case))
+    whole = campaign_of(drawn, ours | selected, train_of(train), task=task and task_of(task), keep_traces=bool(case))
     planned = whole.only(lambda stop: stop.variants["controller"] in running)
-    directory = out if train is None else out / Path(train).stem
+    directory = out.joinpath(*(Path(written).stem for written in (train, task) if written is not None))
     if case:
         directory = directory / "cases"
     with progress(whole.name, len(planned.stops), counted=True) as shown:
@@ -78,9 +87,11 @@ def type_test(
         )
         write_description(whole, directory)
         shown.update(doing="report")
-        again = "" if train is None else f" --train {train}"
+        again = "".join(f" --{key} {value}" for key, value in (("train", train), ("task", task)) if value is not None)
         page = write_report(read_results(directory), ours | selected, judging, directory, again)
     show_table(leaderboard_of(directory))
+    if against is not None:
+        show_table(compared(directory, against))
     for stop in planned.stops if case else ():
         if stop.variants["controller"] in selected and (directory / stop.name / "trace.nc").exists():
             say(str(write_panels(directory / stop.name)))

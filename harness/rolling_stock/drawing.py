@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from railgrip.report.style import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION, figure
-from railgrip.rolling_stock.schema import Train
+from railgrip.rolling_stock.schema import Car, Train
 
 _ROW = 110.0  # m of train in a row of the figure
 _INCHES = 0.13  # for a metre
@@ -37,11 +37,16 @@ def drawing(train: Train) -> Figure:
     train_figure.supxlabel(
         "under the rail: axle and its load [t]; lines join axles that turn as one; brackets hold those that share a "
         "brake valve;\n"
-        "dots: brake units of an axle; bars on the rail: magnetic track brakes; triangles: sanders",
+        "dots: brake units of an axle; bars on the rail: magnetic track brakes; triangles: sanders; in a car: its "
+        "two-stage distributor and accelerator",
         fontsize=7,
         color=GREY,
     )
     return train_figure
+
+
+def _equipment(car: Car) -> str:
+    return ", ".join(filter(None, (car.distributor, car.accelerator)))
 
 
 def _rows(train: Train) -> Iterator[tuple[range, float, float]]:
@@ -65,7 +70,7 @@ def _row(axes: Axes, train: Train, cars: range) -> None:
             facecolor="#EEF4F8", edgecolor=BLUE, linewidth=0.9,
         )  # fmt: skip
         axes.add_patch(body)
-        words = f"{car.name}\n{car.mass / 1e3:g} t"
+        words = "\n".join(filter(None, (car.name, f"{car.mass / 1e3:g} t", _equipment(car))))
         axes.text(front + car.length / 2, 2.6, words, ha="center", va="center", fontsize=7)
         if car.coupler:
             axes.plot([front + car.length - 0.5, front + car.length + 0.5], [1.05, 1.05], color=BLACK, linewidth=2)

@@ -8,6 +8,9 @@ from typing import Any
 from railgrip.report.page import rendered
 from railgrip.rolling_stock.schema import Train
 
+_CELLS_OF_A_CAR = 4
+"""Of the brake pipe where it has accelerators: one cell to a car smears a front so far that its foot opens the next."""
+
 
 def class_name(train: Train, *, pneumatic: bool) -> str:
     """Return the name of a train's class: its own as an identifier."""
@@ -65,6 +68,13 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         )
     piped = train.command is not None and train.command.kind == "brake_pipe"
     kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
+    # Through the pipe each car has a pressure of its own, by wire there is one for all.
+    available = [max(_pressures(train, number)) for number in range(len(train.cars))] if piped else [1.0]
+    cells = _CELLS_OF_A_CAR if any(train.accelerator_of_car) else 1
+    distributors = train.distributor_of_car
+    single, staged = ([i for i, one in enumerate(distributors) if (one is None) == plain] for plain in (True, False))
+    part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
+    part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(staged, start=1)}
     return rendered(
         "rolling_stock/plant.mo.jinja",
         name=class_name(train, pneumatic=pneumatic),
@@ -94,9 +104,18 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
             for number, bogie in enumerate((one for one in bogies if one.track_brake is not None), start=1)
         ],
         command=train.command,
-        # Through the pipe each car has a pressure of its own, by wire there is one for all.
-        available=[max(_pressures(train, number)) for number in range(len(train.cars))] if piped else [1.0],
-        lengths=[car.length for car in train.cars],
+        available=available,
+        distributor_of_car=part_of_car,
+        single_stage=[available[car] for car in single] if piped else [],
+        two_stages=[
+            {"distributor": distributors[car], "pressure": available[car], "body": body_of_car[car] + 1}
+            for car in staged
+        ],
+        accelerators=[
+            {"accelerator": vent, "car": car} for car, vent in enumerate(train.accelerator_of_car) if vent is not None
+        ],
+        lengths=[car.length / cells for car in train.cars for _ in range(cells)],
+        branch_of_car=[cells * number + (cells + 1) // 2 for number in range(len(train.cars))],
         supply_of_group=[axles[members[0]].car + 1 if piped else 1 for members in groups],
         commands=_sharing(train.groups_per_valve),
         array=_array,

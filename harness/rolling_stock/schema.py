@@ -30,6 +30,7 @@ Stiffness = Annotated[float, Unit("N/m", above=0, at_most=1e10)]
 Damping = Annotated[float, Unit("N.s/m", at_least=0, at_most=1e9)]
 Seconds = Annotated[float, Unit("s", at_least=0, at_most=120, because="no cylinder takes two minutes")]
 Temperature = Annotated[float, Unit("K", above=0, at_most=3e3)]
+LagTime = Annotated[float, Unit("s", at_least=1e-3, at_most=60)]
 SharedBy = Literal["axle", "bogie", "car"]
 
 
@@ -130,6 +131,39 @@ class BrakePipe(Sourced):
     reservoir: Annotated[float, Unit("m3", above=0, at_most=10)] = Field(description="auxiliary one of each car")
 
 
+class Distributor(Sourced):
+    """A distributor in position R with a high and a low stage: RailBraking.Pneumatics.TwoStageDistributor."""
+
+    low_share: Share = Field(description="cylinder pressure of the low stage over that of the high one")
+    speed_up: Speed = Field(description="at and above which the high stage comes in")
+    speed_down: Speed = Field(description="below which the low stage comes in")
+    stage_time: LagTime = Field(description="time constant with which one stage gives way to the other")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.speed_down >= self.speed_up:
+            raise broken(
+                f"has speed_down {3.6 * self.speed_down:g} km/h and speed_up {3.6 * self.speed_up:g} km/h; "
+                "speed_down lies below, or the stage changes at every look"
+            )
+        return self
+
+
+class Accelerator(Sourced):
+    """What vents the brake pipe at a car once pressure falls fast: RailBraking.Pneumatics.Accelerator."""
+
+    conductance: Annotated[float, Unit("m3/(s.Pa)", above=0, at_most=1e-5)] = Field(
+        description="sonic conductance of the vent; 1 cm2 has about 2e-7"
+    )
+    opening_rate: Annotated[float, Unit("Pa/s", at_least=1, at_most=1e7)] = Field(
+        description="fall of the pipe's pressure at which it opens"
+    )
+    closing_pressure: Annotated[float, Unit("Pa", above=0, below=5e5, because="the pipe is charged to 5 bar")] = Field(
+        description="of the pipe, at which it closes again"
+    )
+    sensing_time: LagTime = Field(description="over which the fall is sensed")
+
+
 Command = Annotated[Electropneumatic | BrakePipe, Field(discriminator="kind")]
 
 
@@ -212,6 +246,10 @@ class Car(Sourced):
     coupler: Name | None = Field(
         default=None, description="of [couplers], to the next car; without one they move as one body"
     )
+    distributor: Name | None = Field(
+        default=None, description="of [distributors]; behind a brake pipe a car without one has a single stage"
+    )
+    accelerator: Name | None = Field(default=None, description="of [accelerators], on its brake pipe")
 
 
 class Reference(Table):
@@ -285,6 +323,8 @@ class Train(Table):
     track_brakes: dict[Name, TrackBrake] = Field(default={})
     bogies: dict[Name, Bogie]
     couplers: dict[Name, Coupler] = Field(default={})
+    distributors: dict[Name, Distributor] = Field(default={})
+    accelerators: dict[Name, Accelerator] = Field(default={})
     cars: tuple[Car, ...] = Field(min_length=1, max_length=64)
     sanders: tuple[Sander, ...] = Field(default=(), max_length=256, description="for scenarios with [adhesion.sand]")
     reference: tuple[Reference, ...] = ()
@@ -301,6 +341,11 @@ class Train(Table):
             where = f"[cars[{number}]]"
             _known("bogies", [placed.kind for placed in car.bogies], self.bogies, f"{where} bogies")
             _known("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
+            for key, table in (("distributor", self.distributors), ("accelerator", self.accelerators)):
+                name = getattr(car, key)
+                _known(f"{key}s", [name] if name else [], table, f"{where} {key}")
+                if name and not isinstance(self.command, BrakePipe):
+                    raise broken(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
             count = sum(len(self.bogies[placed.kind].axles) for placed in car.bogies)
             if car.axle_masses and len(car.axle_masses) != count:
                 raise broken(f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles")
@@ -404,6 +449,16 @@ class Train(Table):
             else:
                 counts.append(1)
         return tuple(counts)
+
+    @property
+    def distributor_of_car(self) -> tuple[Distributor | None, ...]:
+        """Two-stage distributor of each car, None where it has a single stage."""
+        return tuple(self.distributors[car.distributor] if car.distributor else None for car in self.cars)
+
+    @property
+    def accelerator_of_car(self) -> tuple[Accelerator | None, ...]:
+        """Accelerator of the brake pipe of each car, None where it has none."""
+        return tuple(self.accelerators[car.accelerator] if car.accelerator else None for car in self.cars)
 
     @property
     def axles_per_car(self) -> tuple[int, ...]:

@@ -97,6 +97,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     track_brakes = [bogie.track_brake for bogie in magnetic if bogie.track_brake is not None]
     magnetic_car = np.array([bogie.cars[0] for bogie in magnetic], dtype=np.intp)
 
+    stages = _Stages(train, speed)
     v, s, t = speed, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
     developed: list[float] = []
@@ -109,7 +110,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         elif command.kind == "electropneumatic":
             share = -np.expm1(-np.maximum(now - delay, 0.0) / command.time_constant)
         else:
-            share = np.clip(_FILLED * (now - delay) / command.fill_time, 0.0, 1.0)
+            share = stages.share(v) * np.clip(_FILLED * (now - delay) / command.fill_time, 0.0, 1.0)
         braking = brakes.force(v, share) + rolling
         magnets = np.array([_magnetic_force(brake, v, now) for brake in track_brakes]) if track_brakes else np.zeros(0)
         drag = 0.5 * _AIR_DENSITY * air.drag_coefficient * air.frontal_area * v**2
@@ -203,6 +204,24 @@ class _Brakes:
         friction = self.pad_friction * (1 + self.speed_effect * (1 - speed * self.sliding / self.speed_nominal))
         friction = friction * (1 - self.force_effect * (pad_force / self.force_nominal - 1))
         return self.lever * friction * pad_force
+
+
+class _Stages:
+    """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
+
+    def __init__(self, train: Train, speed: float) -> None:
+        """Take a train at the speed of its brake demand [m/s]: from between both speeds on it is in the low stage."""
+        parts = [train.distributor_of_car[axle.car] for axle in train.axles]
+        values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
+        self._low, self._down, time = np.array(values).T
+        self._share = np.where([d is None or speed >= d.speed_up for d in parts], 1.0, self._low)
+        self._progress = -np.expm1(-_STEP / time)
+
+    def share(self, speed: float) -> Vector:
+        """Return the share of the highest pressure that each axle may have in the next step, shape (axles,)."""
+        target = np.where(speed < self._down, self._low, self._share)
+        self._share = self._share + self._progress * (target - self._share)
+        return self._share
 
 
 def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:

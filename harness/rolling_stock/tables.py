@@ -29,6 +29,44 @@ def table_of_axles(train: Train) -> Table:
     return Table(rows, forms, ("car", "bogie"))
 
 
+def table_of_distributors(train: Train) -> Table:
+    """Return one row for each car with a two-stage distributor or an accelerator of the brake pipe."""
+    rows = [
+        {
+            "car": car.name,
+            "distributor": car.distributor,
+            "low stage": None if stages is None else stages.low_share,
+            "below": None if stages is None else 3.6 * stages.speed_down,
+            "high from": None if stages is None else 3.6 * stages.speed_up,
+            "accelerator": car.accelerator,
+            "opens": None if vent is None else vent.opening_rate / 1e5,
+            "closes": None if vent is None else vent.closing_pressure / 1e5,
+        }
+        for car, stages, vent in zip(train.cars, train.distributor_of_car, train.accelerator_of_car, strict=True)
+        if stages or vent
+    ]
+    forms = {"low stage": "{:.2f}", "below": "{:.0f} km/h", "high from": "{:.0f} km/h", "opens": "{:g} bar/s"}
+    return Table(rows, forms | {"closes": "{:g} bar"}, ("car", "distributor", "accelerator"))
+
+
+def sentence_of_equipment(train: Train) -> str:
+    """Return how many cars have which two-stage distributor and accelerator; empty for a train without any."""
+    words: list[str] = []
+    for kind in train.distributors:
+        stages, count = train.distributors[kind], sum(car.distributor == kind for car in train.cars)
+        words.append(
+            f"{kind} in {count} of {len(train.cars)} cars: {stages.low_share:.0%} of the pressure once slower than "
+            f"{3.6 * stages.speed_down:g} km/h, all of it from {3.6 * stages.speed_up:g} km/h on"
+        )
+    for kind in train.accelerators:
+        vent, count = train.accelerators[kind], sum(car.accelerator == kind for car in train.cars)
+        words.append(
+            f"{kind} in {count} of {len(train.cars)} cars vents the pipe where it falls by {vent.opening_rate / 1e5:g} "
+            f"bar/s, down to {vent.closing_pressure / 1e5:g} bar"
+        )
+    return f"{train.name}: {'; '.join(words)}" if words else ""
+
+
 def sentence_of_stop(train: Train, speed: float, stop: HandCalculation) -> str:
     """Return how a train stops by hand calculation."""
     return (

@@ -14,6 +14,30 @@ def tables():
 
 
 @pytest.fixture
+def piped(tables):
+    """The same behind a brake pipe, with tables of a distributor in position R and an accelerator that no car has."""
+    tables["command"] = {
+        "kind": "brake_pipe", "diameter": "32 mm", "fill_time": "4 s", "reservoir": "0.1 m3", "estimated": True,
+    }  # fmt: skip
+    tables["distributors"] = {
+        "R": {
+            "low_share": 0.5,
+            "speed_up": "70 km/h",
+            "speed_down": "50 km/h",
+            "stage_time": "0.3 s",
+            "estimated": True,
+        }
+    }
+    tables["accelerators"] = {
+        "quick": {
+            "conductance": "2e-7 m3/(s.Pa)", "opening_rate": "0.7 bar/s", "closing_pressure": "2.5 bar",
+            "sensing_time": "0.3 s", "estimated": True,
+        }
+    }  # fmt: skip
+    return tables
+
+
+@pytest.fixture
 def train(tables):
     """The train of these tables."""
     return train_of(tables, "ours.toml")

@@ -68,6 +68,25 @@ def test_a_brake_pipe_brakes_the_rear_later(tables):
     assert by_hand(train, 30.0).distance - full.distance == pytest.approx(expected, rel=2e-3)
 
 
+def test_a_low_stage_costs_its_closed_form(piped):
+    """With next to no build-up full braking holds to 50 km/h, half of it from there: v² over twice of each."""
+    piped["brakes"]["disc"]["spring_force"] = 0
+    piped["command"] |= {"fill_time": "1 us"}
+    piped["distributors"]["R"]["stage_time"] = "1 ms"
+    command = piped["command"]
+    full = by_hand(train_of(bare(piped), "ours.toml"), 30.0)
+    piped["command"] = command
+    for car in piped["cars"]:
+        car["distributor"] = "R"
+    changeover = 50 / 3.6
+    expected = full.distance * (1 + (1 / 0.5 - 1) * (changeover / 30.0) ** 2)
+    late = 30.0 * np.mean([axle.position for axle in train_of(piped, "ours.toml").axles]) / 290
+    assert by_hand(train_of(piped, "ours.toml"), 30.0).distance - late == pytest.approx(expected, rel=1e-3)
+    # Begun between both speeds it is low from the start.
+    low = by_hand(train_of(piped, "ours.toml"), 60 / 3.6)
+    assert low.deceleration == pytest.approx(0.5 * full.deceleration, rel=1e-3)
+
+
 def test_a_coupler_takes_what_one_car_brakes_more_than_its_mass_wants(tables):
     """Two equal bodies, one braked twice as hard: a quarter of the sum goes through the coupler."""
     stop = by_hand(train_of(weak_behind(tables), "ours.toml"), 20.0)
@@ -144,6 +163,15 @@ def test_a_brake_that_counts_on_too_much_adhesion_is_unusual(tables):
     assert not one.wrong
     assert one.key == "[bogies.trailer] brake"
     assert "LOC&PAS TSI" in one.sentence
+
+
+def test_a_changeover_above_the_stop_and_an_accelerator_that_opens_on_nothing_are_unusual(piped):
+    piped["cars"][0] |= {"distributor": "R", "accelerator": "quick"}
+    piped["distributors"]["R"] |= {"speed_up": "130 km/h"}
+    piped["accelerators"]["quick"]["sensing_time"] = "0.05 s"
+    unusual = {one.key: one.sentence for one in findings(train_of(piped, "ours.toml")) if not one.wrong}
+    assert "a stop from 120 km/h is in the low stage throughout" in unusual["[distributors.R] speed_up"]
+    assert "is 0.035 bar: less than 0.1 bar" in unusual["[accelerators.quick] sensing_time"]
 
 
 def test_a_name_with_quotes_stays_inside_its_string(tables):

@@ -41,6 +41,28 @@ def test_what_does_not_fit_ends_with_file_and_key(railgrip, tmp_path):
     assert railgrip("train", "check", "nothing")[0] == 2
 
 
+def test_distributors_and_accelerators_are_shown_and_said(railgrip, tmp_path):
+    railgrip("train", "new", "mine.toml")
+    file = tmp_path / "mine.toml"
+    text = file.read_text(encoding="utf-8")
+    text = text.replace('kind = "electropneumatic"', 'kind = "brake_pipe"').replace(
+        'delay = "0.4 s"                    # from the demand to the first pressure\ntime_constant = "0.5 s"',
+        'diameter = "32 mm"\nfill_time = "4 s"\nreservoir = "100 l" ',
+    )
+    begin, end = text.index("# [distributors.R]"), text.index("[[cars]]")
+    tables = "\n".join(line.removeprefix("# ") for line in text[begin:end].splitlines())
+    cars = text[end:].replace('name = "A"', 'name = "A"\ndistributor = "R"\naccelerator = "quick"')
+    file.write_text(text[:begin] + tables + "\n" + cars, encoding="utf-8")
+    code, out, err = railgrip("train", "show", "mine.toml")
+    assert code == 0, err
+    row = next(line for line in out.splitlines() if "quick" in line)
+    assert row.split() == ["A", "R", "0.50", "50", "km/h", "70", "km/h", "quick", "0.7", "bar/s", "2.5", "bar"]
+    code, out, err = railgrip("train", "check", "mine.toml")
+    assert (code, err) == (0, "")
+    assert "R in 1 of 2 cars: 50% of the pressure once slower than 50 km/h, all of it from 70 km/h on" in out
+    assert "quick in 1 of 2 cars vents the pipe where it falls by 0.7 bar/s, down to 2.5 bar" in out
+
+
 @pytest.mark.parametrize(("suffix", "begins"), [("png", PNG), ("svg", SVG)])
 def test_a_train_is_drawn(railgrip, tmp_path, suffix, begins):
     code, out, _ = railgrip("train", "show", "loco_coaches", "--out", f"train.{suffix}")

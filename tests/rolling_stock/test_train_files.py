@@ -53,6 +53,33 @@ def test_what_is_no_train_is_refused_with_its_key(tables, change, sentence):
     assert sentence in refused(tables)
 
 
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda t: t["cars"][0].update(distributor="P"), "[cars[1]] distributor names 'P', which is not in [dis"),
+        (lambda t: t["cars"][1].update(accelerator="slow"), "[cars[2]] accelerator names 'slow', which is not in [acc"),
+        (lambda t: t["distributors"]["R"].update(low_share=1.5), "[distributors.R] low_share must be at most 1"),
+        (lambda t: t["distributors"]["R"].update(speed_down="80 km/h"), "speed_down 80 km/h and speed_up 70 km/h"),
+        (lambda t: t["distributors"]["R"].update(stage_time=0), "[distributors.R] stage_time must be at least"),
+        (lambda t: t["distributors"]["R"].pop("estimated"), "[distributors.R] does not say whose its numbers are"),
+        (lambda t: t["accelerators"]["quick"].update(closing_pressure="6 bar"), "closing_pressure must be below"),
+        (lambda t: t["accelerators"]["quick"].update(opening_rate="0.7 bar"), "[accelerators.quick] opening_rate is"),
+        (lambda t: t["accelerators"]["quick"].update(conductance="1 cm2"), "[accelerators.quick] conductance is"),
+    ],
+)  # fmt: skip
+def test_a_distributor_or_an_accelerator_that_cannot_be_is_refused_with_its_key(piped, change, sentence):
+    change(piped)
+    assert sentence in refused(piped)
+
+
+@pytest.mark.parametrize(("key", "name"), [("distributor", "R"), ("accelerator", "quick")])
+def test_equipment_of_a_brake_pipe_needs_one(piped, key, name):
+    piped["cars"][1][key] = name
+    assert train_of(piped, "ours.toml").cars[1].model_dump()[key] == name
+    del piped["command"]
+    assert f"[cars[2]] {key} works on a brake pipe: give [command] kind = 'brake_pipe'" in refused(piped)
+
+
 def test_coupled_axles_turn_as_one_and_valves_are_shared_as_the_bogie_says(tables):
     tables["bogies"]["trailer"] |= {"coupled": True, "valve": "car", "units": [2, 1], "inertia": [90, 120]}
     tables["cars"][1]["bogies"][1]["reversed"] = True

@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import railgrip.scenario
@@ -10,9 +11,10 @@ from railgrip.assemble import braking_distance, run_stop
 from railgrip.assemble.files import plant_description
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
-from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.files import beginning, load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
+from railgrip.studies.trains.stops import filling_of
 from railgrip.trace.outcome import Outcome
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
@@ -48,6 +50,67 @@ def test_a_named_train_stops_as_calculated_by_hand(actuation):
     expected = by_hand(load_train(Path("tram")), 50 / 3.6).distance
     late = stop.metrics.distance - expected
     assert -0.03 * expected < late < 0.03 * expected + (0.45 * 50 / 3.6 if actuation == "pneumatic" else 0.0)
+
+
+@pytest.fixture
+def coaches(tmp_path):
+    """Return a scenario's [vehicle] of coaches behind a brake pipe, the second one without a distributor."""
+
+    def vehicle(name, count=8, **keys):
+        text = beginning(name)
+        begin, resistance, cars = text.index("[command]"), text.index("[resistance]"), text.index("[[cars]]")
+        pipe = '[command]\nkind = "brake_pipe"\ndiameter = "32 mm"\nfill_time = "4 s"\n'
+        pipe += 'reservoir = "150 l"\nestimated = true\n'
+        tables = "\n".join(line.removeprefix("# ") for line in text[text.index("# [distributors") : cars].splitlines())
+        rest = text[resistance : text.index("# [distributors")]
+        own = "".join(
+            f'[[cars]]\nname = "{i}"\nlength = "24 m"\nmass = "22 t"\nestimated = true\n'
+            + 'bogies = [{ kind = "trailer", at = "12 m" }]\n'
+            + "".join(f'{key} = "{value}"\n' for key, value in keys.items() if i != 1 or key != "distributor")
+            for i in range(count)
+        )
+        file = tmp_path / f"{name}.toml"
+        file.write_text(text[:begin] + pipe + rest + tables + "\n" + own, encoding="utf-8")
+        return {"train": file.name}
+
+    return vehicle
+
+
+def test_position_r_goes_low_at_its_changeover_speed(coaches, tmp_path):
+    """All coaches but the second have half of the pressure once slower than 50 km/h, and no sooner."""
+    scenario = dry(coaches("staged", distributor="R"), "120 km/h", tmp_path)
+    stop = run_stop(scenario)
+    assert stop.outcome is Outcome.STANDSTILL, stop.reason
+    speed, pressure = stop.trace["speed"].values, stop.trace["cylinder_pressure"].values
+    full = 3.2e5
+    high = (speed > 50 / 3.6) & (stop.trace["time"].values > 8)
+    assert pressure[high] == pytest.approx(full, rel=1e-2)
+    falling = np.argmax((pressure[:, 0] < 0.995 * full) & (stop.trace["time"].values > 8))
+    assert 3.6 * speed[falling] == pytest.approx(50, abs=0.2)
+    assert pressure[-1] == pytest.approx([full / 2 if i not in (2, 3) else full for i in range(16)], rel=1e-2)
+    by_calculation = by_hand(load_train(tmp_path / "staged.toml"), 120 / 3.6).distance
+    assert stop.metrics.distance == pytest.approx(by_calculation, rel=0.03)
+
+
+def test_a_stop_begun_between_both_speeds_is_in_the_low_stage(coaches, tmp_path):
+    stop = run_stop(dry(coaches("between", distributor="R"), "60 km/h", tmp_path))
+    assert float(stop.trace["cylinder_pressure"].values[:, 0].max()) == pytest.approx(1.6e5, rel=1e-2)
+
+
+def test_accelerators_hasten_the_brake_of_a_long_train(coaches, tmp_path):
+    """Position P fills in 3 to 5 s; the front makes 250 m/s at least (UIC 540), and 290 m/s is sound in this pipe."""
+    fillings = []
+    for keys in ({}, {"accelerator": "quick"}):
+        name = "".join(("pipe", *keys))
+        vehicle = coaches(name, 16, **keys)
+        stop = run_stop(dry(vehicle, "120 km/h", tmp_path))
+        fillings.append(filling_of(load_train(tmp_path / vehicle["train"]), stop.trace))
+    plain, quick = fillings
+    for one in fillings:
+        assert np.all((one.filling > 3.0) & (one.filling < 5.0))
+        assert 250.0 < one.propagation < 1.1 * 290.0
+    assert quick.propagation > 1.03 * plain.propagation
+    assert quick.begin[-1] + quick.filling[-1] < plain.begin[-1] + plain.filling[-1] - 0.05
 
 
 def test_its_formation_is_that_of_the_file():

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 from one_process import one_process
@@ -9,6 +10,7 @@ from one_process import one_process
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
 from railgrip.studies.type_test.entrants import chosen, entrants, train_of
+from railgrip.studies.type_test.report import compared
 
 OWN = """
 name = "own"
@@ -90,6 +92,43 @@ def test_only_what_is_missing_is_run(results):
         "slip_two_state_searched",
         "slip_three_state_searched",
     }
+
+
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+
+
+def test_redistribution_shortens_a_service_brake_on_a_rail_that_wheels_clean(tmp_path, capsys):
+    """With half of full brake asked for, adhesion is left behind the first groups; the same cases with and without."""
+    pair = ["slip_three_state", str(EXAMPLES / "slip_three_state_redistributed.toml")]
+    named = [text for name in pair for text in ("--controller", name)]
+    task = EXAMPLES / "service_brake.toml"
+    arguments = ("--cases", "1", "--task", str(task), "--against", pair[0], "--out", str(tmp_path), *named)
+    assert run(*arguments) == 0
+    assert "Distance over that of slip_three_state, case by case" in capsys.readouterr().out
+    folder = tmp_path / "service_brake"
+    distances = {case["controller"]: case["distance_m"] for case in content_of(folder)["cases"]}
+    rows = {row["controller"]: row for row in compared(folder, "slip_three_state").rows}
+    other = "slip_three_state_redistributed"
+    assert set(rows) == {"ideal_bound", other}
+    assert rows[other]["mean"] == pytest.approx(distances[other] / distances["slip_three_state"])
+    assert rows[other]["in the mean"] == pytest.approx(distances[other] - distances["slip_three_state"])
+    assert rows["ideal_bound"]["shorter"] == 1
+    assert distances[other] < 0.99 * distances["slip_three_state"]
+    scenarios = [json.loads(path.read_text(encoding="utf-8"))["scenario"] for path in folder.glob("*/stop.json")]
+    by_law = {one["controller"]["kind"]: one for one in scenarios}
+    assert by_law["ideal_bound"].get("demand") is None
+    assert by_law["slip_three_state"]["demand"]["phases"][0]["pressure"][0] == pytest.approx(1.9e5)
+    assert all(
+        by_law[law]["adhesion"]["conditioning"]["fraction"] == 0.12 for law in ("ideal_bound", "slip_three_state")
+    )
+
+
+def test_a_task_has_a_demand_or_says_how_wheels_clean(tmp_path, capsys):
+    (tmp_path / "own.toml").write_text(OWN, encoding="utf-8")
+    assert run("--task", str(tmp_path / "own.toml"), "--out", str(tmp_path)) == 2
+    assert "own.toml: has neither [demand] nor [adhesion.conditioning]" in capsys.readouterr().err
+    assert run("--against", "nobody", "--out", str(tmp_path)) == 2
+    assert "--against nobody: is none of dry, ideal_bound" in capsys.readouterr().err
 
 
 def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):

@@ -119,7 +119,7 @@ def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
         cycle_us=1e6 * seconds / result.samples,
         coupler_force=np.maximum(push, pull),
         chain=chain_forces(data, hand),
-        filling=_filling(data, trace) if isinstance(data.command, BrakePipe) else None,
+        filling=filling_of(data, trace) if isinstance(data.command, BrakePipe) else None,
     )
 
 
@@ -197,7 +197,7 @@ def _step_cost(scenario: Scenario) -> float:
     return 1e6 * min(runs) / _STEPS
 
 
-def _filling(train: Train, trace: Any) -> Filling:
+def filling_of(train: Train, trace: Any) -> Filling:
     """Return when the cylinders of the first group of each car begin to fill, and are full."""
     time, pressure = trace["time"].values, trace["cylinder_pressure"].values
     cars = [train.axles[members[0]].car for members in train.groups]

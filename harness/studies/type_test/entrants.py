@@ -122,6 +122,24 @@ def train_of(written: str | None) -> dict[str, Any]:
     )
 
 
+def task_of(path: Path) -> dict[str, Any]:
+    """Return what a scenario asks of everyone in every case: its [demand], and how wheelsets clean the rail.
+
+    Raises:
+        ScenarioError: It has neither.
+    """
+    table = read_toml(path)
+    task = {"demand": table["demand"]} if "demand" in table else {}
+    adhesion = table.get("adhesion")
+    if isinstance(adhesion, dict) and "conditioning" in adhesion:
+        task["adhesion"] = {"conditioning": adhesion["conditioning"]}
+    if not task:
+        raise ScenarioError(
+            f"{cut(path.name)}: has neither [demand] nor [adhesion.conditioning]; a task is one or both"
+        )
+    return task
+
+
 _TRAINING_SPEED = 60 / 3.6
 """m/s. Fastest start of a stop that controllers are tuned on: what a law does shows in a short one as well."""
 
@@ -146,9 +164,21 @@ def training(count: int) -> tuple[PlannedStop, ...]:
 
 
 def campaign_of(
-    stopped: Iterable[Case], taking_part: Mapping[str, Entrant], train: Mapping[str, Any], *, keep_traces: bool = False
+    stopped: Iterable[Case],
+    taking_part: Mapping[str, Entrant],
+    train: Mapping[str, Any],
+    *,
+    task: Mapping[str, Any] | None = None,
+    keep_traces: bool = False,
 ) -> Campaign:
     """Return the stops of a type test: each case with everyone who takes part.
+
+    Args:
+        stopped: The cases.
+        taking_part: By name.
+        train: Tables of the train, `train_of`.
+        task: Tables laid over every case, `task_of`; full brake without it.
+        keep_traces: Whether each stop leaves its trace.
 
     Raises:
         ScenarioError: A combination is no scenario.
@@ -160,8 +190,13 @@ def campaign_of(
         of_case = merged(train, {"name": "type-test"} | case.tables(groups))
         of_case = merged(of_case, FAULTS[case.fault])
         for name, entrant in taking_part.items():
+            own = dict(task or {})
+            if entrant.role == "bound":
+                own.pop("demand", None)  # it brakes with all there is, whatever is asked
             scenario = scenario_of(
-                merged(of_case, entrant.tables), directory=LIBRARY, origin=f"type test, case {case.name}, {name}"
+                merged(merged(of_case, own), entrant.tables),
+                directory=LIBRARY,
+                origin=f"type test, case {case.name}, {name}",
             )
             stops.append(
                 PlannedStop(

@@ -20,6 +20,8 @@ from railgrip.studies.type_test.judge import JUDGED, Judged, Limits, Summary, ju
 
 FILE: Final = "type_test.json"
 _WORST: Final = 10
+_SAME: Final = 0.002
+"""Relative; stops that differ by less are the same: what moved parameters of the plant do to a stop."""
 
 _JSON: Final = ("case", "controller", "tuned", "outcome", "distance_m", "bound_m", "longest_lock_s", "air_l", "strokes")
 """What is said first of each case; the rest follows."""
@@ -84,6 +86,42 @@ def leaderboard_of(directory: Path) -> Table:
     """Return the leaderboard that stands in a folder's type_test.json."""
     content = json.loads((directory / FILE).read_text(encoding="utf-8"))
     return leaderboard([Summary(**one) for one in content["summary"].values()])
+
+
+def compared(directory: Path, against: str) -> Table:
+    """Return how much longer than one controller the others of a folder's type_test.json stop in the same cases.
+
+    Figures are of the cases in which both come to a stand; differences are positive where a stop is longer.
+    """
+    content = json.loads((directory / FILE).read_text(encoding="utf-8"))
+    distances: dict[str, dict[str, float | None]] = {}
+    for row in content["cases"]:
+        distances.setdefault(row["controller"], {})[row["case"]] = row["distance_m"]
+    rows: list[dict[str, object]] = []
+    own = distances.pop(against, {})
+    for name, others in distances.items():
+        pairs = np.array([(d, own[case]) for case, d in others.items() if d and own.get(case)])
+        if not pairs.size:
+            continue
+        ratios, metres = pairs[:, 0] / pairs[:, 1], pairs[:, 0] - pairs[:, 1]
+        rows.append(
+            {
+                "controller": name,
+                "both stop": len(pairs),
+                "shorter": int(np.sum(ratios < 1 - _SAME)),
+                "longer": int(np.sum(ratios > 1 + _SAME)),
+                "least": ratios.min(),
+                "median": np.median(ratios),
+                "mean": ratios.mean(),
+                "most": ratios.max(),
+                "shortened most": metres.min(),
+                "in the mean": metres.mean(),
+                "lengthened most": metres.max(),
+            }
+        )
+    relative, metric = ("least", "median", "mean", "most"), ("shortened most", "in the mean", "lengthened most")
+    forms = {column: "{:.3f}" if column in relative else "{:+.1f} m" for column in (*relative, *metric)}
+    return Table(rows, forms, ("controller",), f"Distance over that of {against}, case by case")
 
 
 def leaderboard(board: Sequence[Summary]) -> Table:
