@@ -37,6 +37,13 @@ def broken(words: str) -> PydanticCustomError:
     return PydanticCustomError("scenario", "{words}", {"words": words})
 
 
+def optional(description: str | None = None, *, default: Any = None, max_length: int | None = None) -> Any:
+    """Return a field that results leave out while it has its default."""
+    return Field(
+        default=default, exclude_if=lambda value: value == default, description=description, max_length=max_length
+    )
+
+
 class Table(BaseModel):
     """A table of the file: frozen, and without unknown keys."""
 
