@@ -18,10 +18,6 @@ GNSS = ("latitude", "longitude", "height")
 Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
 
 
-def _none(value: object) -> bool:
-    return not value
-
-
 class IdealSensors(Table):
     """Readings are the plant's outputs."""
 
