@@ -1,8 +1,9 @@
 """What all tables of a scenario file share: strictness, common quantities, and how a broken rule is said."""
 
+from collections.abc import Collection
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StrictInt
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.quantity import Magnitude, Unit
@@ -42,6 +43,17 @@ def optional(description: str | None = None, *, default: Any = None, max_length:
     return Field(
         default=default, exclude_if=lambda value: value == default, description=description, max_length=max_length
     )
+
+
+def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
+    """Return the annotation of a text that is one of some names."""
+
+    def known(name: str) -> str:
+        if name not in names:
+            raise broken(f"is '{name}'; there is {between.join(names)}")
+        return name
+
+    return AfterValidator(known)
 
 
 class Table(BaseModel):

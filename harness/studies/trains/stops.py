@@ -85,18 +85,14 @@ def dry_scenario(train: str | Path, speed: float) -> Scenario:
     return scenario_of(table, directory=Path(), origin="dry.toml")
 
 
-def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
-    """Build a train if need be, stop it, and time it.
-
-    Args:
-        train: A name or a file.
-        speed: At the demand [m/s]; that of its first published stop unless given.
+def dry_stop(train: str | Path) -> DryStop:
+    """Build a train if need be, by its name or file; stop it from the speed of its first published stop, and time it.
 
     Raises:
         ScenarioError: It does not come to stand.
     """
     data = load_train(Path(train))
-    from_speed = speed or (data.reference[0].speed if data.reference else USUAL_SPEED)
+    from_speed = data.reference[0].speed if data.reference else USUAL_SPEED
     scenario = dry_scenario(train, from_speed)
     with assembled(scenario) as parts:
         loop = cycle.run if parts.obstacle else compiled_cycle.run
