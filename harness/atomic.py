@@ -1,9 +1,12 @@
 """Files that are whole or not there."""
 
+import json
+import math
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from railgrip.errors import Unwritten
 
@@ -37,7 +40,20 @@ def write_text(path: Path, text: str) -> None:
     write_bytes(path, text.encode())
 
 
+def write_json(path: Path, content: Any) -> None:
+    """Write a whole JSON file, null in place of numbers that are none: JSON has neither NaN nor infinity."""
+    write_text(path, json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a whole file, or leave what was there; see `replacing`."""
     with replacing(path) as partial:
         partial.write_bytes(content)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(element) for key, element in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(element) for element in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

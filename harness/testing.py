@@ -10,7 +10,6 @@ that rolls, slides and locks, of a train that stands, and of sensors that have n
 import copy
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +29,9 @@ from railgrip.custom import (
 )
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Formation
-from railgrip.signals import layout_of
+from railgrip.signals import Layout, layout_of
+
+Row = tuple[float, ...]
 
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
 _PERIOD = 1e-2  # s
@@ -58,22 +59,18 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     """
     for formation in formations():
         law = factory()
-        runs: list[list[tuple[float, ...]]] = []
-        for _ in range(2):
-            controller = _party(lambda law=law, formation=formation: CustomController(law, formation))
-            variants = [with_ for with_ in (True, False) if (with_ and estimates) or not (with_ or controller.needs)]
-            demands: list[tuple[float, ...]] = []
-            for estimated in variants:
+
+        def run(law: Controller = law, formation: Formation = formation) -> Iterator[Row]:
+            controller = CustomController(law, formation)
+            for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
                 for observation in observations(formation, estimated=estimated):
                     before = copy.deepcopy(observation)
-                    try:
-                        demands.append(controller.decide(observation))
-                    except ControllerFailed as failed:
-                        raise ContractBroken(str(failed)) from failed
+                    demands = controller.decide(observation)
                     _demand_unchanged(law, before, observation)
-                    _demand_pressures(law, formation, demands[-1])
-            runs.append(demands)
-        _demand_same(law, "decide", runs)
+                    _demand_pressures(law, formation, demands)
+                    yield demands
+
+        _demand_same(law, "decide", run)
 
 
 def check_estimator(factory: Callable[[], Estimator]) -> None:
@@ -87,26 +84,22 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
     """
     for formation in formations():
         own = factory()
-        runs: list[list[tuple[float, ...]]] = []
-        for _ in range(2):
-            estimator = _party(lambda own=own, formation=formation: CustomEstimator(own, formation))
-            values: list[tuple[float, ...]] = []
+
+        def run(own: Estimator = own, formation: Formation = formation) -> Iterator[Row]:
+            estimator = CustomEstimator(own, formation)
             for observation in observations(formation, estimated=False):
                 if not np.isfinite(observation.speed):
                     continue
                 before = copy.deepcopy(observation)
-                try:
-                    estimates = estimator.step(observation)
-                except EstimatorFailed as failed:
-                    raise ContractBroken(str(failed)) from failed
+                estimates = estimator.step(observation)
                 _demand_unchanged(own, before, observation)
                 for name in (name for name in estimates if name.endswith("_sd") and np.any(estimates[name] < 0.0)):
                     raise ContractBroken(
                         f"{type(own).__name__}.step gives a negative {name}: {estimates[name].tolist()}"
                     )
-                values.append(tuple(np.concatenate([estimates[name] for name in estimator.provides]).tolist()))
-            runs.append(values)
-        _demand_same(own, "step", runs)
+                yield tuple(np.concatenate([estimates[name] for name in estimator.provides]).tolist())
+
+        _demand_same(own, "step", run)
 
 
 def check_sensors(factory: Callable[[], Sensors]) -> None:
@@ -120,27 +113,21 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
     """
     for formation in formations():
         own, layout = factory(), layout_of(formation)
-        runs: list[list[tuple[float, ...]]] = []
-        for _ in range(2):
-            sensors = _party(
-                lambda own=own, layout=layout, formation=formation: CustomSensors(
-                    own, layout, formation, _PERIOD, np.random.default_rng(1)
-                )
-            )
-            readings: list[tuple[float, ...]] = []
-            for sample, observation in enumerate(_courses(formation, estimated=False)):
+
+        def run(own: Sensors = own, layout: Layout = layout) -> Iterator[Row]:
+            sensors = CustomSensors(own, layout, layout.formation, _PERIOD, np.random.default_rng(1))
+            readings: list[Row] = []
+            for sample, observation in enumerate(_courses(layout.formation, estimated=False)):
                 truth = np.zeros(layout.outputs)
                 for name in ("speed", "acceleration", "wheelset_speed", "slip"):
                     truth[layout.output[name]] = getattr(observation, name)
                 truth[layout.output["cylinder_pressure"]] = observation.pressure
-                try:
-                    readings.append(tuple(sensors.read(sample, truth).tolist()))
-                except SensorsFailed as failed:
-                    raise ContractBroken(str(failed)) from failed
+                readings.append(tuple(sensors.read(sample, truth).tolist()))
             if np.isnan(np.array(readings)).all():
                 raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
-            runs.append(readings)
-        _demand_same(own, "read", runs)
+            yield from readings
+
+        _demand_same(own, "read", run)
 
 
 def check_plant(factory: Callable[[], Plant], formation: Formation | None = None) -> None:
@@ -159,22 +146,18 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
     """
     for vehicle in formations() if formation is None else (formation,):
         own, layout = factory(), layout_of(vehicle)
-        pressure, runs = tuple(vehicle.pressure_max.tolist()), list[list[tuple[float, ...]]]()
-        for _ in range(2):
-            plant = _party(
-                lambda own=own, layout=layout: CustomPlant(
-                    own, layout, speed=_SPEED, period=_PERIOD, needed=NEEDED, command="pressure_command"
-                )
-            )
-            try:
-                trial = tried(layout, plant, period=_PERIOD, release=(0.0,) * vehicle.groups, brake=pressure)
-            except PlantFailed as failed:
-                raise ContractBroken(str(failed)) from failed
-            results = findings(trial, speed=_SPEED, radius=tuple(vehicle.wheel_radius.tolist()), pressure=pressure)
+
+        def run(own: Plant = own, layout: Layout = layout) -> Iterator[Row]:
+            brakes = layout.formation
+            pressure, release = tuple(brakes.pressure_max.tolist()), (0.0,) * brakes.groups
+            plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, needed=NEEDED, command="pressure_command")
+            trial = tried(layout, plant, period=_PERIOD, release=release, brake=pressure)
+            results = findings(trial, speed=_SPEED, radius=tuple(brakes.wheel_radius.tolist()), pressure=pressure)
             for finding in (finding for finding in results if not finding.good):
                 raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
-            runs.append([tuple(row) for row in np.nan_to_num(trial.rows).tolist()])
-        _demand_same(own, "step", runs)
+            yield from (tuple(row) for row in np.nan_to_num(trial.rows).tolist())
+
+        _demand_same(own, "step", run)
 
 
 def formations() -> Iterator[Formation]:
@@ -215,13 +198,6 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
         yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure, formation.pressure_max)
 
 
-def _party(make: Callable[[], Any]) -> Any:
-    try:
-        return make()
-    except ScenarioError as problem:
-        raise ContractBroken(str(problem)) from problem
-
-
 def _demand_pressures(law: object, formation: Formation, demands: tuple[float, ...]) -> None:
     for demand, most in zip(demands, formation.pressure_max, strict=True):
         if not 0.0 <= demand <= most:
@@ -236,8 +212,13 @@ def _demand_unchanged(own: object, before: Observation, after: Observation) -> N
             raise ContractBroken(f"{type(own).__name__} changes {name} of what it is shown")
 
 
-def _demand_same(own: object, method: str, runs: list[list[tuple[float, ...]]]) -> None:
-    if not np.array_equal(runs[0], runs[1], equal_nan=True):
+def _demand_same(own: object, method: str, run: Callable[[], Iterator[Row]]) -> None:
+    """Refuse what fails in a run, or gives something else in a second one."""
+    try:
+        first, second = list(run()), list(run())
+    except (ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed) as problem:
+        raise ContractBroken(str(problem)) from problem
+    if not np.array_equal(first, second, equal_nan=True):
         raise ContractBroken(
             f"{type(own).__name__}.{method} gives something else after a second start; start() begins everything anew"
         )

@@ -1,50 +1,35 @@
 """What a co-simulation step costs by our way across the boundary, by FMPy's, and in a loop in C."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 
+from railgrip.bench.timing import Row
 from railgrip.fmu.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours, seconds_of_simulate_fmu
 from railgrip.fmu.description import Description, describe
 from railgrip.fmu.mapping import Binding, Signal, bind
+from railgrip.fmus.build import fmu
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StepCost:
-    """Cost of set + step + get of one FMU.
+def steps_of(recipe: str) -> Iterator[Row]:
+    """Yield what set + step of 1 ms + get of a recipe costs by each way."""
+    times = step_times(fmu(recipe))
 
-    Attributes:
-        file: Name of the FMU.
-        inputs: Number of Real inputs set.
-        outputs: Number of Real outputs read.
-        ours: Median time of a step through `CoSimulation` [µs].
-        fmpy: Through FMPy's FMU2Slave [µs].
-        simulate_fmu: Through fmpy.simulate_fmu [µs].
-        c: In a loop in C [µs].
-        overhead: Median of ours − C over paired runs: what Python costs [µs].
-        fmpy_over_ours: Median ratio of paired runs.
-        simulate_fmu_over_ours: Median ratio of paired runs.
-        ours_over_c: Median ratio of paired runs.
-    """
+    def over_ours(way: str) -> str:
+        return f"{median(a / b for a, b in zip(times[way], times['ours'], strict=True)):.2f}"
 
-    file: str
-    inputs: int
-    outputs: int
-    ours: float
-    fmpy: float
-    simulate_fmu: float
-    c: float
-    overhead: float
-    fmpy_over_ours: float
-    simulate_fmu_over_ours: float
-    ours_over_c: float
+    ours_over_c = median(a / b for a, b in zip(times["ours"], times["c"], strict=True))
+    yield f"{recipe}: set + step of 1 ms + get, ours", f"{median(times['ours']):.1f} µs", ""
+    yield "  the same in a loop in C", f"{median(times['c']):.1f} µs", "10 µs"
+    yield "  FMPy's FMU2Slave over ours", over_ours("fmpy"), ""
+    yield "  fmpy.simulate_fmu over ours", over_ours("simulate_fmu"), ""
+    yield "  ours over C", f"{ours_over_c:.2f}", ""
 
 
-def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> StepCost:
-    """Step an FMU by each way in turn, over and over, and compare.
+def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: int = 9) -> dict[str, list[float]]:
+    """Step an FMU by each way in turn, over and over; return way → time of a step in each round [µs].
 
     Every run begins anew from the start values, so that all do the same work, and all must end on the same outputs.
 
@@ -57,8 +42,7 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
         AssertionError: Two ways disagree on the outputs; then their times mean nothing.
     """
     description = describe(file)
-    binding = every_real(description)
-    inputs = np.array([float(description.variables[v].start or 0.0) for v in binding.inputs.elements])
+    binding, inputs = every_real(description, {})
     run: dict[str, Callable[..., tuple[float, np.ndarray]]] = {
         "ours": seconds_of_ours,
         "fmpy": seconds_of_fmpy,
@@ -76,27 +60,29 @@ def step_cost(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: in
             raise AssertionError(f"{file.name}: {way} and ours end on different outputs, so they did not do the same.")
     # simulate_fmu lets the FMU keep its own time grid, whose last point may differ in rounding.
     np.testing.assert_allclose(last["simulate_fmu"], last["ours"], rtol=1e-6, atol=1e-9)
-
-    def ratio(above: str, below: str) -> float:
-        return median(a / b for a, b in zip(times[above], times[below], strict=True))
-
-    return StepCost(
-        file=file.name,
-        inputs=binding.inputs.size,
-        outputs=binding.outputs.size,
-        ours=median(times["ours"]),
-        fmpy=median(times["fmpy"]),
-        simulate_fmu=median(times["simulate_fmu"]),
-        c=median(times["c"]),
-        overhead=median(a - b for a, b in zip(times["ours"], times["c"], strict=True)),
-        fmpy_over_ours=ratio("fmpy", "ours"),
-        simulate_fmu_over_ours=ratio("simulate_fmu", "ours"),
-        ours_over_c=ratio("ours", "c"),
-    )
+    return times
 
 
-def every_real(description: Description) -> Binding:
-    """Tie every Real input and output of an FMU to itself."""
+def plant_step(
+    description: Description, inputs: Mapping[str, float], *, period: float = 1e-3, count: int = 500, rounds: int = 15
+) -> float:
+    """Return the time of set + step + get of a plant in a loop in C, at its shortest [µs].
+
+    The shortest of several runs, each from the start: what else the machine does can only add to it.
+
+    Args:
+        description: Of a co-simulation FMU.
+        inputs: Values of inputs by name, for arrays of all elements; those not named stay at their start values.
+        period: Communication step [s].
+        count: Steps of one run.
+    """
+    binding, values = every_real(description, inputs)
+    runs = (seconds_in_c(description, binding, values, period=period, count=count)[0] for _ in range(rounds))
+    return min(runs) / count * 1e6
+
+
+def every_real(description: Description, inputs: Mapping[str, float]) -> tuple[Binding, np.ndarray]:
+    """Tie every Real input and output of an FMU to itself; return also the inputs, as given or at the start."""
 
     def signals(names: tuple[str, ...]) -> list[Signal]:
         variables = [description.variables[name] for name in names]
@@ -104,4 +90,10 @@ def every_real(description: Description) -> Binding:
             Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
         ]
 
-    return bind(description, inputs=signals(description.names("input")), outputs=signals(description.names("output")))
+    binding = bind(
+        description, inputs=signals(description.names("input")), outputs=signals(description.names("output"))
+    )
+    names = binding.inputs.elements
+    return binding, np.array(
+        [inputs.get(v.partition("[")[0], float(description.variables[v].start or 0.0)) for v in names]
+    )

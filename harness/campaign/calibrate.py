@@ -44,20 +44,20 @@ class Fitted:
     distance: float
 
 
-def calibrate(tell: Callable[[Fitted], None], *, library: Path = LIBRARY, processes: int = 2) -> list[Fitted]:
+def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
     """Fit every level and write them into the scenario files of the library.
 
     Raises:
         ArithmeticError: No level within 0.3 … 3 gives the distance.
     """
     fits: list[Fitted] = []
-    with workers(processes) as pool:
-        futures = [pool.submit(fit, scenario, shape, library) for scenario in TARGETS for shape in SHAPES]
+    with workers(2) as pool:
+        futures = [pool.submit(fit, scenario, shape) for scenario in TARGETS for shape in SHAPES]
         for answer in futures:
             fits.append(answer.result())
             tell(fits[-1])
     for scenario in TARGETS:
-        path = library / f"{scenario}.toml"
+        path = LIBRARY / f"{scenario}.toml"
         levels = {one.shape: one.level for one in fits if one.scenario == scenario}
         write_text(path, with_levels(path.read_text(encoding="utf-8"), levels))
     return fits

@@ -1,13 +1,12 @@
 """Many stops at once: each in a process, each result kept as soon as it is there, none run twice."""
 
-import json
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from railgrip.atomic import PARTIAL, write_bytes, write_text
+from railgrip.atomic import PARTIAL, write_bytes, write_json
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.errors import InputError, RailgripError, RecordError
@@ -220,4 +219,4 @@ def write_description(campaign: Campaign, directory: Path) -> None:
             for stop in campaign.stops
         ],
     }
-    write_text(directory / CAMPAIGN_FILE, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
+    write_json(directory / CAMPAIGN_FILE, content)

@@ -10,9 +10,7 @@ comes back begins with the coasting before the brake and has `track_force` besid
 import xarray
 
 from railgrip.estimation.spec import CourseTable
-from railgrip.estimation.track.braking import LOW_PASS, TRUST, braking_of
-from railgrip.estimation.track.course import LowPass
-from railgrip.estimation.track.motion import Trust
+from railgrip.estimation.track.braking import braking_of
 
 UNITS = {"latitude": "deg", "longitude": "deg", "height": "m", "driving": "1", "braking": "1"}
 ALWAYS = ("driving", "braking")
@@ -33,7 +31,6 @@ def with_track_force(run: xarray.Dataset, course: CourseTable) -> xarray.Dataset
     Raises:
         EstimationError: A reading is missing, nobody braked, or the train was driven until then.
     """
-    low_pass = LOW_PASS if course.low_pass is None else LowPass(**course.low_pass.model_dump())
-    trust = TRUST if course.trust is None else Trust(**course.trust.model_dump())
-    braking = braking_of(run, course.mass, curve_law=course.curve_law, low_pass=low_pass, trust=trust)
-    return braking.recording
+    return braking_of(
+        run, course.mass, curve_law=course.curve_law, low_pass=course.low_pass, trust=course.trust
+    ).recording

@@ -1,6 +1,6 @@
 """What a recording can tell about the states of a prediction: rank at points, information along the way."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,11 +48,7 @@ class Information:
     windows: xarray.Dataset
 
 
-def observe(
-    specification: Specification,
-    recording: xarray.Dataset,
-    progress: Callable[[int, int], None] = lambda count, of: None,
-) -> Information:
+def observe(specification: Specification, recording: xarray.Dataset) -> Information:
     """Return what a recording can tell about the states, at their true values where known.
 
     Inputs that shut a gate count as zero: that is how the filter takes them, and the noise of a released load cell
@@ -79,7 +75,7 @@ def observe(
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
     return Information(
         points=_points(recording, prediction, states, inputs, gates, scale),
-        windows=_windows(recording, prediction, states, inputs, period, noise, scale, table, progress),
+        windows=_windows(recording, prediction, states, inputs, period, noise, scale, table),
     )
 
 
@@ -143,14 +139,13 @@ def _windows(
     noise: Matrix,
     scale: Matrix,
     table: ObservabilityTable,
-    progress: Callable[[int, int], None],
 ) -> xarray.Dataset:
     window, stride = max(round(table.window / period), 1), max(round(table.stride / period), 1)
     if window > len(states):
         raise EstimationError(
             f"[observability] window is {table.window:g} s, the recording has {len(states) * period:g} s; shorten it."
         )
-    windows = along(prediction, states, inputs, period, noise, scale, window, stride, progress)
+    windows = along(prediction, states, inputs, period, noise, scale, window, stride)
     return xarray.Dataset(
         {
             "smallest": (("time",), windows.smallest, {"units": "1"}),

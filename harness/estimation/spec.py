@@ -41,12 +41,13 @@ from pydantic import Field, model_validator
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
+from railgrip.estimation.track.tables import LOW_PASS, TRUST, LowPass, Trust
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.scenario.load import demand_kind, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
-from railgrip.scenario.quantity import Magnitude, Unit, in_units
-from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
+from railgrip.scenario.quantity import Magnitude, in_units
+from railgrip.scenario.table import Duration, Mass, Name, Seed, Table, broken
 from railgrip.scenario.track import CurveLaw
 from railgrip.trace.samples import period_of
 from railgrip.trace.table import DataTable
@@ -95,33 +96,13 @@ class ObservabilityTable(Table):
     stride: Duration
 
 
-class LowPassTable(Table):
-    """[course.low_pass]: see `railgrip.estimation.track.course.LowPass`."""
-
-    plan: Length
-    height: Length
-    base: Length
-
-
-class TrustTable(Table):
-    """[course.trust]: standard deviations of the sensors of motion, see `railgrip.estimation.track.motion.Trust`."""
-
-    speed: Annotated[float, Unit("m/s", above=0)]
-    scale: Annotated[float, Unit("1", above=0)]
-    acceleration: Annotated[float, Unit("m/s**2", above=0)]
-    bias: Annotated[float, Unit("m/s**2", above=0)]
-    drift: Positive
-    jerk: Positive
-    position: Annotated[float, Unit("m", above=0)]
-
-
 class CourseTable(Table):
     """[course]: the track force of a train from GNSS, speed and accelerometers; the filter runs from coasting on."""
 
     mass: Mass
     curve_law: CurveLaw
-    low_pass: LowPassTable | None = None
-    trust: TrustTable | None = None
+    low_pass: LowPass = LOW_PASS
+    trust: Trust = TRUST
 
 
 class SourceTable(Table):

@@ -38,7 +38,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, NonNegativeInt, model_validator
 
-from railgrip.atomic import write_text
+from railgrip.atomic import write_json, write_text
 from railgrip.errors import RecordError, ScenarioError
 from railgrip.report import table
 from railgrip.report.distances import rows_of
@@ -156,7 +156,7 @@ class Baseline(Table):
         return self.figures if self.campaign is None else self.stops
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Finding:
     """One number of a result.
 
@@ -246,7 +246,7 @@ def _finding(result: Result, row: Row) -> Finding:
 
 def write_findings(findings: Findings, directory: Path) -> None:
     """Keep the figures of a study where `read_findings` finds them."""
-    write_text(directory / FINDINGS_FILE, json.dumps([asdict(finding) for finding in findings.values], indent=1) + "\n")
+    write_json(directory / FINDINGS_FILE, [asdict(finding) for finding in findings.values])
 
 
 def read_findings(directory: Path) -> Findings:

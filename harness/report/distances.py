@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from railgrip.atomic import write_text
+from railgrip.atomic import write_json
 from railgrip.report.compilers import from_elsewhere, makers
 from railgrip.report.conditioning import spread_text
 from railgrip.report.distribution import distribution_table, distributions_of
@@ -47,7 +47,7 @@ def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
         "fmus": {stop.name: makers(stop.record.versions) for stop in results.stops},
     }
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
-    write_text(as_json, json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_json(as_json, content)
     places = dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows)
     sections = {place: [row for row in rows if (row.actuation, row.sensors, row.polach) == place] for place in places}
     write_page(
@@ -207,12 +207,3 @@ def _reduction(distance: float | None, reference: Result | None, own: Result) ->
     """Return 1 − distance over that of the reference; None without either, and for the reference itself."""
     before = _distance(reference) if reference is not None and reference is not own else None
     return None if distance is None or before is None else 1 - distance / before
-
-
-def _finite(value: Any) -> Any:
-    """Return JSON values with null for what has no number: JSON has neither NaN nor infinity."""
-    if isinstance(value, dict):
-        return {key: _finite(element) for key, element in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(element) for element in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

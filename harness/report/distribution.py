@@ -8,13 +8,13 @@ those of Clopper and Pearson (Biometrika 26, 1934).
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.report.row import Row
+from railgrip.report.row import Conditions, Row
 from railgrip.report.table import Table, percent, text
 
 CONFIDENCE = 0.95
@@ -44,8 +44,8 @@ class Paired:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Distribution:
-    """One controller over the draws of one set of conditions; see `Row` for what these are.
+class Distribution(Conditions):
+    """One controller over the draws of one set of conditions.
 
     Attributes:
         draws: How many.
@@ -61,14 +61,6 @@ class Distribution:
         vs_tuned: Against the best tuned one.
     """
 
-    scenario: str
-    case: str
-    polach: str
-    actuation: str
-    sensors: str
-    controller: str
-    controller_label: str
-    estimator: str
     draws: int
     stood: int
     distances_m: Mapping[int, float]
@@ -87,15 +79,13 @@ def distributions_of(rows: Sequence[Row]) -> tuple[Distribution, ...]:
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
         if row.draw is not None:
-            groups.setdefault((*_place(row), row.controller_label, row.estimator), []).append(row)
-    references = {
-        (_place(here[0]), here[0].reference): here for here in groups.values() if here[0].reference is not None
-    }
+            groups.setdefault((*row.place, row.controller_label, row.estimator), []).append(row)
+    references = {(here[0].place, here[0].reference): here for here in groups.values() if here[0].reference is not None}
     return tuple(
         _distribution(
             here,
-            references.get((_place(here[0]), "published")),
-            references.get((_place(here[0]), "best tuned")),
+            references.get((here[0].place, "published")),
+            references.get((here[0].place, "best tuned")),
         )
         for here in groups.values()
     )
@@ -111,7 +101,7 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
     """Return a row for each distribution."""
     rows = [
         {
-            "scenario": f"{one.scenario}, {one.case}" if one.case else one.scenario,
+            "scenario": one.label,
             "actuation": one.actuation,
             "sensors": one.sensors,
             "creep curve": one.polach,
@@ -144,10 +134,6 @@ def _metres(distance: float, unit: str = " m") -> str:
     return f"{distance:.1f}{unit}" if math.isfinite(distance) else "no stop"
 
 
-def _place(row: Row) -> tuple[str, ...]:
-    return row.scenario, row.case, row.polach, row.actuation, row.sensors
-
-
 def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: Sequence[Row] | None) -> Distribution:
     first, distances = rows[0], _by_draw(rows)
     values = np.array(list(distances.values()))
@@ -156,14 +142,7 @@ def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: S
     worst = max(distances, key=lambda draw: distances[draw])
     locks = [row.longest_lock_s for row in rows if row.longest_lock_s is not None]
     return Distribution(
-        scenario=first.scenario,
-        case=first.case,
-        polach=first.polach,
-        actuation=first.actuation,
-        sensors=first.sensors,
-        controller=first.controller,
-        controller_label=first.controller_label,
-        estimator=first.estimator,
+        **{field.name: getattr(first, field.name) for field in fields(Conditions)},
         draws=len(values),
         stood=int(np.isfinite(values).sum()),
         distances_m=distances,

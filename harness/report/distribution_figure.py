@@ -22,26 +22,25 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
     published slip-based control and against the best tuned one, where there are such, with the median and its interval.
     Draws without standstill are counted in the name of the line; they have no point. What a draw is called says `of`.
     """
-    settings = list(dict.fromkeys(map(_setting, distributions)))
+    settings = list(dict.fromkeys(one.place for one in distributions))
     sides: list[tuple[str, _Against]] = []
     for title, against in (("published", _vs_sbc), ("best tuned", _vs_tuned)):
         label = next((reference.label for one in distributions if (reference := against(one))), None)
         if label is not None:
             sides.append((f"change against the {title} SBC [%]", against))
-    most = max(sum(_setting(one) == setting for one in distributions) for setting in settings)
+    most = max(sum(one.place == setting for one in distributions) for setting in settings)
     drawing = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
     grid = drawing.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
     for panels, setting in zip(grid, settings, strict=True):
-        here = [one for one in distributions if _setting(one) == setting]
+        here = [one for one in distributions if one.place == setting]
         for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
             panel.set_ylim(len(here) - 0.5, -0.5)
             panel.set_yticks([])
-        scenario, case, polach, actuation, sensors = setting
-        place = f"{scenario}, {case}" if case else scenario
+        _, _, polach, actuation, sensors = setting
         style.dress(
             panels[0],
             x="braking distance [m]",
-            title=f"{place.replace('_', ' ')}, actuation {actuation}, sensors {sensors}, creep curve {polach}",
+            title=f"{here[0].label.replace('_', ' ')}, actuation {actuation}, sensors {sensors}, creep curve {polach}",
         )
         panels[0].set_yticks(range(len(here)), [_name(one, of) for one in here])
         for line, one in enumerate(here):
@@ -86,10 +85,6 @@ def _name(one: Distribution, of: str) -> str:
     return one.controller_label + (
         f"\n{missing} {of}{'s' if missing > 1 else ''} without standstill" if missing else ""
     )
-
-
-def _setting(one: Distribution) -> tuple[str, ...]:
-    return one.scenario, one.case, one.polach, one.actuation, one.sensors
 
 
 def _vs_sbc(one: Distribution) -> Paired | None:

@@ -5,13 +5,40 @@ from typing import Literal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """A stop in the table.
+class Conditions:
+    """Under which a stop was made, and by whom.
 
     Attributes:
         case: What else tells it apart: the variants of axes that the other columns do not show; most often empty.
         controller: Kind of the law.
         controller_label: What people call it, thresholds included.
+    """
+
+    scenario: str
+    case: str
+    polach: str
+    actuation: str
+    sensors: str
+    controller: str
+    controller_label: str
+    estimator: str
+
+    @property
+    def label(self) -> str:
+        """Scenario and case, for people."""
+        return f"{self.scenario}, {self.case}" if self.case else self.scenario
+
+    @property
+    def place(self) -> tuple[str, str, str, str, str]:
+        """Scenario, case, creep curve, actuation and sensors: what controllers are compared on."""
+        return self.scenario, self.case, self.polach, self.actuation, self.sensors
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row(Conditions):
+    """A stop in the table.
+
+    Attributes:
         draw: Seed of a stop that is one draw of a distribution.
         reference: Whether other stops are compared with it: with the published SBC, or with the best tuned one.
         distance_m: None unless the train stood at the end.
@@ -30,14 +57,6 @@ class Row:
         stop: Name of the stop in the campaign.
     """
 
-    scenario: str
-    case: str
-    polach: str
-    actuation: str
-    sensors: str
-    controller: str
-    controller_label: str
-    estimator: str
     draw: int | None
     reference: Literal["published", "best tuned"] | None
     distance_m: float | None
@@ -55,8 +74,3 @@ class Row:
     nis: float | None
     outside: float | None
     stop: str
-
-    @property
-    def label(self) -> str:
-        """Scenario and case, for people."""
-        return f"{self.scenario}, {self.case}" if self.case else self.scenario

@@ -12,7 +12,7 @@ from railgrip.errors import ScenarioError
 from railgrip.scenario.curve import read_columns
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken
+from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken, optional
 from railgrip.scenario.track import LARGEST_FORCE
 
 _PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
@@ -20,18 +20,14 @@ _PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydrauli
 Deceleration = Annotated[float, Unit("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")]
 
 
-def _absent(value: object) -> bool:
-    return value is None
-
-
 class Until(Table):
     """What ends a phase: one of these."""
 
-    time: Delay | None = Field(default=None, exclude_if=_absent, description="since the start")
-    duration: Duration | None = Field(default=None, exclude_if=_absent, description="of the phase")
-    distance: Length | None = Field(default=None, exclude_if=_absent, description="travelled since the start")
-    speed_below: Speed | None = Field(default=None, exclude_if=_absent, description="the train has no more than this")
-    speed_above: Speed | None = Field(default=None, exclude_if=_absent, description="the train has this, or more")
+    time: Delay | None = optional("since the start")
+    duration: Duration | None = optional("of the phase")
+    distance: Length | None = optional("travelled since the start")
+    speed_below: Speed | None = optional("the train has no more than this")
+    speed_above: Speed | None = optional("the train has this, or more")
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -54,13 +50,9 @@ class Traction(Table):
     """A force that pushes the whole train, as one of the track does; through no wheelset."""
 
     force: Annotated[float, Unit("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
-    power: Annotated[float, Unit("W", above=0, at_most=1e9)] | None = Field(
-        default=None, exclude_if=_absent, description="most of it, where there is a limit"
-    )
-    rate: Annotated[float, Unit("N/s", above=0, at_most=1e9)] | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="most that the force changes by, also after the end of the phase; at once where there is none",
+    power: Annotated[float, Unit("W", above=0, at_most=1e9)] | None = optional("most of it, where there is a limit")
+    rate: Annotated[float, Unit("N/s", above=0, at_most=1e9)] | None = optional(
+        "most that the force changes by, also after the end of the phase; at once where there is none"
     )
 
 
@@ -84,15 +76,13 @@ class StopAt(Table):
 class Phase(Table):
     """What is asked for until something happens."""
 
-    pressure: tuple[float | Literal["full"], ...] | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="most that a controller may send, for all groups or for each: 'full', 0 to release, or a pressure; "
-        "none gets more than its full one",
+    pressure: tuple[float | Literal["full"], ...] | None = optional(
+        "most that a controller may send, for all groups or for each: 'full', 0 to release, or a pressure; "
+        "none gets more than its full one"
     )
-    stop_at: StopAt | None = Field(default=None, exclude_if=_absent, description="in place of `pressure`")
-    traction: Traction | None = Field(default=None, exclude_if=_absent)
-    until: Until | None = Field(default=None, exclude_if=_absent, description="the last phase has none")
+    stop_at: StopAt | None = optional("in place of `pressure`")
+    traction: Traction | None = optional()
+    until: Until | None = optional("the last phase has none")
 
     @field_validator("pressure", mode="before")
     @classmethod
@@ -115,12 +105,8 @@ class Phase(Table):
 class Demand(Table):
     """What the driver asks for: phases in their order, or a profile over time in a file."""
 
-    phases: tuple[Phase, ...] = Field(default=(), exclude_if=lambda phases: not phases)
-    file: NamedFile | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="a CSV with columns time [s], and pressure [Pa] or pressure_1 … pressure_n",
-    )
+    phases: tuple[Phase, ...] = optional(default=())
+    file: NamedFile | None = optional("a CSV with columns time [s], and pressure [Pa] or pressure_1 … pressure_n")
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:

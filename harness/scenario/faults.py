@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
-from railgrip.scenario.table import Delay, Table, broken
+from railgrip.scenario.table import Delay, Table, broken, optional
 from railgrip.scenario.track import STEEPEST
 
 Part = Literal["speed_sensor", "radar", "accelerometer", "transducer", "deflection_sensor", "valve", "brake", "supply"]
@@ -48,10 +48,6 @@ _UNITS: Final[Mapping[Kind, str]] = MappingProxyType(
 _OF_WHOLE_TRAIN: Final = frozenset({"radar", "accelerometer", "supply"})
 
 
-def _absent(value: object) -> bool:
-    return value is None
-
-
 _Place = Annotated[StrictInt, Field(ge=1, le=256)]
 
 
@@ -60,24 +56,20 @@ class Fault(Table):
 
     part: Part
     kind: Kind
-    group: _Place | None = Field(default=None, exclude_if=_absent, description="from 1 on; without it all groups")
-    wheelset: _Place | None = Field(
-        default=None, exclude_if=_absent, description="in place of `group`, of a deflection sensor; without it all"
-    )
+    group: _Place | None = optional("from 1 on; without it all groups")
+    wheelset: _Place | None = optional("in place of `group`, of a deflection sensor; without it all")
     begin: Delay = Field(default=0.0, description="since the start of the stop")
-    end: Delay | None = Field(default=None, exclude_if=_absent, description="without it, the end of the stop")
-    value: Magnitude | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="scaled: factor; biased: what is added; noisy: 1σ of what is added; missing_teeth: how many, in a "
-        "row; slow: added dead time; isolated: units of the group, without it all; sagging: volume of the reservoir",
+    end: Delay | None = optional("without it, the end of the stop")
+    value: Magnitude | None = optional(
+        "scaled: factor; biased: what is added; noisy: 1σ of what is added; missing_teeth: how many, in a "
+        "row; slow: added dead time; isolated: units of the group, without it all; sagging: volume of the reservoir"
     )
-    pressure: Annotated[float, Unit("Pa", above=0, at_most=1e8)] | None = Field(
-        default=None, exclude_if=_absent, description="of the full reservoir, of a supply that sags"
+    pressure: Annotated[float, Unit("Pa", above=0, at_most=1e8)] | None = optional(
+        "of the full reservoir, of a supply that sags"
     )
     refill: (
         Annotated[float, Unit("m3/s", above=0, at_most=1, because="compressors deliver some m3 a minute")] | None
-    ) = Field(default=None, exclude_if=_absent, description="free air that its compressor delivers; without it, none")
+    ) = optional("free air that its compressor delivers; without it, none")
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:

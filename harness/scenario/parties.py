@@ -10,7 +10,7 @@ from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Duration, Friction, Parameters, Period, Table, broken, scalars
+from railgrip.scenario.table import Duration, Friction, Parameters, Period, Table, broken, optional, scalars
 
 
 class Actuation(Table):
@@ -33,29 +33,21 @@ class KalmanFilter(Table):
     """
 
     kind: Literal["fmu", "python", "compiled", "decentralised"]
-    model: str | None = Field(
-        default=None,
-        exclude_if=lambda name: name is None,
-        description="prediction class, such as TrainPrediction or TrainPredictionReduced; without one it is made from "
-        "the vehicle's nominal data",
+    model: str | None = optional(
+        "prediction class, such as TrainPrediction or TrainPredictionReduced; without one it is made from "
+        "the vehicle's nominal data"
     )
-    library: NamedFile | None = Field(
-        default=None,
-        exclude_if=lambda file: file is None,
-        description="for a model of one's own: the package.mo of its library, or the .mo file it stands in",
+    library: NamedFile | None = optional(
+        "for a model of one's own: the package.mo of its library, or the .mo file it stands in"
     )
     noise: str = Field(description="name of the noise set; with a library its full name, such as train_ideal")
     parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
-    outlier_limit: dict[str, Annotated[float, Field(gt=0.0, allow_inf_nan=False)]] = Field(
-        default={},
-        exclude_if=lambda limits: not limits,
-        description="from how many standard deviations of what was expected on a reading is left out, by its name",
+    outlier_limit: dict[str, Annotated[float, Field(gt=0.0, allow_inf_nan=False)]] = optional(
+        "from how many standard deviations of what was expected on a reading is left out, by its name", default={}
     )
-    free_wheels: StrictBool = Field(
+    free_wheels: StrictBool = optional(
+        "let the speed of a wheel that rolls, its brake off, stand for that of the train while the radar is silent",
         default=False,
-        exclude_if=lambda value: not value,
-        description="let the speed of a wheel that rolls, its brake off, stand for that of the train while the radar "
-        "is silent",
     )
     load_deviation: Annotated[float, Unit("1", at_least=0, at_most=1)] = Field(
         default=0.0,
@@ -86,15 +78,11 @@ Estimator = Annotated[
 class _OverTheTrain(Table):
     """What groups have in common under any law."""
 
-    redistribute: StrictBool = Field(
-        default=False,
-        exclude_if=lambda value: not value,
-        description="ask of groups with adhesion left what others cannot give of the driver's demand",
+    redistribute: StrictBool = optional(
+        "ask of groups with adhesion left what others cannot give of the driver's demand", default=False
     )
-    shared_valve: Literal["lowest", "mean"] = Field(
-        default="lowest",
-        exclude_if=lambda value: value == "lowest",
-        description="how groups that share a valve agree: the lowest demand or the mean",
+    shared_valve: Literal["lowest", "mean"] = optional(
+        "how groups that share a valve agree: the lowest demand or the mean", default="lowest"
     )
 
 

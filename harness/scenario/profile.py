@@ -9,7 +9,7 @@ from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.sanders import Sand
-from railgrip.scenario.table import Friction, Length, Table, broken
+from railgrip.scenario.table import Friction, Length, Table, broken, optional
 
 
 class Conditioning(Table):
@@ -74,9 +74,9 @@ class _Profile(Table):
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
     conditioning: Conditioning | None = None
-    recovery: Recovery | None = Field(default=None, exclude_if=lambda recovery: recovery is None)
-    sand: Sand | None = Field(default=None, exclude_if=lambda sand: sand is None)
-    patch: tuple[Patch, ...] = Field(default=(), exclude_if=lambda patches: not patches)
+    recovery: Recovery | None = optional()
+    sand: Sand | None = optional()
+    patch: tuple[Patch, ...] = optional(default=())
 
     @model_validator(mode="after")
     def _one_cleaning(self) -> Self:

@@ -5,13 +5,9 @@ from typing import Annotated, Self
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Delay, Friction, Table, broken
+from railgrip.scenario.table import Delay, Friction, Table, broken, optional
 
 _Density = Annotated[float, Unit("kg/m", above=0, at_most=1, because="a kilogram on a metre of rail is a heap")]
-
-
-def _absent(value: object) -> bool:
-    return value is None
 
 
 class Sand(Table):
@@ -33,13 +29,9 @@ class Sander(Table):
     rate: Annotated[float, Unit("kg/s", above=0, at_most=1, because="sanders lay some kilograms a minute")] = Field(
         description="on one rail; of one whose rate varies, the most"
     )
-    density: _Density | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="that it keeps on the rail while `rate` allows; without it, `rate`",
-    )
+    density: _Density | None = optional("that it keeps on the rail while `rate` allows; without it, `rate`")
     begin: Delay = Field(default=0.0, description="when it is switched on, since the start of the stop")
-    end: Delay | None = Field(default=None, exclude_if=_absent, description="without it, the end of the stop")
+    end: Delay | None = optional("without it, the end of the stop")
     delay: Delay = Field(description="that sand takes from the box to the rail, after both")
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ import hashlib
 import json
 from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.demand import Demand
@@ -19,7 +19,7 @@ from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Esti
 from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
-from railgrip.scenario.table import Name, Seed, Table, broken
+from railgrip.scenario.table import Name, Seed, Table, broken, optional
 from railgrip.scenario.track import Track
 from railgrip.scenario.valves import off_the_samples
 from railgrip.scenario.vehicle import Start, Vehicle
@@ -39,7 +39,7 @@ class Scenario(Table):
     seed: Seed
     vehicle: Vehicle
     start: Start
-    demand: Demand | None = Field(default=None, exclude_if=lambda demand: demand is None)
+    demand: Demand | None = optional()
     track: Track = Track()
     adhesion: Adhesion
     sensors: Sensors
@@ -48,9 +48,9 @@ class Scenario(Table):
     controller: Controller
     periods: Periods
     limits: Limits
-    sanders: tuple[Sander, ...] = Field(default=(), max_length=256, exclude_if=lambda sanders: not sanders)
-    faults: tuple[Fault, ...] = Field(default=(), max_length=100, exclude_if=lambda faults: not faults)
-    truth: Truth = Field(default=Truth(), exclude_if=lambda truth: truth == Truth())
+    sanders: tuple[Sander, ...] = optional(default=(), max_length=256)
+    faults: tuple[Fault, ...] = optional(default=(), max_length=100)
+    truth: Truth = optional(default=Truth())
 
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:

@@ -6,7 +6,7 @@ from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, model_val
 
 from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.quantity import Magnitude, Unit
-from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken
+from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken, optional
 
 _OFF = "a sensor so far off is none"
 SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]
@@ -16,14 +16,6 @@ PlaceError = Annotated[float, Unit("m", at_least=0, at_most=1000, because=_OFF)]
 GNSS = ("latitude", "longitude", "height")
 """What a receiver reads."""
 Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
-
-
-def _absent(value: object) -> bool:
-    return value is None
-
-
-def _none(value: object) -> bool:
-    return not value
 
 
 class IdealSensors(Table):
@@ -52,14 +44,10 @@ class SpeedSensor(Table):
     )
     period: Period
     latency: Lag
-    drift: Deviation = Field(
-        default=0.0, exclude_if=_none, description="1σ of a relative error that wanders, a Gauss-Markov process"
-    )
-    drift_time: Duration | None = Field(
-        default=None, exclude_if=_absent, description="over which the autocorrelation of the drift falls to 1/e"
-    )
-    dropouts: Deviation = Field(default=0.0, exclude_if=_none, description="share of the time without readings")
-    dropout_time: Duration | None = Field(default=None, exclude_if=_absent, description="mean length of a drop-out")
+    drift: Deviation = optional("1σ of a relative error that wanders, a Gauss-Markov process", default=0.0)
+    drift_time: Duration | None = optional("over which the autocorrelation of the drift falls to 1/e")
+    dropouts: Deviation = optional("share of the time without readings", default=0.0)
+    dropout_time: Duration | None = optional("mean length of a drop-out")
 
     @model_validator(mode="after")
     def _times(self) -> Self:
@@ -74,9 +62,7 @@ class Accelerometer(Table):
 
     noise: AccelerationError = Field(description="1σ, white, each reading")
     bias: AccelerationError = Field(description="1σ, drawn once a stop")
-    feels_gradient: StrictBool = Field(
-        default=False, exclude_if=_none, description="whether it reads the gravity along the track, too"
-    )
+    feels_gradient: StrictBool = optional("whether it reads the gravity along the track, too", default=False)
 
 
 class RailUnderWheels(Table):
@@ -95,7 +81,7 @@ class DeflectionSensor(Table):
     """Travel of the primary suspension at each wheelset."""
 
     noise: TravelError = Field(description="1σ, white, each reading")
-    irregularity: RailUnderWheels | None = Field(default=None, exclude_if=_absent)
+    irregularity: RailUnderWheels | None = optional()
 
 
 class PressureTransducer(Table):
@@ -111,11 +97,9 @@ class ServiceSensors(Table):
     """Sensors as a train in service may have them."""
 
     kind: Literal["service"]
-    period: Period | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="at which all are sampled and their noise is drawn, a whole multiple of the communication step; "
-        "where it is not given 1 ms, or what is nearest to it",
+    period: Period | None = optional(
+        "at which all are sampled and their noise is drawn, a whole multiple of the communication step; "
+        "where it is not given 1 ms, or what is nearest to it"
     )
     wheel: WheelEncoder
     speed: SpeedSensor
@@ -148,11 +132,9 @@ class WhiteSensors(Table):
     """
 
     kind: Literal["white"]
-    period: Period | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="at which quantities are read and noise is drawn, a whole multiple of the communication step; that "
-        "itself where it is not given",
+    period: Period | None = optional(
+        "at which quantities are read and noise is drawn, a whole multiple of the communication step; that "
+        "itself where it is not given"
     )
     noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
     bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")

@@ -1,8 +1,9 @@
 """What all tables of a scenario file share: strictness, common quantities, and how a broken rule is said."""
 
+from collections.abc import Collection
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StrictInt
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.quantity import Magnitude, Unit
@@ -35,6 +36,24 @@ ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z
 def broken(words: str) -> PydanticCustomError:
     """Return the refusal of a key or table; the words follow its name in the sentence."""
     return PydanticCustomError("scenario", "{words}", {"words": words})
+
+
+def optional(description: str | None = None, *, default: Any = None, max_length: int | None = None) -> Any:
+    """Return a field that results leave out while it has its default."""
+    return Field(
+        default=default, exclude_if=lambda value: value == default, description=description, max_length=max_length
+    )
+
+
+def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
+    """Return the annotation of a text that is one of some names."""
+
+    def known(name: str) -> str:
+        if name not in names:
+            raise broken(f"is '{name}'; there is {between.join(names)}")
+        return name
+
+    return AfterValidator(known)
 
 
 class Table(BaseModel):

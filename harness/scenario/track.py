@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, Table, broken
+from railgrip.scenario.table import Length, Table, broken, optional
 
 if TYPE_CHECKING:
     from railgrip.track.laid import LaidTrack
@@ -123,7 +123,7 @@ class Track(Table):
     )
     gradient: tuple[Gradient, ...] = ()
     curve: tuple[Curve, ...] = ()
-    plan: Plan | None = Field(default=None, exclude_if=lambda plan: plan is None, description="in place of both")
+    plan: Plan | None = optional("in place of both")
     curve_law: CurveLaw = Field(
         default="bogie",
         description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "

@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_seriali
 from railgrip.scenario.file import NamedFile, installed
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, scalars
+from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, optional, scalars
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
@@ -26,11 +26,10 @@ class FormationTable(Table):
         max_length=256,
         description="number of wheelsets of each car, leading car first; of a bogie under two cars each has its share",
     )
-    groups_per_valve: tuple[_Wheelsets, ...] = Field(
+    groups_per_valve: tuple[_Wheelsets, ...] = optional(
+        "number of groups that share each brake valve, leading one first; one each where it is left out",
         default=(),
-        exclude_if=lambda counts: not counts,
         max_length=256,
-        description="number of groups that share each brake valve, leading one first; one each where it is left out",
     )
     wheelset_position: tuple[Length, ...] = Field(
         default=(),
@@ -63,28 +62,16 @@ def _is_class(written: str) -> bool:
     return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
 
 
-def _absent(value: object) -> bool:
-    return value is None
-
-
 class Vehicle(Table):
     """The plant."""
 
-    plant: str | NamedFile | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="an FMU recipe of this project, the path of an .fmu from the scenario's folder, or module:Class",
+    plant: str | NamedFile | None = optional(
+        "an FMU recipe of this project, the path of an .fmu from the scenario's folder, or module:Class"
     )
-    model: ModelicaClass | None = Field(
-        default=None, exclude_if=_absent, description="in place of `plant`: a Modelica class of one's own, full name"
-    )
-    library: NamedFile | None = Field(
-        default=None, exclude_if=_absent, description="the package.mo of its library, or the .mo file it stands in"
-    )
-    train: NamedFile | None = Field(
-        default=None,
-        exclude_if=_absent,
-        description="in place of `plant`: a train of this project, such as emu387, or a train file of one's own",
+    model: ModelicaClass | None = optional("in place of `plant`: a Modelica class of one's own, full name")
+    library: NamedFile | None = optional("the package.mo of its library, or the .mo file it stands in")
+    train: NamedFile | None = optional(
+        "in place of `plant`: a train of this project, such as emu387, or a train file of one's own"
     )
     parameters: Parameters = Field(default={}, description="the plant's parameters that differ from its own values")
     map: dict[str, MapEntry] = Field(

@@ -7,6 +7,7 @@ largest of many errors. A changed law moves it further.
 
 import math
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -49,15 +50,10 @@ def rig(tell: Tell) -> list[Finding]:
             row = row_of(scenario, file, recording, estimate_of(specification, recording))
             who = f"{scenario.name}, {specification.name}"
             findings += [
-                _extreme(f"{who}: adhesion error outside protection events", row.alpha_outside),
-                Finding(
-                    name=f"{who}: longest adhesion error above 0.02",
-                    value=row.longest,
-                    unit="s",
-                    tolerance=1.01 * row.period,
-                ),
-                _mean(f"{who}: adhesion RMSE", row.alpha_rmse),
-                _mean(f"{who}: pad friction RMSE", row.mu_b_rmse),
+                _extreme(f"{who}: adhesion error outside protection events", row.left.largest_outside),
+                Finding(f"{who}: longest adhesion error above 0.02", row.left.longest, "s", 1.01 * row.period),
+                _mean(f"{who}: adhesion RMSE", row.alpha.rmse),
+                _mean(f"{who}: pad friction RMSE", row.mu_b.rmse),
             ]
     return findings
 
@@ -74,7 +70,7 @@ def field(tell: Tell) -> list[Finding]:
     track = track_score(test_run)
     findings = [
         # Of the smoothed motion; 1e-5 are 1 cm over the run.
-        Finding(name=f"field {TEST}: distance, relative error", value=track.distance, unit="1", tolerance=1e-5),
+        Finding(f"field {TEST}: distance, relative error", track.distance, "1", 1e-5),
         _mean(f"field {TEST}: curvature RMSE", track.curvature, "1/m"),
         _mean(f"field {TEST}: slope RMSE", track.slope),
         _mean(f"field {TEST}: track force RMSE", track.force, "N"),
@@ -87,7 +83,7 @@ def field(tell: Tell) -> list[Finding]:
     for name, result in scores.items():
         who = f"field {TEST}, noises '{name}'"
         findings += [
-            Finding(name=f"{who}: braking distance, relative error", value=result.distance, unit="1", tolerance=5e-5),
+            Finding(f"{who}: braking distance, relative error", result.distance, "1", 5e-5),
             _mean(f"{who}: adhesion RMSE", result.adhesion),
             _mean(f"{who}: pad friction RMSE", result.pad_friction),
             _mean(f"{who}: mean pad friction RMSE", result.mean_pad_friction),
@@ -118,24 +114,10 @@ def monitor(tell: Tell) -> list[Finding]:
     worn, stuck = verdict.worn_delays[0], verdict.stuck_delays[0]
     # A chart that ends a hair below its threshold alarms with the next stop.
     return [
-        Finding(name="monitor: stops until lost friction is found", value=worn, unit="stops", tolerance=1.0),
-        Finding(name="monitor: stops until a sticking brake is found", value=stuck, unit="stops", tolerance=1.0),
-        Finding(name="monitor: false alarms", value=float(verdict.false_alarms), unit="1", tolerance=0.5),
+        Finding("monitor: stops until lost friction is found", worn, "stops", 1.0),
+        Finding("monitor: stops until a sticking brake is found", stuck, "stops", 1.0),
+        Finding("monitor: false alarms", float(verdict.false_alarms), "1", 0.5),
     ]
-
-
-def lateral(tell: Tell) -> list[Finding]:
-    """Return what the filters of a wandering wheelset make of one run through all conditions."""
-    from railgrip.studies.lateral.headline import headlines as of_lateral
-
-    return of_lateral(tell)
-
-
-def learn(tell: Tell) -> list[Finding]:
-    """Return errors of the networks on axle-box accelerations at one speed, and levels of what they see."""
-    from railgrip.studies.axle_box.headline import headlines as of_learn
-
-    return of_learn(tell)
 
 
 def trains(tell: Tell) -> list[Finding]:
@@ -149,20 +131,14 @@ def trains(tell: Tell) -> list[Finding]:
         tell(f"trains, {train}")
         distance = _stopped(braking_distance(dry_scenario(train, speed)), train)
         # Nothing slides: only the solver's steps differ on another machine.
-        findings.append(
-            Finding(name=f"trains, {train}: dry distance", value=distance, unit="m", tolerance=1e-4 * distance)
-        )
+        findings.append(Finding(f"trains, {train}: dry distance", distance, "m", 1e-4 * distance))
     trial = trial_of()
     tables = scenario_tables(trial)
     for row in trial.rows:
         if row.sanders in ("two fixed", "two variable"):
             tell(f"trains, {row.sanders}")
             distance = _stopped(distance_of(trial, row, _SAND, tables), row.sanders)
-            findings.append(
-                Finding(
-                    name=f"trains, sanders {row.sanders}: distance", value=distance, unit="m", tolerance=SLIP * distance
-                )
-            )
+            findings.append(Finding(f"trains, sanders {row.sanders}: distance", distance, "m", SLIP * distance))
     return findings
 
 
@@ -192,18 +168,23 @@ def type_test(tell: Tell) -> list[Finding]:
     return [_mean(f"{who}: median of 6", float(np.median(ratios))), _mean(f"{who}: worst of 6", max(ratios))]
 
 
+def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
+    """Return the headlines of a study that has a module of its own for them, loaded when they are asked for."""
+    return lambda tell: import_module(f"railgrip.studies.{study}.headline").headlines(tell)
+
+
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
     "estimate": (rig, field, monitor),
-    "lateral": (lateral,),
-    "learn": (learn,),
+    "lateral": (_elsewhere("lateral"),),
+    "learn": (_elsewhere("axle_box"),),
     "trains": (trains,),
     "type_test": (type_test,),
 }
 
 
 def _mean(name: str, value: float, unit: str = "1") -> Finding:
-    return Finding(name=name, value=value, unit=unit, tolerance=MEAN * abs(value))
+    return Finding(name, value, unit, MEAN * abs(value))
 
 
 def _extreme(name: str, value: float) -> Finding:
-    return Finding(name=name, value=value, unit="1", tolerance=EXTREME * abs(value))
+    return Finding(name, value, "1", EXTREME * abs(value))

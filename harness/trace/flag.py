@@ -21,6 +21,9 @@ TREATMENTS: dict[Kind, str] = {
 }
 """What each kind means, and what was done."""
 
+_MOST = 5
+"""Flags of a signal and kind that have a sentence each."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flag:
@@ -63,20 +66,20 @@ def flags_of(signal: str, kind: Kind, time: NDArray[np.float64], where: NDArray[
     ]
 
 
-def summary(flags: Sequence[Flag], most: int = 5) -> list[str]:
+def summary(flags: Sequence[Flag]) -> list[str]:
     """Return sentences for people: each flag of a signal and kind, or the first few and how many there are."""
     groups: dict[tuple[str, Kind], list[Flag]] = {}
     for flag in flags:
         groups.setdefault((flag.signal, flag.kind), []).append(flag)
     sentences: list[str] = []
     for (signal, kind), flags_here in groups.items():
-        sentences += [str(flag) for flag in flags_here[:most]]
-        if len(flags_here) > most:
+        sentences += [str(flag) for flag in flags_here[:_MOST]]
+        if len(flags_here) > _MOST:
             # A gap has no samples, it has a length.
             samples, length = (
                 sum(flag.samples for flag in flags_here),
                 sum(flag.end - flag.begin for flag in flags_here),
             )
             extent = f"{samples} samples" if samples else f"{length:.3g} s"
-            sentences.append(f"{signal}: {len(flags_here) - most} more like these ({kind}), {extent} in all.")
+            sentences.append(f"{signal}: {len(flags_here) - _MOST} more like these ({kind}), {extent} in all.")
     return sentences

@@ -1,7 +1,6 @@
 """One run of one scenario: what came out, from what, and the two files that keep it."""
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 
 import xarray
 
-from railgrip.atomic import write_text
+from railgrip.atomic import write_json
 from railgrip.errors import RecordError, Unwritten
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
@@ -111,15 +110,13 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "fmus": dict(sorted(stop.fmus.items())),
         **({"classes": stop.classes} if stop.classes else {}),
     }
-    # JSON has no NaN: a figure that does not exist (no estimator, no lock) is null.
-    text = json.dumps(_without_nan(content), indent=1, ensure_ascii=False, allow_nan=False)
     try:
         if keep_trace:
             write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
     except Unwritten:
-        write_text(directory / STOP_FILE, text + "\n")
+        write_json(directory / STOP_FILE, content)
         raise
-    write_text(directory / STOP_FILE, text + "\n")
+    write_json(directory / STOP_FILE, content)
 
 
 def read_stop(directory: Path) -> StopRecord:
@@ -147,11 +144,3 @@ def read_stop(directory: Path) -> StopRecord:
         raise RecordError(f"{path}: cannot be read: {problem}") from problem
     except (ValueError, KeyError, TypeError) as problem:
         raise RecordError(f"{path}: is not the result of a stop of this version ({problem})") from problem
-
-
-def _without_nan(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_nan(element) for key, element in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(element) for element in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

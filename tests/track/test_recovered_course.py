@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.track.course import LowPass, course_of
-from railgrip.estimation.track.motion import Trust, motion_of
+from railgrip.estimation.track.course import course_of
+from railgrip.estimation.track.motion import motion_of
 from railgrip.estimation.track.smoother import smooth
+from railgrip.estimation.track.tables import LowPass, Trust
 from railgrip.track.geodesy import Place
 from railgrip.track.laid import Element, LaidTrack, grades_of
 from railgrip.track.laid import course_of as laid_course

@@ -7,20 +7,11 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.track.course import LowPass
-from railgrip.estimation.track.motion import Motion, Trust, motion_of
+from railgrip.estimation.track.motion import Motion, motion_of
+from railgrip.estimation.track.tables import LOW_PASS, TRUST, LowPass, Trust
 from railgrip.scenario.track import CurveLaw, force_along
 from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.track.geodesy import Place, local
-
-LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
-"""For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
-long; shorter waves are the receiver's. An estimate, not fitted to any case."""
-
-TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
-"""Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is the gradient that
-changes by 5 ‰ in 5 s, `jerk` a brake that is applied within a second."""
-
 
 FILLED = 2e4
 """Cylinder pressure [Pa] above which a brake counts as applied: an empty cylinder reads 0.01 bar off or so."""
@@ -49,7 +40,6 @@ def braking_of(
     run: xarray.Dataset,
     mass: float,
     *,
-    origin: Place | None = None,
     curve_law: CurveLaw = "bogie",
     low_pass: LowPass = LOW_PASS,
     trust: Trust = TRUST,
@@ -60,7 +50,6 @@ def braking_of(
         run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
             the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and what `driven` and `braked` want.
         mass: Of the train [kg].
-        origin: Of the local frame, the middle of the track when None.
 
     Raises:
         EstimationError: A reading is missing, or nobody braked, or the train was still being driven then.
@@ -74,9 +63,8 @@ def braking_of(
     fixes = np.flatnonzero(np.isfinite(position[:, 0]))
     if fixes.size == 0:
         raise EstimationError(f"recording '{run.attrs.get('name')}': GNSS gave no position at all.")
-    if origin is None:
-        middle = position[fixes[fixes.size // 2]]
-        origin = Place(latitude=float(middle[0]), longitude=float(middle[1]), height=float(middle[2]))
+    latitude, longitude, height = position[fixes[fixes.size // 2]].tolist()
+    origin = Place(latitude=latitude, longitude=longitude, height=height)  # of the local frame
     motion = motion_of(
         period=period,
         speed=samples(run, ("speed",), ("m/s",))[:, 0],

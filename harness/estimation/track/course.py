@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
 from railgrip.errors import EstimationError
+from railgrip.estimation.track.tables import LowPass
 from railgrip.estimators.arrays import Array
 
 GRID = 1.0
@@ -20,21 +21,6 @@ GRID = 1.0
 
 FEWEST = 5
 """Points that a smoothing spline needs."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LowPass:
-    """How far to smooth.
-
-    Attributes:
-        plan: Cut-off wavelength of north and east [m].
-        height: Of the height [m].
-        base: Δs of the differences [m].
-    """
-
-    plan: float
-    height: float
-    base: float
 
 
 @dataclass(frozen=True, slots=True)

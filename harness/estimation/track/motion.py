@@ -17,32 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railgrip.estimation.track.course import Course, LowPass, course_of
+from railgrip.estimation.track.course import Course, course_of
 from railgrip.estimation.track.smoother import smooth
+from railgrip.estimation.track.tables import LowPass, Trust
 from railgrip.estimators.arrays import Array
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Trust:
-    """Standard deviations of what is fused.
-
-    Attributes:
-        speed: Of the speed sensor [m/s].
-        scale: Of its scale [1].
-        acceleration: Of the mean of the accelerometers [m/s2].
-        bias: Of their bias and gradient at the start [m/s2].
-        drift: Of these, per √s [m/s2/√s].
-        jerk: Change of acceleration, per √s [m/s2/√s].
-        position: Of GNSS along the track [m].
-    """
-
-    speed: float
-    scale: float
-    acceleration: float
-    bias: float
-    drift: float
-    jerk: float
-    position: float
 
 
 @dataclass(frozen=True, slots=True)

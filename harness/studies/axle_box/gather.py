@@ -22,7 +22,6 @@ import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
 from railgrip import cache
 from railgrip.estimators.arrays import Array
-from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.build import fmu
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX
 from railgrip.studies.axle_box.instrumented_car import FMU, Pass, slope
@@ -45,12 +44,12 @@ _CODE: Final = (
 )  # fmt: skip
 
 
-def spectral_features(run: Run, spectral: Spectral = SPECTRAL) -> Array:
+def spectral_features(run: Run) -> Array:
     """Return features every `EVERY` metres once `SETTLED` metres are travelled, shape (m, features)."""
     speed = run.slow[:, 8]
-    every = spectral.features(run.slow[:, :4], run.slow[:, 4:8], speed)
-    metres = np.cumsum(np.abs(speed)) / spectral.rate
-    first, last = max(SETTLED, 2 * spectral.settling * run.speed), metres[-1]
+    every = SPECTRAL.features(run.slow[:, :4], run.slow[:, 4:8], speed)
+    metres = np.cumsum(np.abs(speed)) / SPECTRAL.rate
+    first, last = max(SETTLED, 2 * SPECTRAL.settling * run.speed), metres[-1]
     return every[np.searchsorted(metres, np.arange(min(first, last), last, EVERY))]
 
 

@@ -43,25 +43,20 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
         }
         scores = {name: one.result() for name, one in training.items()}
     who = f"learn {SPEED} mph"
-    findings = [
-        Finding(name=f"{who}, {name}: MAE", value=score.mae, unit="1", tolerance=TRAINED * score.mae)
-        for name, score in scores.items()
-    ]
+    findings = [Finding(f"{who}, {name}: MAE", score.mae, "1", TRAINED * score.mae) for name, score in scores.items()]
     mean = scores["bias inside"].mae_of_mean
-    findings.append(Finding(name=f"{who}, always the mean: MAE", value=mean, unit="1", tolerance=LEVEL * mean))
+    findings.append(Finding(f"{who}, always the mean: MAE", mean, "1", LEVEL * mean))
     sets = passes(FULL)
     reports = dry_or_not(sets)["campaign"]
     rule = float(np.mean([abs(run.friction - reports[run.name]) for run in sets["campaign"]]))
-    findings.append(Finding(name="learn, dry or not: MAE", value=rule, unit="1", tolerance=LEVEL * rule))
+    findings.append(Finding("learn, dry or not: MAE", rule, "1", LEVEL * rule))
     for motion in COMBINATIONS["longitudinal, lateral, yaw"]:
         level = float(np.mean([run.blocks[:, CHANNELS[motion]].mean() for run in runs]))
-        findings.append(
-            Finding(name=f"{who}, {motion}: mean of blocks", value=level, unit="m/s2", tolerance=LEVEL * level)
-        )
+        findings.append(Finding(f"{who}, {motion}: mean of blocks", level, "m/s2", LEVEL * level))
     features = np.mean([spectral_features(run)[-1] for run in runs], axis=0)
     for name in ("lateral over yaw leading, 2 Hz", "quadrature leading, 4 Hz"):
         value = float(features[SPECTRAL.names.index(name)])
-        findings.append(Finding(name=f"{who}, {name}", value=value, unit="1", tolerance=LEVEL))
+        findings.append(Finding(f"{who}, {name}", value, "1", LEVEL))
     return findings
 
 

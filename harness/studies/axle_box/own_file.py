@@ -26,11 +26,11 @@ speed = { column = "v", unit = "km/h" }
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, StrictInt, field_validator
+from pydantic import Field, StrictInt
 
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.table import Name, Table, broken
+from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Recipe
 from railgrip.trace.table import DataTable
 
@@ -45,16 +45,9 @@ class RunsTable(Table):
 class NetworkTable(Table):
     """[network]: the networks of the paper's kind."""
 
-    inputs: str = "longitudinal"
+    inputs: Annotated[str, one_of(COMBINATIONS, "; ")] = "longitudinal"
     bias: Literal["inside", "outside"] = "inside"
     starts: Annotated[StrictInt, Field(ge=1, le=100)] = 5
-
-    @field_validator("inputs")
-    @classmethod
-    def _known(cls, name: str) -> str:
-        if name not in COMBINATIONS:
-            raise broken(f"is '{name}'; there is {'; '.join(COMBINATIONS)}")
-        return name
 
     def recipe(self) -> Recipe:
         """Return how they are trained."""

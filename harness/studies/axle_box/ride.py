@@ -26,7 +26,7 @@ from typing import Annotated, Literal
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from pydantic import Field, StrictInt, field_validator
+from pydantic import Field, StrictInt
 
 from railgrip.errors import ScenarioError
 from railgrip.estimators.arrays import Array
@@ -36,7 +36,7 @@ from railgrip.estimators.learned.trained import RunEstimates, Trained, load
 from railgrip.loop.beside import Watched, watch
 from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, broken
+from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, car_of
 from railgrip.studies.axle_box.parties import AxleBoxes, in_casadi, in_fmu
@@ -49,27 +49,13 @@ class CarTable(Table):
     """[car]: everything that decides what is simulated."""
 
     speed: Speed
-    condition: str
+    condition: Annotated[str, one_of(SURFACES)]
     friction: Friction
-    track: str
+    track: Annotated[str, one_of(TRACKS)]
     track_seed: Annotated[StrictInt, Field(ge=0)]
     seed: Seed
     length: Length
     direction: Literal[1, -1] = 1
-
-    @field_validator("condition")
-    @classmethod
-    def _known_condition(cls, name: str) -> str:
-        if name not in SURFACES:
-            raise broken(f"is '{name}'; there is {', '.join(SURFACES)}")
-        return name
-
-    @field_validator("track")
-    @classmethod
-    def _known_track(cls, name: str) -> str:
-        if name not in TRACKS:
-            raise broken(f"is '{name}'; there is {', '.join(TRACKS)}")
-        return name
 
 
 class EstimatorTable(Table):

@@ -35,13 +35,13 @@ RANGES: Final[Mapping[str, tuple[float, float]]] = {
 """Friction that each condition spans in the design, around what Tables 1 and 2 of the paper report for it."""
 
 
-def campaign(*, seed: int = 1, length: float = 400.0) -> tuple[Pass, ...]:
+def campaign(*, length: float = 400.0) -> tuple[Pass, ...]:
     """Return the 24 runs of the paper."""
     return tuple(
         Pass(
             name=f"{speed} mph, {condition}, {friction:g}, {k + 1}",
             speed=speed * MPH, condition=condition, friction=friction,
-            track=TRACK, track_seed=HOME, seed=seed, length=length,
+            track=TRACK, track_seed=HOME, seed=1, length=length,
         )
         for speed in SPEEDS
         for k, (condition, friction) in enumerate(LABELS[speed])

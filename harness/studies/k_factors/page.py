@@ -1,6 +1,5 @@
 """What a K factor study found: JSON, a page, a figure and rows for the screen."""
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from matplotlib.figure import Figure
 
 from railgrip.assemble.files import plant_description
 from railgrip.assemble.parties import versions
-from railgrip.atomic import write_text
+from railgrip.atomic import write_json
 from railgrip.report.page import write_page
 from railgrip.report.style import band, dress, figure, lead_to_trail, legend, save
 from railgrip.report.table import Table
@@ -110,7 +109,7 @@ def write(study: Study, folder: Path) -> Path:
             "estimated_stops": {f"{p:g}": stops for p, stops in loop.cost.items()},
         }
         content["seconds"] |= {"stop": loop.stop_seconds, "new_stops": loop.new_stops}
-    write_text(folder / FILES[0], json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_json(folder / FILES[0], content)
     save(draw(study), folder / FILES[1])
     return write_page(
         folder / FILES[2],

@@ -98,7 +98,6 @@ def party(
     name: Name,
     first: Condition,
     irregularity: Irregularity,
-    period: float = PERIOD,
     sensors: tuple[float, float] = PAPER_SENSORS,
 ) -> Party:
     """Return a filter at its start.
@@ -106,13 +105,12 @@ def party(
     Args:
         first: Condition at the start; only the literal filter is told.
         irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
-        period: Of its steps [s].
         sensors: Standard deviations of the readings.
     """
     noise = np.square(sensors)
     column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
-        filter_ = CompiledFilter(prediction(name), literal_density(first, period), noise, period, order=1)
+        filter_ = CompiledFilter(prediction(name), literal_density(first, PERIOD), noise, PERIOD, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.inputs[:] = 0.0
@@ -130,7 +128,7 @@ def party(
             density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
             mean += [0.0, 0.0]
             variance += [1e-5**2, 1e-5**2]
-        filter_ = CompiledFilter(prediction(name), density, noise, period)
+        filter_ = CompiledFilter(prediction(name), density, noise, PERIOD)
         filter_.start(mean, variance)
         sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
     return Party(name=name, filter=filter_, observer=Observer(name=name, filter=filter_, sources=sources))

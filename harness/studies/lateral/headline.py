@@ -31,14 +31,12 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
             for name in FILTERS[plant]:
                 findings += _of_filter(f"lateral, {plant}, {name}", name, measures)
             constant = measures["constant"]["friction"]
-            findings.append(
-                _figure(f"lateral, {plant}, the best constant: friction RMSE", constant, TOLERANCE * constant)
-            )
+            who = f"lateral, {plant}, the best constant"
+            findings.append(Finding(f"{who}: friction RMSE", constant, "1", TOLERANCE * constant))
             if measures["observability"] is not None:
                 least = min(value for value in measures["observability"]["service"] if value is not None)
-                findings.append(
-                    _figure(f"lateral, {plant}: least sd of mu0, service sensors", least, TOLERANCE * least)
-                )
+                who = f"lateral, {plant}: least sd of mu0, service sensors"
+                findings.append(Finding(who, least, "1", TOLERANCE * least))
     return findings
 
 
@@ -48,13 +46,9 @@ def _measures(plant: str) -> dict[str, Any]:
 
 def _of_filter(who: str, name: str, measures: dict[str, Any]) -> list[Finding]:
     rms = measures["errors"][name]["friction"]["rmse"]
-    findings = [_figure(f"{who}: friction RMSE", rms, TOLERANCE * abs(rms or 1))]
+    findings = [Finding(f"{who}: friction RMSE", rms, "1", TOLERANCE * abs(rms or 1))]
     if name in measures["detection"]:
         counts = measures["detection"][name]["confusion"]
         right = sum(counts[k][k] for k in range(len(CONDITIONS))) / sum(map(sum, counts))
-        findings.append(_figure(f"{who}: condition right, share of time", right, 0.01))
+        findings.append(Finding(f"{who}: condition right, share of time", right, "1", 0.01))
     return findings
-
-
-def _figure(name: str, value: float | None, tolerance: float) -> Finding:
-    return Finding(name=name, value=value, unit="1", tolerance=tolerance)

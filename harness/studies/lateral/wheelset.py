@@ -192,15 +192,14 @@ def course(
     test: Trial,
     seed: int,
     irregularity: Irregularity,
-    period: float = PERIOD,
     sensors: tuple[float, float] = PAPER_SENSORS,
 ) -> Course:
     """Return track, rail and sensor noise of one run; the same seed gives the same run."""
-    count = round(test.duration / period)
-    starts = [round(at / period) for at, _ in test.changes]
+    count = round(test.duration / PERIOD)
+    starts = [round(at / PERIOD) for at, _ in test.changes]
     segments = tuple(zip(starts, [*starts[1:], count], strict=True))
     conditions = tuple(condition for _, condition in test.changes)
-    track, rate = irregularity.draw(seed, count, period)
+    track, rate = irregularity.draw(seed, count, PERIOD)
     inputs = np.zeros((count, len(INPUTS)))
     inputs[:, 0] = track
     for (first, last), condition in zip(segments, conditions, strict=True):

@@ -80,7 +80,6 @@ class History:
         deviation: Of it, shape (k, 4).
         index: Health followed over stops, 1 nominal, shape (k, 4).
         index_sd: Its standard deviation, the offsets of the pressure transducers included, shape (k, 4).
-        deficit: Loss against the reference and the other groups, share, shape (k, 4); NaN where a stop does not tell.
         chart: Cumulated sum of each group, in deviations, shape (k, 4).
         threshold: At which the chart alarms, shape (4,).
         trend: Change of the index over the last stops, share a stop, shape (4,).
@@ -93,7 +92,6 @@ class History:
     deviation: Matrix
     index: Matrix
     index_sd: Matrix
-    deficit: Matrix
     chart: Matrix
     threshold: Vector
     trend: Vector
@@ -138,7 +136,6 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
         deviation=deviation,
         index=index,
         index_sd=index_sd,
-        deficit=deficit,
         chart=chart,
         threshold=threshold,
         trend=trend,

@@ -13,16 +13,14 @@ from railgrip.trace.samples import reading_of, truth_of
 RADIUS = 0.46  # m, of the rig's wheelset
 
 
-def rig_run(
-    recording: xarray.Dataset, estimates: xarray.Dataset, path: Path, *, radius: float = RADIUS, title: str = ""
-) -> Path:
+def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, path: Path, *, title: str) -> Path:
     """Draw speeds and pad force above, adhesion and pad friction below (Schwarz and Keck, 2020, figures 4 and 5)."""
     time = recording["time"].values
     drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True)
     above.plot(time, style.KMH * reading_of(recording, "speed"), color=style.BLACK, lw=1.2, label="roller")
     above.plot(
         time,
-        style.KMH * radius * reading_of(recording, "wheelset_speed"),
+        style.KMH * RADIUS * reading_of(recording, "wheelset_speed"),
         color=style.BLUE,
         lw=0.8,
         label="wheelset, at the rim",

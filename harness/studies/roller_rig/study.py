@@ -1,14 +1,16 @@
 """The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and ours, judged against the truth."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray
 
 from railgrip.assemble import run_stop
-from railgrip.estimation.judge import judge
+from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.run import estimate, units_of
 from railgrip.estimation.spec import (
     LIBRARY,
@@ -24,7 +26,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import WhiteSensors
 from railgrip.studies.roller_rig.figures import over_slip, rig_run, tunings
-from railgrip.studies.roller_rig.protection import LIMIT, excursions
+from railgrip.studies.roller_rig.protection import LIMIT, Excursions, excursions
 from railgrip.trace.samples import evenly, with_signals
 
 FILTERS = ("rig_paper", "rig_own")
@@ -41,21 +43,16 @@ SPEED_NOISES = (0.5e-4, 1e-4, 3.2e-4)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One filter on one run; errors of adhesion and pad friction against the truth, after the start has settled.
+    """One filter on one run; errors against the truth, after the start has settled.
 
     Attributes:
         scenario: Of the rig.
         filter: Name of the estimation.
         period: Of the samples [s].
         speed_noise: 1σ of the roller's speed [m/s].
-        alpha_rmse: Of adhesion; `alpha_bias`, `alpha_nees` and `alpha_sd` likewise.
-        alpha_largest: Largest error anywhere.
-        alpha_outside: Largest error outside protection events.
-        samples_outside: Samples outside events with an error above 0.02.
-        excursions: Stretches above 0.02, anywhere.
-        longest: Of these [s].
-        kept: Whether ≤ 0.02 outside events and ≤ 0.1 s in them holds.
-        mu_b_rmse: Of pad friction; `mu_b_bias`, `mu_b_nees`, `mu_b_covered` and `mu_b_sd` likewise.
+        alpha: Of adhesion.
+        left: Where the error of adhesion is larger than 0.02.
+        mu_b: Of pad friction.
         ended: Why the filter ended early, or nothing.
     """
 
@@ -63,22 +60,9 @@ class Row:
     filter: str
     period: float
     speed_noise: float
-    alpha_rmse: float
-    alpha_bias: float
-    alpha_nees: float
-    alpha_sd: float
-    alpha_largest: float
-    alpha_outside: float
-    samples_outside: int
-    excursions: int
-    longest: float
-    kept: bool
-    mu_b_rmse: float
-    mu_b_bias: float
-    mu_b_largest: float
-    mu_b_nees: float
-    mu_b_covered: float
-    mu_b_sd: float
+    alpha: Judgement
+    left: Excursions
+    mu_b: Judgement
     ended: str
 
 
@@ -98,29 +82,14 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     """Return how a filter did on a run."""
     assert isinstance(scenario.sensors, WhiteSensors)
     after = recording["time"].values >= SETTLED
-    alpha, pads = (judge(recording, estimates, state, after) for state in ("alpha", "mu_b"))
-    left = excursions(recording, estimates, SETTLED)
     return Row(
         scenario=scenario.name,
         filter=name,
         period=scenario.periods.communication,
         speed_noise=scenario.sensors.noise["speed"].si("m/s"),
-        alpha_rmse=alpha.rmse,
-        alpha_bias=alpha.bias,
-        alpha_nees=alpha.nees,
-        alpha_sd=alpha.sd,
-        alpha_largest=left.largest,
-        alpha_outside=left.largest_outside,
-        samples_outside=left.outside,
-        excursions=left.count,
-        longest=left.longest,
-        kept=left.kept,
-        mu_b_rmse=pads.rmse,
-        mu_b_bias=pads.bias,
-        mu_b_largest=pads.largest,
-        mu_b_nees=pads.nees,
-        mu_b_covered=pads.covered,
-        mu_b_sd=pads.sd,
+        alpha=judge(recording, estimates, "alpha", after),
+        left=excursions(recording, estimates, SETTLED),
+        mu_b=judge(recording, estimates, "mu_b", after),
         ended=str(estimates.attrs["ended"]),
     )
 
@@ -143,11 +112,11 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
         for key, estimates in estimates_of.items():
             rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")
         tunings(recording, estimates_of, out / f"{name}_tunings.png")
-        Table([asdict(row) for row in rows]).write_csv(out / "scores.csv")
+        _csv(rows).write_csv(out / "scores.csv")
         if name == "rig_sand":
             over_slip(recording, estimates_of, out / "rig_sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
     sensitivities = sensitivity(filters, tell)
-    Table([asdict(row) for row in sensitivities]).write_csv(out / "sensitivity.csv")
+    _csv(sensitivities).write_csv(out / "sensitivity.csv")
     write_page(
         out / "rig.md",
         "studies/roller_rig/rig.md.jinja",
@@ -181,17 +150,39 @@ def sensitivity(filters: dict[str, Specification], tell: Callable[[str], None] =
 
 def table_of(rows: Sequence[Row], **first: str) -> Table:
     """Return rows as people read them, behind columns of their own: name → attribute."""
-    columns = {**first, **_COLUMNS}
-    records = [{name: getattr(row, attribute) for name, attribute in columns.items()} for row in rows]
     return Table(
-        records, _FORMS, left=("scenario", "filter", "kept"), title="Adhesion and pad friction against the truth"
+        _records(rows, {**first, **_COLUMNS}),
+        _FORMS,
+        left=("scenario", "filter", "kept"),
+        title="Adhesion and pad friction against the truth",
     )
 
 
+def _csv(rows: Sequence[Row]) -> Table:
+    """Return rows with all their figures."""
+    return Table(_records(rows, _ALL))
+
+
+_ALL = {
+    **{name: name for name in ("scenario", "filter", "period", "speed_noise")},
+    **{f"alpha_{name}": f"alpha.{name}" for name in ("rmse", "bias", "nees", "sd")},
+    "alpha_largest": "left.largest", "alpha_outside": "left.largest_outside", "samples_outside": "left.outside",
+    "excursions": "left.count", "longest": "left.longest", "kept": "left.kept",
+    **{f"mu_b_{name}": f"mu_b.{name}" for name in ("rmse", "bias", "largest", "nees", "covered", "sd")},
+    "ended": "ended",
+}  # fmt: skip
+"""Column of the files → attribute of a row."""
+
+
+def _records(rows: Sequence[Row], columns: Mapping[str, str]) -> list[dict[str, Any]]:
+    return [{name: attrgetter(attribute)(row) for name, attribute in columns.items()} for row in rows]
+
+
 _COLUMNS = {
-    "filter": "filter", "α rmse": "alpha_rmse", "α bias": "alpha_bias", "α largest": "alpha_largest",
-    "outside events": "alpha_outside", "longest > 0.02": "longest", "kept": "kept", "α NEES": "alpha_nees",
-    "μ rmse": "mu_b_rmse", "μ bias": "mu_b_bias", "μ NEES": "mu_b_nees", "μ sd claimed": "mu_b_sd",
+    "filter": "filter", "α rmse": "alpha.rmse", "α bias": "alpha.bias", "α largest": "left.largest",
+    "outside events": "left.largest_outside", "longest > 0.02": "left.longest", "kept": "left.kept",
+    "α NEES": "alpha.nees", "μ rmse": "mu_b.rmse", "μ bias": "mu_b.bias", "μ NEES": "mu_b.nees",
+    "μ sd claimed": "mu_b.sd",
 }  # fmt: skip
 
 _FORMS: Mapping[str, Form] = {

@@ -1,13 +1,12 @@
 """What the study of trains found: two JSON files, figures and a page."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from railgrip.atomic import write_text
+from railgrip.atomic import write_json
 from railgrip.report import style
 from railgrip.report.page import image, write_page
 from railgrip.report.table import Table
@@ -69,7 +68,7 @@ def write_report(
         }
         for one in protected
     ]
-    _write(
+    write_json(
         directory / "trains.json",
         {"trains": [row_of(stop) for stop in (*stops, *series)], "protected_stop": real_time},
     )
@@ -79,7 +78,7 @@ def write_report(
         for one in comparisons
     ]
     law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
-    _write(directory / "sanders.json", {"rows": rows, "law": law})
+    write_json(directory / "sanders.json", {"rows": rows, "law": law})
     figures = directory / "figures"
     drawn = {one.train.name: image(style.save(drawing(one.train), figures / f"{one.train.name}.png")) for one in stops}
     return write_page(
@@ -239,7 +238,3 @@ def _sander_figure(comparisons: Sequence[Comparison]) -> Figure:
     axes.legend(frameon=False)
     style.dress(axes, y="distance [m]")
     return figure
-
-
-def _write(path: Path, content: object) -> None:
-    write_text(path, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

@@ -12,10 +12,9 @@ import numpy as np
 import railgrip.scenario
 from railgrip.assemble import assembled
 from railgrip.assemble.files import plant_description
+from railgrip.bench.fmi import plant_step
 from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Vector
-from railgrip.fmu.comparison import seconds_in_c
-from railgrip.fmu.mapping import Signal, bind
 from railgrip.fmus.build import build_class
 from railgrip.loop import compiled_cycle
 from railgrip.rolling_stock.files import load_train
@@ -31,6 +30,7 @@ LIBRARY = Path(__file__).parent / "library"
 EDGES = Path(railgrip.scenario.__file__).parent / "edges"
 USUAL_SPEED = 120 / 3.6  # m/s, where a train file names none
 _STEPS, _ROUNDS = 2000, 3
+_FULL_BRAKE = {"pressure_command": 1e7, "mu0": 0.5}
 _FIRST_SHARE = 0.05  # of the highest pressure, at which a cylinder has begun to fill
 _FULL_SHARE = 0.95  # UIC 540, as the two below
 
@@ -85,18 +85,14 @@ def dry_scenario(train: str | Path, speed: float) -> Scenario:
     return scenario_of(table, directory=Path(), origin="dry.toml")
 
 
-def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
-    """Build a train if need be, stop it, and time it.
-
-    Args:
-        train: A name or a file.
-        speed: At the demand [m/s]; that of its first published stop unless given.
+def dry_stop(train: str | Path) -> DryStop:
+    """Build a train if need be, by its name or file; stop it from the speed of its first published stop, and time it.
 
     Raises:
         ScenarioError: It does not come to stand.
     """
     data = load_train(Path(train))
-    from_speed = speed or (data.reference[0].speed if data.reference else USUAL_SPEED)
+    from_speed = data.reference[0].speed if data.reference else USUAL_SPEED
     scenario = dry_scenario(train, from_speed)
     with assembled(scenario) as parts:
         begin = perf_counter()
@@ -107,15 +103,15 @@ def dry_stop(train: str | Path, speed: float | None = None) -> DryStop:
     trace = parts.recorder.trace(result.samples, scenario.periods.communication)
     force = trace["coupler_force"].values if "coupler_force" in trace else np.zeros((1, 0))
     push, pull = (-force).max(axis=0, initial=0.0), force.max(axis=0, initial=0.0)
-    hand = by_hand(data, from_speed)
+    hand, plant = by_hand(data, from_speed), plant_description(scenario)
     return DryStop(
         train=data,
         speed=from_speed,
         distance=float(trace["distance"].values[-1]),
         hand=hand,
-        states=len(plant_description(scenario).states),
+        states=len(plant.states),
         build_s=_build_seconds(data),
-        plant_step_us=_step_cost(scenario),
+        plant_step_us=plant_step(plant, _FULL_BRAKE, count=_STEPS, rounds=_ROUNDS),
         cycle_us=1e6 * seconds / result.samples,
         coupler_force=np.maximum(push, pull),
         chain=chain_forces(data, hand),
@@ -177,24 +173,6 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
             raise ScenarioError(f"{scenario.name}: ended with {result.outcome.value}: {result.reason}")
         simulated = result.samples * scenario.periods.communication
     return ProtectedStop(estimator_period=estimator_period, simulated=simulated, processor=min(times))
-
-
-def _step_cost(scenario: Scenario) -> float:
-    """Return the time of a step in a loop in C [µs], the best of some runs from speed with full brake."""
-    description = plant_description(scenario)
-
-    def real(names: tuple[str, ...]) -> list[Signal]:
-        variables = [description.variables[name] for name in names]
-        return [
-            Signal(name=v.name, unit=v.unit_name or "1", size=0, needed=True) for v in variables if v.kind == "Real"
-        ]
-
-    inputs, outputs = real(description.names("input")), real(description.names("output"))
-    binding = bind(description, inputs=inputs, outputs=outputs, parameters=(), table={}, where=description.file.name)
-    constants = {"pressure_command": 1e7, "mu0": 0.5}
-    values = np.array([constants.get(signal.name.partition("[")[0], 0.0) for signal in inputs])
-    runs = (seconds_in_c(description, binding, values, period=1e-3, count=_STEPS)[0] for _ in range(_ROUNDS))
-    return 1e6 * min(runs) / _STEPS
 
 
 def filling_of(train: Train, trace: Any) -> Filling:
