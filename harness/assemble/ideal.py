@@ -207,7 +207,8 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
     table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
     with assembled(Scenario.model_validate(table)) as parts:
         controller = _Tracking(VehicleData(scenario), parts.recorder)
-        parts = replace(parts, controller=controller, obstacle="it is shown the truth")
+        parties = replace(parts.parties, controller=controller)
+        parts = replace(parts, parties=parties, obstacle="it is shown the truth")
         ended = parts.run(progress)
     return replace(parts.stop(ended), scenario=scenario)
 
