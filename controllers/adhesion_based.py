@@ -138,37 +138,37 @@ def adhesion_based(groups: int) -> Formula:
         tuning = parameters(draft, PeakSeekingTuning.MEANINGS)
         filters = _Derivatives(draft, tuning)
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
-            brake, radius, inertia = seen.brake, seen.brake["wheel_radius"], seen.brake["inertia"]
-            slip, slip_rate = filters.follow(draft, seen.named("seen_slip"), seen.slip)
-            adhesion, adhesion_rate = filters.follow(draft, seen.named("seen_adhesion"), seen.adhesion)
-            upwards = draft.state(seen.named("upwards"), "1", "1 while it seeks upwards", start=1.0)
-            wait = draft.state(seen.named("wait"), "s", "until the direction may change again")
-            seeking, creeping = seen.speed >= tuning["speed_min"], seen.speed < tuning["speed_min"]
-            venting = every(seen.slip > tuning["slip_vent"], seeking)
-            rolling = either(_is_rolling(tuning, seen.speed, slip, adhesion), creeping)
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            brake, radius, inertia = group.brake, group.brake["wheel_radius"], group.brake["inertia"]
+            slip, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
+            adhesion, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
+            upwards = draft.state(group.label("upwards"), "1", "1 while it seeks upwards", start=1.0)
+            wait = draft.state(group.label("wait"), "s", "until the direction may change again")
+            seeking, creeping = group.speed >= tuning["speed_min"], group.speed < tuning["speed_min"]
+            venting = every(group.slip > tuning["slip_vent"], seeking)
+            rolling = either(_is_rolling(tuning, group.speed, slip, adhesion), creeping)
 
             # The direction, from the relative rates.
             s_rate, a_rate = slip_rate / slip, adhesion_rate / adhesion
             still = every(-tuning["slip_rate_min"] < s_rate, s_rate < tuning["slip_rate_min"])
             rising = either(still, s_rate * (a_rate - tuning["margin"] * s_rate) > 0.0)
-            left = wait - tuning["period"]
-            turned = choose(left > 0.0, upwards, rising)
-            waits = choose(turned != upwards, tuning["dwell"], left)
+            rest = wait - tuning["period"]
+            turned = choose(rest > 0.0, upwards, rising)
+            waits = choose(turned != upwards, tuning["dwell"], rest)
 
-            held = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - seen.slip) * seen.acceleration / radius
-            limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * held + inertial
-            balance = adhesion * held + inertial
-            wanted = choose(turned, tuning["rise"], tuning["fall"]) * balance
-            reach = inertia * tuning["slip_rate_max"] * slip * seen.speed / radius
-            extra = choose(wanted > reach, reach, wanted)
-            sought = choose(turned, balance + extra, balance - extra)
-            torque = choose(rolling, limit, choose(sought < limit, sought, limit))
+            unit_torque = brake["load"] * radius  # torque per adhesion
+            inertial = -inertia * (1.0 - group.slip) * group.acceleration / radius
+            limit = (tuning["adhesion_max"] - tuning["adhesion_guard"]) * unit_torque + inertial
+            balance = adhesion * unit_torque + inertial
+            reached = choose(turned, tuning["rise"], tuning["fall"]) * balance
+            reach = inertia * tuning["slip_rate_max"] * slip * group.speed / radius
+            extra = choose(reached > reach, reach, reached)
+            goal = choose(turned, balance + extra, balance - extra)
+            torque = choose(rolling, limit, choose(goal < limit, goal, limit))
 
             draft.keep(upwards, choose(venting, 0.0, choose(rolling, 1.0, turned)))
             draft.keep(wait, choose(either(venting, rolling), wait, waits))
-            return choose(venting, 0.0, pressure_for(torque, seen.pad_friction, brake))
+            return choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
 
         return demand
 
@@ -183,17 +183,17 @@ def literal_adhesion_based(groups: int) -> Formula:
         tuning = parameters(draft, {name: PeakSeekingTuning.MEANINGS[name] for name in _LITERAL})
         filters = _Derivatives(draft, tuning)
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
-            full, controlling = seen.brake["pressure_max"], seen.speed >= tuning["speed_min"]
-            _, slip_rate = filters.follow(draft, seen.named("seen_slip"), seen.slip)
-            _, adhesion_rate = filters.follow(draft, seen.named("seen_adhesion"), seen.adhesion)
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+            _, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
+            _, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
             applied = draft.state(
-                seen.named("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
+                group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
             )
             switch = slip_rate * adhesion_rate
-            rolling = _is_rolling(tuning, seen.speed, seen.slip, seen.adhesion)
+            rolling = _is_rolling(tuning, group.speed, group.slip, group.adhesion)
             seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, applied))
-            decided = choose(seen.adhesion > tuning["adhesion_max"], 0.0, seeking)
+            decided = choose(group.adhesion > tuning["adhesion_max"], 0.0, seeking)
             draft.keep(applied, choose(controlling, decided, applied))
             return choose(controlling, decided * full, full)
 

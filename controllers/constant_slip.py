@@ -67,8 +67,8 @@ def constant_slip(groups: int) -> Formula:
     def demand_with(draft: Draft) -> Demand:
         tuning = parameters(draft, ConstantSlipTuning.MEANINGS)
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
-            return slip_control(draft, seen, tuning, tuning["slip"])
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            return slip_control(draft, group, tuning, tuning["slip"])
 
         return demand
 
@@ -76,12 +76,12 @@ def constant_slip(groups: int) -> Formula:
 
 
 def slip_control(
-    draft: Draft, seen: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
+    draft: Draft, group: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
 ) -> Expression:
     """Return the demanded pressure [Pa] of PI control to a slip, with those parameters of `ConstantSlipTuning`."""
-    full, controlling = seen.brake["pressure_max"], seen.speed >= tuning["speed_min"]
-    integral = draft.state(seen.named("integral"), "1", "share of the full pressure", start=1.0)
-    push = tuning["gain"] * (1.0 - seen.slip / slip)
+    full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+    integral = draft.state(group.label("integral"), "1", "share of the full pressure", start=1.0)
+    push = tuning["gain"] * (1.0 - group.slip / slip)
     following = within(integral + push * tuning["period"] / tuning["integral_time"], 0.0, 1.0)
     draft.keep(integral, choose(controlling, following, integral))
     return choose(controlling, full * within(push + following, 0.0, 1.0), full)

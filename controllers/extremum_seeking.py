@@ -107,21 +107,21 @@ def extremum_seeking(groups: int) -> Formula:
         draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
         wave = ca.sin(2.0 * ca.pi * turn)
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
-            slip = draft.state(seen.named("set_slip"), "1", "set slip without the dither")
-            steady = draft.state(seen.named("steady"), "1", "adhesion that the dither does not change")
-            started = draft.state(seen.named("started"), "1", "1 once there is an adhesion worth following")
-            ready = seen.adhesion >= tuning["adhesion_small"]
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            slip = draft.state(group.label("set_slip"), "1", "set slip without the dither")
+            steady = draft.state(group.label("steady"), "1", "adhesion that the dither does not change")
+            started = draft.state(group.label("started"), "1", "1 once there is an adhesion worth following")
+            ready = group.adhesion >= tuning["adhesion_small"]
             share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
-            follows = choose(started, steady + share * (seen.adhesion - steady), seen.adhesion)
-            answer = (seen.adhesion - follows) / follows * wave * 2.0 / tuning["dither"]
+            follows = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
+            answer = (group.adhesion - follows) / follows * wave * 2.0 / tuning["dither"]
             # A step of the rail is no answer to the dither: one wave may not double the slip.
             rate = within(tuning["climb"] * answer, -tuning["frequency"], tuning["frequency"])
             moved = within(slip * (1.0 + rate * tuning["period"]), tuning["slip_least"], tuning["slip_most"])
             draft.keep(slip, choose(ready, moved, slip))
             draft.keep(steady, choose(ready, follows, steady))
             draft.keep(started, choose(ready, 1.0, 0.0))
-            return slip_control(draft, seen, tuning, slip * (1.0 + tuning["dither"] * wave))
+            return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
 
         return demand
 

@@ -82,15 +82,15 @@ def free_wheel(groups: int) -> Formula:
         free = choose(every(rolls, rim > free), rim, free)
     waited = draft.state("waited", "s", "since the last speed from wheels")
     waiting = waited + period
-    known = every(silence >= t["silence"], free > 0.0, free >= fastest)
-    given = every(known, waiting >= t["interval"])
-    draft.keep(waited, choose(given, 0.0, waiting))
-    draft.output("speed", "m/s", "speed for the filter", choose(present, speed, choose(given, free, float("nan"))))
+    available = every(silence >= t["silence"], free > 0.0, free >= fastest)
+    due = every(available, waiting >= t["interval"])
+    draft.keep(waited, choose(due, 0.0, waiting))
+    draft.output("speed", "m/s", "speed for the filter", choose(present, speed, choose(due, free, float("nan"))))
 
     # A test ends with a speed, or in vain; the next one is another group's.
     unknown = draft.state("unknown", "s", "since a speed was known, or a test was in vain")
     turn = draft.state("turn", "1", "groups between the last one and the next to be released")
-    duration = choose(either(present, known), 0.0, unknown + period)
+    duration = choose(either(present, available), 0.0, unknown + period)
     testing = duration >= t["test_after"]
     vain = duration >= t["test_after"] + t["test_most"]
     draft.keep(unknown, choose(vain, 0.0, duration))

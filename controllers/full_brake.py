@@ -21,6 +21,6 @@ def full_brake(groups: int) -> Formula:
     """Return the formula for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        return lambda draft, seen: seen.brake["pressure_max"]
+        return lambda draft, group: group.brake["pressure_max"]
 
     return law("FullBrake", "Full brake pressure, no wheel-slide protection", groups, demand_with)

@@ -79,7 +79,7 @@ class GroupObservation:
     brake: Mapping[str, Expression]
     train: Sequence["GroupObservation"]
 
-    def named(self, name: str) -> str:
+    def label(self, name: str) -> str:
         """Return the name of this group's element of an array."""
         return f"{name}[{self.index}]"
 
@@ -119,7 +119,7 @@ def law(name: str, description: str, groups: int, demand_with: Callable[[Draft],
         brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
         own = {name: symbols[g - 1] for name, symbols in of_groups.items()}
         train.append(GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **own))
-    demands = [demand(draft, seen) for seen in train]
+    demands = [demand(draft, group) for group in train]
     for g, demanded in zip(numbers, demands, strict=True):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
@@ -150,9 +150,9 @@ class Law(Sampled):
             missing = [name for name in self.needs if getattr(observation, name) is None]
             if missing:
                 raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; nobody provides it.")
-        given = self.given
-        given[0], given[1] = speed, acceleration
-        rows = given[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
+        inputs = self.inputs
+        inputs[0], inputs[1] = speed, acceleration
+        rows = inputs[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
         rows[0], rows[3], rows[4], rows[5] = slip, wheels, driver_demand, pressure
         rows[1] = NOT_SEEN if adhesion is None else adhesion
         rows[2] = NOT_SEEN if pad_friction is None else pad_friction

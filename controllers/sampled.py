@@ -25,7 +25,7 @@ class Quantity:
         unit: SI, "1" for ratios.
         description: One line.
         start: Of a state: before the first call.
-        shown: Of a state: whether it says what the function does and why, to whoever reads a recording.
+        visible: Of a state: whether it says what the function does and why, to whoever reads a recording.
         minimum, maximum: Of a parameter or output: beyond them it means nothing; None where there is no such limit.
     """
 
@@ -33,7 +33,7 @@ class Quantity:
     unit: str
     description: str
     start: float = 0.0
-    shown: bool = False
+    visible: bool = False
     minimum: float | None = None
     maximum: float | None = None
 
@@ -91,7 +91,7 @@ class Draft:
 
     def show(self, name: str, unit: str, description: str, value: Expression) -> None:
         """Keep a value only to be shown."""
-        symbol = Quantity(name=name, unit=unit, description=description, shown=True)
+        symbol = Quantity(name=name, unit=unit, description=description, visible=True)
         self.keep(self._symbol("state", symbol), value)
 
     def keep(self, state: Expression, value: Expression) -> None:
@@ -108,7 +108,7 @@ class Draft:
 
     def formula(self, name: str, description: str) -> Formula:
         """Return what was written."""
-        given = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
+        arguments = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
         following = [self._following[quantity.name] for quantity in self._symbols["state"][0]]
         results = [ca.densify(ca.vertcat(*each)) for each in (following, self._outputs[1])]
         return Formula(
@@ -118,7 +118,7 @@ class Draft:
             inputs=tuple(self._symbols["input"][0]),
             parameters=tuple(self._symbols["parameter"][0]),
             outputs=tuple(self._outputs[0]),
-            step=ca.Function("step", [ca.SX(each) for each in given], results, {"cse": True}),
+            step=ca.Function("step", [ca.SX(each) for each in arguments], results, {"cse": True}),
         )
 
     def _symbol(self, kind: str, quantity: Quantity) -> Expression:
@@ -157,7 +157,7 @@ class Sampled:
         formula: What is computed.
         parameters: Shape (number of parameters,); may be written between calls.
         state: Shape (number of states,).
-        given: Inputs of the next call, shape (number of inputs,).
+        inputs: Inputs of the next call, shape (number of inputs,).
     """
 
     def __init__(self, formula: Formula, parameters: Mapping[str, float]) -> None:
@@ -165,12 +165,12 @@ class Sampled:
         self.formula = formula
         self.parameters = np.array([parameters[quantity.name] for quantity in formula.parameters])
         self.state = np.array([quantity.start for quantity in formula.states])
-        self.given, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
+        self.inputs, self._result = np.zeros(len(formula.inputs)), np.zeros(len(formula.outputs))
         self._following = np.zeros(self.state.size)
         # Arguments and results stay where they are: a call through CasADi's conversions would cost ten times as much.
         buffer, self._evaluate = formula.step.buffer()
         self._buffer: Any = buffer
-        for place, values in enumerate((self.state, self.given, self.parameters)):
+        for place, values in enumerate((self.state, self.inputs, self.parameters)):
             if values.size:
                 self._buffer.set_arg(place, values.data)
         for place, values in enumerate((self._following, self._result)):
@@ -178,20 +178,20 @@ class Sampled:
                 self._buffer.set_res(place, values.data)
 
     @property
-    def shown(self) -> tuple[tuple[int, Quantity], ...]:
+    def visible(self) -> tuple[tuple[int, Quantity], ...]:
         """Places in `state` of what says what the function does, and what it is; elements of an array together."""
-        shown = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.shown]
-        names = [quantity.name.partition("[")[0] for _, quantity in shown]
-        return tuple(one for _, one in sorted(zip(names, shown, strict=True), key=lambda pair: names.index(pair[0])))
+        visible = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.visible]
+        names = [quantity.name.partition("[")[0] for _, quantity in visible]
+        return tuple(one for _, one in sorted(zip(names, visible, strict=True), key=lambda pair: names.index(pair[0])))
 
     @property
     def step(self) -> ca.Function:
         """The formula's (state, input, parameter) → (state, output)."""
         return self.formula.step
 
-    def call(self, given: Sequence[float]) -> tuple[float, ...]:
+    def call(self, inputs: Sequence[float]) -> tuple[float, ...]:
         """Return the outputs for inputs in the order of the formula, and remember."""
-        self.given[:] = given
+        self.inputs[:] = inputs
         return self.evaluate()
 
     def evaluate(self) -> tuple[float, ...]:

@@ -65,14 +65,14 @@ def slip_based(groups: int) -> Formula:
             "hold", "1", "1: between the levels the pressure stays; 0: the last action goes on", maximum=1.0
         )
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
             applied = draft.state(
-                seen.named("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
+                group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
             )
-            full, protecting = seen.brake["pressure_max"], seen.speed >= speed_min
-            releasing, applying = seen.slip > high, seen.slip < low
+            full, protecting = group.brake["pressure_max"], group.speed >= speed_min
+            releasing, applying = group.slip > high, group.slip < low
             draft.keep(applied, choose(protecting, choose(releasing, 0.0, choose(applying, 1.0, applied)), applied))
-            between = choose(hold, seen.pressure, applied * full)
+            between = choose(hold, group.pressure, applied * full)
             return choose(protecting, choose(releasing, 0.0, choose(applying, full, between)), full)
 
         return demand

@@ -182,25 +182,25 @@ class _Wheels:
     """What the law makes of one group.
 
     Attributes:
-        seen: As the law is shown it.
+        group: As the law is shown it.
         slip: Less that of a rolling wheel.
         filtered: The same, filtered.
         slip_change: Of ln(filtered slip) since the last sample.
         adhesion_change: Of the filtered adhesion since then.
         adhesion: Filtered, zero at least.
         credible: Whether its speed can be true now, and is that of no deep slide.
-        known: Whether its speed can be true, or could a moment ago.
-        sliding: Whether it is known, and slips by more than a rolling wheel.
+        valid: Whether its speed can be true, or could a moment ago.
+        sliding: Whether it is valid, and slips by more than a rolling wheel.
     """
 
-    seen: GroupObservation
+    group: GroupObservation
     slip: Expression
     filtered: Expression
     slip_change: Expression
     adhesion_change: Expression
     adhesion: Expression
     credible: Expression
-    known: Expression
+    valid: Expression
     sliding: Expression
 
 
@@ -215,41 +215,43 @@ def slope_seeking(groups: int) -> Formula:
         train: list[_Wheels] = []
         targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
             if not train:
-                train.extend(_wheels(draft, each, t, started) for each in seen.train)
+                train.extend(_wheels(draft, each, t, started) for each in group.train)
                 targets.extend(_targets(draft, train, t))
-            target = targets[seen.index - 1]
-            own, brake, radius, speed = train[seen.index - 1], seen.brake, seen.brake["wheel_radius"], seen.speed
+            target = targets[group.index - 1]
+            own, brake, radius, speed = train[group.index - 1], group.brake, group.brake["wheel_radius"], group.speed
             inertia = brake["inertia"]
             rolling = either(ca.logic_not(own.sliding), speed < t["speed_min"])
 
             # The torque that leads to the set point.
-            held = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - own.slip) * seen.acceleration / radius
-            balance = seen.adhesion * held + inertial
-            limit = (t["adhesion_max"] - t["adhesion_guard"]) * held + inertial
+            unit_torque = brake["load"] * radius  # torque per adhesion
+            inertial = -inertia * (1.0 - own.slip) * group.acceleration / radius
+            balance = group.adhesion * unit_torque + inertial
+            limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + inertial
             extra = inertia * speed / radius * (target[1] + t["gain"] * (target[0] - own.slip))
             # Up in small shares, down as far as it takes: a deep slide draws little, and a share of little ends none.
-            sought = balance + ca.fmin(extra, t["share_added"] * balance)
-            torque = choose(rolling, limit, ca.fmin(sought, limit))
+            goal = balance + ca.fmin(extra, t["share_added"] * balance)
+            torque = choose(rolling, limit, ca.fmin(goal, limit))
             venting = every(own.slip > t["slip_vent"], speed >= t["speed_min"])
-            controlled = choose(venting, 0.0, pressure_for(torque, seen.pad_friction, brake))
+            controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
             # A wheel whose speed is not known is given the adhesion of the others.
             others = [each for each in train if each is not own]
-            compared = either(0.0, *(each.known for each in others))
-            following = every(ca.logic_not(own.known), compared, speed >= t["speed_min"])
+            compared = either(0.0, *(each.valid for each in others))
+            following = every(ca.logic_not(own.valid), compared, speed >= t["speed_min"])
             mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
-            draft.show(seen.named("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
-            draft.show(seen.named("slip_target"), "1", "slip that is sought, dither included", target[0])
-            kept = draft.state(seen.named("pad_friction"), "1", "pad friction when the wheel speed was last credible")
-            pad_friction = choose(own.credible, seen.pad_friction, kept)
-            draft.keep(kept, pad_friction)
+            draft.show(group.label("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
+            draft.show(group.label("slip_target"), "1", "slip that is sought, dither included", target[0])
+            before = draft.state(
+                group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible"
+            )
+            pad_friction = choose(own.credible, group.pad_friction, before)
+            draft.keep(before, pad_friction)
             if not others:
                 return controlled
-            loads = [each.seen.brake["load"] for each in others]
-            share = _mean([(each.known, each.adhesion) for each in others], loads)
-            followed = pressure_for(_FOLLOWED * share * held, pad_friction, brake)
+            loads = [each.group.brake["load"] for each in others]
+            share = _mean([(each.valid, each.adhesion) for each in others], loads)
+            followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
             return choose(following, followed, controlled)
 
         return demand
@@ -264,62 +266,62 @@ def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Exp
     return total / ca.fmax(sum(counted), 1e-9)
 
 
-def _wheels(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
+def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
     """Return what the law makes of one group."""
-    period, small = t["period"], t["slip_small"] + t["creep_small"] / seen.speed
-    pads_off = seen.pressure * seen.brake["piston_area"] < _UNBRAKED * seen.brake["spring_force"]
-    slip = _corrected(draft, seen, pads_off, period)
+    period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
+    pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
+    slip = _corrected(draft, group, pads_off, period)
 
     def filtered(name: str, sample: Expression) -> tuple[Expression, Expression]:
         """Return the filtered value before and now."""
-        before = draft.state(seen.named(name), "1", "filtered value")
+        before = draft.state(group.label(name), "1", "filtered value")
         now = choose(started, before + period / (t["filter_time"] + period) * (sample - before), sample)
         draft.keep(before, now)
         return choose(started, before, now), now
 
     slip_before, slip_now = filtered("filtered_slip", slip)
-    adhesion_before, adhesion_now = filtered("filtered_adhesion", _without_lag(draft, seen, t, started))
+    adhesion_before, adhesion_now = filtered("filtered_adhesion", _without_lag(draft, group, t, started))
 
     # A wheel that slides is turned by the rail, however little, once its brake is off.
-    loads = sum(each.brake["load"] for each in seen.train)
-    drawn = sum(each.adhesion * each.brake["load"] for each in seen.train) / loads
-    turned = seen.adhesion > _DRAWN * drawn
-    doubted = draft.state(seen.named("doubted"), "s", "for how long the wheel speed has been one that cannot be")
+    loads = sum(each.brake["load"] for each in group.train)
+    mean = sum(each.adhesion * each.brake["load"] for each in group.train) / loads
+    turned = group.adhesion > _DRAWN * mean
+    doubted = draft.state(group.label("doubted"), "s", "for how long the wheel speed has been one that cannot be")
     impossible = either(
-        ca.logic_not(seen.wheelset_speed > -_ANY_SPEED),  # nobody knows it
+        ca.logic_not(group.wheelset_speed > -_ANY_SPEED),  # nobody knows it
         slip < _BACKWARDS,
         every(slip > t["slip_vent"], either(doubted >= _DOUBTED, every(pads_off, ca.logic_not(turned)))),
     )
-    doubt = choose(every(impossible, seen.speed >= t["speed_min"]), doubted + period, 0.0)
+    doubt = choose(every(impossible, group.speed >= t["speed_min"]), doubted + period, 0.0)
     draft.keep(doubted, doubt)
-    known = doubt < _DOUBTED
+    valid = doubt < _DOUBTED
     return _Wheels(
-        seen=seen,
+        group=group,
         slip=slip,
         filtered=slip_now,
         slip_change=ca.log(ca.fmax(slip_now, small) / ca.fmax(slip_before, small)),
         adhesion_change=adhesion_now - adhesion_before,
         adhesion=ca.fmax(adhesion_now, 0.0),
         credible=every(ca.logic_not(impossible), slip < t["slip_vent"]),
-        known=known,
-        sliding=every(known, slip_now >= small),
+        valid=valid,
+        sliding=every(valid, slip_now >= small),
     )
 
 
-def _without_lag(draft: Draft, seen: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Expression:
+def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Expression:
     """Return the estimated adhesion without the error that the lag of the pressure reading leaves in it.
 
     What turns a wheel is adhesion less brake torque; a torque known too late leaves the lag times its rate in the
     adhesion. A slip that swings needs a torque that swings with its second derivative, so that the error is in phase
     with the slip, and looks like a slope.
     """
-    brake = seen.brake
-    force = ca.fmax(seen.pressure * brake["piston_area"] - brake["spring_force"], 0.0)
-    torque = brake["units"] * seen.pad_friction * brake["friction_radius"] * brake["rigging"] * force
-    before = draft.state(seen.named("torque"), "N.m", "brake torque at the last sample")
+    brake = group.brake
+    force = ca.fmax(group.pressure * brake["piston_area"] - brake["spring_force"], 0.0)
+    torque = brake["units"] * group.pad_friction * brake["friction_radius"] * brake["rigging"] * force
+    before = draft.state(group.label("torque"), "N.m", "brake torque at the last sample")
     draft.keep(before, torque)
     rate = choose(started, (torque - before) / t["period"], 0.0)
-    return seen.adhesion + t["pressure_lag"] * rate / (brake["load"] * brake["wheel_radius"])
+    return group.adhesion + t["pressure_lag"] * rate / (brake["load"] * brake["wheel_radius"])
 
 
 def _slope(
@@ -330,7 +332,7 @@ def _slope(
     Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by what they hold;
     nothing changes while one of the two has none. Where all have one sign their mean stands for the difference.
     """
-    loads = [each.seen.brake["load"] for each in train]
+    loads = [each.group.brake["load"] for each in train]
 
     def mean(part: Sequence[int], values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
         return _mean([(train[g].sliding, values[g]) for g in part], [weights[g] for g in part])
@@ -360,22 +362,22 @@ def _targets(
     draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]
 ) -> list[tuple[Expression, Expression]]:
     """Return the slip that is sought of each group, dither included, and its rate."""
-    period, speed = t["period"], train[0].seen.speed
+    period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
     signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
     elasticity, weight = _slope(draft, train, signs, t, rolling)
 
     usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
-    kept = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
-    last = choose(kept < 0.0, kept, usual)
+    previous = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
+    last = choose(previous < 0.0, previous, usual)
     expected = weight * (elasticity + t["elasticity_bias"]) + (1.0 - weight) * t["pull"] * (usual - last)
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
-    forces = [each.seen.brake["load"] * each.adhesion for each in train]
+    forces = [each.group.brake["load"] * each.adhesion for each in train]
     present = _mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
     near = within(moved, present - _LEASH, present + _LEASH)
     set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
-    draft.keep(kept, set_point)
+    draft.keep(previous, set_point)
     phase = draft.state("phase", "1", "periods of the dither since the start")
     draft.keep(phase, phase + period / t["dither_time"])
     angle = 2.0 * pi * phase
@@ -386,25 +388,25 @@ def _targets(
     return targets
 
 
-def _corrected(draft: Draft, seen: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
+def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
     """Return the slip less what the wheel showed when it surely rolled.
 
     That is so before it has been braked, and again when its pads have been off for long and it draws no adhesion: a
     wheel that slides is turned by the rail. Then it is the train's speed that is wrong, as after a radar has lied.
     """
-    offset = draft.state(seen.named("offset"), "1", "slip that the wheel shows when it rolls")
-    count = draft.state(seen.named("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
-    free = draft.state(seen.named("free"), "s", "for how long nothing has braked the wheel and nothing turned it")
-    drawn = within(seen.adhesion, -1.0, 1.0)
-    touching = seen.pressure * seen.brake["piston_area"] < _TOUCHING * seen.brake["spring_force"]
-    draft.keep(free, choose(every(touching, drawn > -_NOTHING, drawn < _NOTHING), free + period, 0.0))
-    first = every(count >= 0.0, pads_off, seen.slip > -_RADIUS_ERROR, seen.slip < _RADIUS_ERROR)
-    again = every(count < 0.0, free > _DOUBTED, seen.slip > -_SPEED_ERROR, seen.slip < _SPEED_ERROR)
+    offset = draft.state(group.label("offset"), "1", "slip that the wheel shows when it rolls")
+    count = draft.state(group.label("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
+    free = draft.state(group.label("free"), "s", "for how long nothing has braked the wheel and nothing turned it")
+    drawing = within(group.adhesion, -1.0, 1.0)
+    touching = group.pressure * group.brake["piston_area"] < _TOUCHING * group.brake["spring_force"]
+    draft.keep(free, choose(every(touching, drawing > -_NOTHING, drawing < _NOTHING), free + period, 0.0))
+    first = every(count >= 0.0, pads_off, group.slip > -_RADIUS_ERROR, group.slip < _RADIUS_ERROR)
+    again = every(count < 0.0, free > _DOUBTED, group.slip > -_SPEED_ERROR, group.slip < _SPEED_ERROR)
     share = choose(first, ca.fmax(1.0 / (1.0 + count), period / _AVERAGED), period / _REGAINED)
-    mean = choose(either(first, again), offset + share * (seen.slip - offset), offset)
+    mean = choose(either(first, again), offset + share * (group.slip - offset), offset)
     draft.keep(offset, mean)
     draft.keep(count, choose(first, count + 1.0, choose(pads_off, count, -1.0)))
-    return 1.0 - (1.0 - seen.slip) / (1.0 - mean)
+    return 1.0 - (1.0 - group.slip) / (1.0 - mean)
 
 
 def _regression(
@@ -420,9 +422,9 @@ def _regression(
     """
     forgets, fades = t["period"] / t["window"], 1.0 - t["period"] / t["washout_time"]
     names = ("log_slip", "log_adhesion")
-    kept = [draft.state(name, "1", f"{name}, less what is slow") for name in names]
-    x, y = (fades * (last + change) for last, change in zip(kept, changes, strict=True))
-    for state, value in zip(kept, (x, y), strict=True):
+    states = [draft.state(name, "1", f"{name}, less what is slow") for name in names]
+    x, y = (fades * (last + change) for last, change in zip(states, changes, strict=True))
+    for state, value in zip(states, (x, y), strict=True):
         draft.keep(state, choose(rolling, fades * state, value))
     moments: list[Expression] = []
     for name, product in (("slip_slip", x * x), ("slip_adhesion", x * y), ("adhesion_adhesion", y * y)):

@@ -44,7 +44,7 @@ class OverTheTrain:
 
 def pass_through(groups: Sequence[BrakeGroup]) -> Law:
     """Return a law that demands of each group the pressure that it is shown as read."""
-    formula = laws.law("PassThrough", "Demands what it is shown", len(groups), lambda _: lambda _, seen: seen.pressure)
+    formula = laws.law("PassThrough", "Demands what it reads", len(groups), lambda _: lambda _, group: group.pressure)
     return Law(formula, groups, {})
 
 
@@ -83,7 +83,7 @@ def with_redistribution(law: Law, groups: Sequence[BrakeGroup], *, period: float
     )
     numbers = range(1, len(groups) + 1)
     missing, room = 0.0, 0.0
-    wanted: list[Expression] = []
+    grants: list[Expression] = []
     spare: list[Expression] = []
     for g, demand in zip(numbers, demands, strict=True):
         brake = {name: parameters[f"{name}[{g}]"] for name in asdict(groups[0])}
@@ -91,19 +91,19 @@ def with_redistribution(law: Law, groups: Sequence[BrakeGroup], *, period: float
         friction = choose(estimated > 0.0, estimated, PAD_FRICTION)
         gain = brake["units"] * friction * brake["friction_radius"] * brake["rigging"] * brake["piston_area"]
         gain = gain / brake["wheel_radius"]
-        asked = inputs[f"driver_demand[{g}]"]
-        given = choose(demand < asked, demand, asked)
+        request = inputs[f"driver_demand[{g}]"]
+        grant = choose(demand < request, demand, request)
         most = pressure_for(adhesion_max * brake["load"] * brake["wheel_radius"], friction, brake)
         most = choose(demand < most, demand, most)
-        left = choose(most > asked, most - asked, 0.0)
-        missing, room = missing + gain * (asked - given), room + gain * left
-        wanted.append(given)
-        spare.append(left)
+        margin = choose(most > request, most - request, 0.0)
+        missing, room = missing + gain * (request - grant), room + gain * margin
+        grants.append(grant)
+        spare.append(margin)
     carried = ca.SX.sym("missing")
     share = period / (T_REDISTRIBUTION + period)
     after = carried + share * (missing - carried)
     part = choose(after < room, after / choose(room > 0.0, room, 1.0), 1.0)
-    results = [given + part * left for given, left in zip(wanted, spare, strict=True)]
+    results = [grant + part * margin for grant, margin in zip(grants, spare, strict=True)]
     state = Quantity(name="missing", unit="N", description="force that groups cannot give, filtered")
     formula = replace(law.formula, states=(*law.formula.states, state))
     widened = (ca.vertcat(symbols[0], carried), *symbols[1:])

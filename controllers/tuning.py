@@ -74,8 +74,8 @@ def _peak_seeking(actuation: str, period: float) -> PeakSeekingTuning:
     passing.
     """
     fixed = {"slip_small": 0.003, "creep_small": 0.0, "adhesion_guard": 0.003, "speed_min": 0.5}
-    found = searched("adhesion_based", actuation, "estimated")
-    return PeakSeekingTuning(period=period, adhesion_max=0.15, **(fixed | dict(found)))
+    values = searched("adhesion_based", actuation, "estimated")
+    return PeakSeekingTuning(period=period, adhesion_max=0.15, **(fixed | dict(values)))
 
 
 PEAK_SEEKING = {"ideal": _peak_seeking("ideal", 1e-3), "pneumatic": _peak_seeking("pneumatic", 10e-3)}

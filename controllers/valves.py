@@ -52,7 +52,7 @@ class ValveLogic(Sampled):
     def command(self, demands: Sequence[float], measured: Sequence[float] | NDArray[np.float64]) -> tuple[float, ...]:
         """Return −1 dump, 0 hold or +1 fill for each group, from demanded and measured pressures [Pa]."""
         groups = len(demands)
-        self.given[:groups], self.given[groups:] = demands, measured
+        self.inputs[:groups], self.inputs[groups:] = demands, measured
         return self.evaluate()
 
 
@@ -78,9 +78,9 @@ def valve_logic(groups: int, delay: int) -> Formula:
             vented = pressure - pressure * period / vent_time
             pressure = choose(acting == FILL, filled, choose(acting == DUMP, vented, pressure))
         tracking = choose(pressure < demand - band, FILL, choose(pressure > demand + band, DUMP, HOLD))
-        wanted = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
+        choice = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
         older = age + period
-        changed = choose(older >= pulse_min - 1e-9, wanted, command)
+        changed = choose(older >= pulse_min - 1e-9, choice, command)
         draft.keep(age, choose(changed == command, older, 0.0))
         draft.keep(command, changed)
         for place, following in zip(under_way, [*under_way[1:], changed], strict=False):

@@ -101,21 +101,21 @@ def wheel_reference(groups: int) -> Formula:
 
         def reference_of(train: Sequence[GroupObservation]) -> Expression:
             fastest = _rolling(train[0])
-            for seen in train[1:]:
-                fastest = choose(_rolling(seen) > fastest, _rolling(seen), fastest)
+            for group in train[1:]:
+                fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
             least = before - tuning["deceleration_max"] * period
             reference = choose(started, choose(fastest > least, fastest, least), fastest)
             draft.keep(before, choose(reference > 0.0, reference, 0.0))
             return reference
 
-        def demand(draft: Draft, seen: GroupObservation) -> Expression:
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
             if not references:
-                references.append(reference_of(seen.train))
+                references.append(reference_of(group.train))
             (reference,) = references
-            full, rolling = seen.brake["pressure_max"], _rolling(seen)
-            filtered = draft.state(seen.named("rolling"), "m/s", "filtered rolling speed")
-            vented = draft.state(seen.named("vented"), "s", "of venting, and of braking after too long a one")
-            target = draft.state(seen.named("target"), "1", "pressure that is let in, over the full one", start=1.0)
+            full, rolling = group.brake["pressure_max"], _rolling(group)
+            filtered = draft.state(group.label("rolling"), "m/s", "filtered rolling speed")
+            vented = draft.state(group.label("vented"), "s", "of venting, and of braking after too long a one")
+            target = draft.state(group.label("target"), "1", "pressure that is let in, over the full one", start=1.0)
 
             step = period / (tuning["filter_time"] + period) * (rolling - filtered)
             draft.keep(filtered, choose(started, filtered + step, rolling))
@@ -128,7 +128,7 @@ def wheel_reference(groups: int) -> Formula:
             )
             protecting = reference >= tuning["speed_min"]
             vents = either(high, every(low, quickly))
-            released = every(testing, seen.index == len(seen.train))
+            released = every(testing, group.index == len(group.train))
             holds = either(low, quickly)
             slides.append(every(protecting, either(vents, low)))
 
@@ -140,24 +140,24 @@ def wheel_reference(groups: int) -> Formula:
             draft.keep(vented, choose(barred, choose(over, 0.0, longer), choose(venting, longer, 0.0)))
 
             # After a slide pressure climbs from where the slide left it.
-            held = every(holds, vented < tuning["vent_max"])
+            holding = every(holds, vented < tuning["vent_max"])
             climbed = target + tuning["rise"] * period
-            let_in = choose(either(venting, held), seen.pressure / full, choose(climbed < 1.0, climbed, 1.0))
+            let_in = choose(either(venting, holding), group.pressure / full, choose(climbed < 1.0, climbed, 1.0))
             draft.keep(target, choose(protecting, let_in, 1.0))
-            wanted = choose(venting, 0.0, full * let_in)
+            own = choose(venting, 0.0, full * let_in)
 
-            if seen.index == len(seen.train):
+            if group.index == len(group.train):
                 sliding_now = either(*slides)
                 draft.keep(idle, choose(sliding_now, 0.0, idle + period))
                 counts = choose(idle < 2.0, sliding + period, 0.0)  # slides come and go within seconds
-                done = sliding >= tuning["test_after"] + tuning["test_time"]
-                draft.keep(sliding, choose(every(protecting, started), choose(done, 0.0, counts), 0.0))
-            return choose(protecting, wanted, full)
+                over = sliding >= tuning["test_after"] + tuning["test_time"]
+                draft.keep(sliding, choose(every(protecting, started), choose(over, 0.0, counts), 0.0))
+            return choose(protecting, own, full)
 
         return demand
 
     return law("WheelReference", "Wheel-slide protection from wheel speeds alone", groups, demand_with)
 
 
-def _rolling(seen: GroupObservation) -> Expression:
-    return seen.wheelset_speed * seen.brake["wheel_radius"]
+def _rolling(group: GroupObservation) -> Expression:
+    return group.wheelset_speed * group.brake["wheel_radius"]

@@ -167,10 +167,10 @@ def _law_of(
 
 def law_states(controller: Controller) -> LawStates | None:
     """Return what a controller shows of its states; None where it shows none."""
-    if not isinstance(controller, Sampled) or not (shown := controller.shown):
+    if not isinstance(controller, Sampled) or not (visible := controller.visible):
         return None
-    places = np.array([place for place, _ in shown], dtype=np.longlong)
-    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in shown)
+    places = np.array([place for place, _ in visible], dtype=np.longlong)
+    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in visible)
     return LawStates(columns, controller.state, places)
 
 
