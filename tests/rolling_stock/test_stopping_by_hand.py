@@ -174,6 +174,24 @@ def test_a_changeover_above_the_stop_and_an_accelerator_that_opens_on_nothing_ar
     assert "is 0.035 bar: less than 0.1 bar" in unusual["[accelerators.quick] sensing_time"]
 
 
+def test_equipment_stands_at_the_pipe_of_the_car_that_names_it(piped):
+    """The pipe has one cell to a car, and four where one of them has an accelerator; cars connect to their second."""
+    piped["cars"][0]["distributor"] = "R"
+    text = class_text(train_of(piped, "ours.toml"), pneumatic=True)
+    assert "BrakePipe pipe(final n=2, length={24, 24}" in text
+    assert "connect(pipe.branch[1], two_stage1.pipe);" in text
+    assert "connect(pipe.branch[2], distributor[1].pipe);" in text
+    assert "two_stage1.speed = body1.v;" in text
+    piped["cars"][1]["accelerator"] = "quick"
+    text = class_text(train_of(piped, "ours.toml"), pneumatic=True)
+    assert "BrakePipe pipe(final n=8, length={6, 6, 6, 6, 6, 6, 6, 6}" in text
+    assert "connect(pipe.branch[2], two_stage1.pipe);" in text
+    assert "connect(pipe.branch[6], distributor[1].pipe);" in text
+    assert "connect(pipe.branch[6], accelerator1.pipe);" in text
+    assert "connect(two_stage1.outlet, cylinder[4].supply);" in text
+    assert "connect(distributor[1].outlet, cylinder[5].supply);" in text
+
+
 def test_a_name_with_quotes_stays_inside_its_string(tables):
     tables["description"] = 'so called "train" \\'
     text = class_text(train_of(tables, "ours.toml"), pneumatic=False)
