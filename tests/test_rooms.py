@@ -1,6 +1,7 @@
 """Imports point one way, as the plan of the house says."""
 
 import ast
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -74,6 +75,16 @@ def test_imports_point_one_way(name, path):
         top = other.split(".")[0]
         assert top not in ROOMS, f"{name} imports {other} by its folder; the package is railgrip"
         assert top != "railgrip" or any(inside(other, room) for room in targets), f"{name} imports {other}"
+
+
+def test_no_files_import_each_other_in_a_circle():
+    """Not even late or for types alone. The door itself, `railgrip`, loads by name what it is asked for."""
+    files = {name: path for name, path in (case.values for case in modules()) if name != "railgrip"}
+    graph = {
+        name: {other if other in files else other.rpartition(".")[0] for other in imported(path)} & files.keys()
+        for name, path in files.items()
+    }
+    TopologicalSorter(graph).prepare()
 
 
 @pytest.mark.parametrize(("name", "path"), list(modules()))

@@ -51,21 +51,9 @@ class Layout:
 
     def reference(self, group: str) -> int:
         """Return the value reference of the first variable of a group."""
-        place = 1
-        for name, size in (
-            ("states", len(self.states)),
-            ("derivatives", len(self.states)),
-            ("inputs", len(self.inputs)),
-            ("parameters", len(self.parameters)),
-            ("outputs", len(self.outputs)),
-            ("locals", len(self.locals)),
-            ("discretes", len(self.discretes)),
-            ("settings", len(self.settings)),
-        ):
-            if name == group:
-                return place
-            place += size
-        raise KeyError(group)
+        groups = ("states", "derivatives", "inputs", "parameters", "outputs", "locals", "discretes", "settings")
+        before = groups[: groups.index(group)]
+        return 1 + sum(len(self.states if name == "derivatives" else getattr(self, name)) for name in before)
 
 
 def layout(system: System) -> Layout:

@@ -19,7 +19,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         class_name: The class that was wanted.
     """
     files = sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]
-    texts = {_short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in files}
+    texts = {short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in files}
     syntax = [place for name, text in texts.items() for place in _syntax(name, text)]
     if syntax:
         return tuple(syntax[:_MOST])
@@ -32,10 +32,10 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
     """Yield what a library must say before classes of RailBraking are found for it."""
-    own = texts[_short(path, path)]
+    own = texts[short(path, path)]
     foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
     if foreign and "RailBraking" not in own and any("RailBraking." in text for text in texts.values()):
-        yield f"{_short(path, path)}: to use RailBraking it must say annotation(uses(RailBraking))"
+        yield f"{short(path, path)}: to use RailBraking it must say annotation(uses(RailBraking))"
 
 
 def _syntax(name: str, text: str) -> Iterator[str]:
@@ -58,7 +58,10 @@ def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
                     yield f"{name}:{number}: {line.strip()}"
 
 
-def _short(file: Path, path: Path) -> str:
-    """Return a file's path from the folder that holds its library, as the refusals give it."""
+def short(file: Path, path: Path) -> str:
+    """Return a file's path from the folder that holds the library of `path`, so that it is the same on every machine.
+
+    What lies elsewhere keeps its whole path.
+    """
     base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
-    return file.relative_to(base).as_posix()
+    return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()

@@ -12,7 +12,7 @@ from typing import Any
 import rumoca
 
 from railgrip.errors import InputError, TranslationError
-from railgrip.fmus.native.complaint import places
+from railgrip.fmus.native.complaint import places, short
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 FRONT = Path(__file__).parent / "front"
@@ -144,9 +144,8 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
             f"rumoca {rumoca.version()} writes the DAE as {schema}, this compiler reads {SCHEMA}; "
             "install the version pinned in pyproject.toml."
         )
-    base = path.parents[2] if path.name == "package.mo" and len(path.parents) > 2 else path.parent
     sources = {
-        number: (_short(path if name == alias else Path(name), base), text.encode()) for number, name, text in files
+        number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files
     }
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
@@ -172,11 +171,6 @@ def _session(library: Path) -> rumoca.Session:
     if getattr(_last, "state", None) != state:
         _last.state, _last.session = state, rumoca.Session(roots=[str(LIBRARY)])
     return _last.session
-
-
-def _short(file: Path, base: Path) -> str:
-    """Return a file's path from `base`, so that it is the same on every machine."""
-    return file.relative_to(base).as_posix() if file.is_relative_to(base) else file.as_posix()
 
 
 __all__ = ["LIBRARY", "Binding", "Dae", "Node", "read"]

@@ -125,7 +125,7 @@ def estimate(
         `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time)
         with its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` says why its
         beliefs mean nothing, and from when on, else it is empty: the filter could not go on, when the rest is NaN, or
-        is lost (`railgrip.estimators.consistency.lost_at`).
+        is lost (`railgrip.estimators.consistency.loss_step`).
         `nis_ratio` is the median of NIS over its expected one, NaN where nothing was read.
 
     Raises:
