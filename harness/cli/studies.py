@@ -165,7 +165,7 @@ def lateral(
     plan = QUICK if quick else FULL
     folder = out / "quick" if quick else out
     with progress("lateral", len(plan.cases), counted=True) as shown:
-        results = conduct(plan, folder, workers=workers, tell=lambda case, result: shown.advance())
+        results = conduct(plan, workers=workers, tell=lambda case, was_there: shown.advance())
         shown.update(doing="report")
         page = write_report(plan, results, folder, tell=lambda what: shown.update(doing=what))
     say(str(page))
@@ -215,16 +215,16 @@ def monitor_study(
     ] = PRESSURE_OFFSET,
 ) -> None:
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
+    from railgrip.campaign.workers import workers as processes
     from railgrip.studies.pad_monitor.page import draw
-    from railgrip.studies.pad_monitor.study import evidence_of_life, lives, study
+    from railgrip.studies.pad_monitor.study import evidence_of_lives, judged, lives
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     design, plan = Design(), lives(seeds, stops, pressure_offset)
-    with progress("lives", seeds, counted=True) as shown:
-        verdict = study(plan, design, workers=workers, tell=lambda count: shown.update(done=count))
-    show_table(verdict.table())
-    first = watch(evidence_of_life(plan[0]), design)
-    say(str(draw(first, design, out / "life.png")))
+    with progress("lives", seeds, counted=True) as shown, processes(workers) as pool:
+        evidence = evidence_of_lives(plan, pool, lambda count: shown.update(done=count))
+    show_table(judged(plan, evidence, design).table())
+    say(str(draw(watch(evidence[0], design), design, out / "life.png")))
 
 
 @app.command("k-factors")

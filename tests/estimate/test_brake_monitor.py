@@ -1,5 +1,7 @@
 """The monitor finds the group that lost friction, and says so when stops cannot tell."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -252,10 +254,12 @@ def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
 
 def test_a_life_is_run_once(monkeypatch):
     life = Life(stops=2, seed=99)
-    first = monitor_study.evidence_of_life(life)
-    monkeypatch.setattr(monitor_study, "live", None)
-    for one, again in zip(first, monitor_study.evidence_of_life(life), strict=True):
-        np.testing.assert_array_equal(one.health, again.health)
-        np.testing.assert_array_equal(one.covariance, again.covariance)
-    with pytest.raises(TypeError):
-        monitor_study.evidence_of_life(Life(stops=2, seed=10**9))
+    with ThreadPoolExecutor(1) as pool:
+        (first,) = monitor_study.evidence_of_lives([life], pool)
+        monkeypatch.setattr(monitor_study, "live", None)
+        (second,) = monitor_study.evidence_of_lives([life], pool)
+        for one, again in zip(first, second, strict=True):
+            np.testing.assert_array_equal(one.health, again.health)
+            np.testing.assert_array_equal(one.covariance, again.covariance)
+        with pytest.raises(TypeError):
+            monitor_study.evidence_of_lives([Life(stops=2, seed=10**9)], pool)
