@@ -9,7 +9,7 @@ from railgrip.studies.pad_monitor import study as monitor_study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.studies.pad_monitor.study import Verdict, judged
+from railgrip.studies.pad_monitor.study import Verdict, verdict_of
 from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
 from railgrip.trace.samples import reading_of, truth_of, with_signals
@@ -233,7 +233,7 @@ def test_the_bound_of_the_rate_is_the_rule_of_three_when_nothing_alarmed():
 
 def test_a_study_counts_delays_from_the_first_broken_stop():
     life = Life(stops=120, seed=0, worn=50, worn_group=2, stuck=None, stuck_group=3)
-    verdict = judged([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
+    verdict = verdict_of([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
     assert verdict.false_alarms == 0
     assert verdict.healthy == (50 - 20) + 100 + 2 * 100
     assert verdict.worn_delays[0] is not None

@@ -19,7 +19,7 @@ import railgrip.studies.axle_box.instrumented_car
 import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
-from railgrip.campaign.kept import kept
+from railgrip.campaign.store import results_of
 from railgrip.estimators.arrays import Array
 from railgrip.fmus.build import fmu
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX
@@ -61,7 +61,7 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
     keys = [_key(p, common) for p in plan]
     # Longest first, so that no worker is left with a long one at the end.
     tasks = dict(sorted(zip(keys, plan, strict=True), key=lambda item: item[1].speed / item[1].length))
-    runs = kept(KIND, tasks, run_of, pool, lambda run, was_there: tell(run.name))
+    runs = results_of(KIND, tasks, run_of, pool, lambda run, was_there: tell(run.name))
     return [replace(runs[key], slope=slope(p)) for key, p in zip(keys, plan, strict=True)]
 
 

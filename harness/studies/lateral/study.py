@@ -8,7 +8,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
-from railgrip.campaign.kept import kept
+from railgrip.campaign.store import results_of
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
@@ -79,7 +79,7 @@ def conduct(
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
     keys = {case: key(case) for case in plan.cases}
     with processes(workers) as pool:
-        measures = kept("lateral-runs", {key: case for case, key in keys.items()}, one, pool, tell)
+        measures = results_of("lateral-runs", {key: case for case, key in keys.items()}, one, pool, tell)
     return tuple(Result(case=case, measures=measures[keys[case]]) for case in plan.cases)
 
 

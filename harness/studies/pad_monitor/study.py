@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.campaign.kept import kept
+from railgrip.campaign.store import results_of
 from railgrip.fmus.build import fmu
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor import evidence, life, nominal
@@ -55,7 +55,7 @@ def evidence_of_lives(
     fmu(PLANT)  # built once, before the processes want it
     keys, count = [_digest(life) for life in plan], itertools.count(1)
     tasks = dict(zip(keys, plan, strict=True))
-    evidence = kept(KIND, tasks, _evidence, pool, lambda life, was_there: tell(next(count)))
+    evidence = results_of(KIND, tasks, _evidence, pool, lambda life, was_there: tell(next(count)))
     return [evidence[key] for key in keys]
 
 
@@ -129,7 +129,7 @@ def _delays(delays: Sequence[int | None]) -> str:
     return f"median {np.median(finite):.0f}, at most {max(finite)}; {len(finite)} of {len(delays)} found"
 
 
-def judged(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
+def verdict_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
     """Return what the monitor makes of lives whose evidence is known: delays and false alarms."""
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []

@@ -15,7 +15,7 @@ T = TypeVar("T")
 _NAME = "result"
 
 
-def kept(
+def results_of(
     kind: str,
     tasks: Mapping[str, T],
     make: Callable[[T], Any],
