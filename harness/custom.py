@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Extent, Formation
-from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, Layout
+from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
 
 Array = NDArray[np.float64]
 
@@ -233,16 +233,8 @@ class CustomSensors:
         """
         _demand_methods(own, "a sensor model", "start", "read")
         self._own, self._layout, self._period = own, layout, period
-        self._truth = np.empty(layout.outputs)
-        shown = self._truth.view()
-        shown.flags.writeable = False
-        self._shown = {
-            name: shown[place].reshape(()) if name in _OF_TRAIN else shown[place]
-            for name, place in layout.output.items()
-        }
-        self._shapes = {
-            name: () if name in _OF_TRAIN else (place.stop - place.start,) for name, place in layout.reading.items()
-        }
+        self._truth, self._shown = _by_name(layout.outputs, layout.output)
+        self._shapes = _shapes(layout.reading)
         try:
             own.start(formation, random)
         except Exception as problem:
@@ -300,18 +292,9 @@ class CustomPlant:
         _demand_methods(own, "a plant", "start", "step")
         self._own, self._layout, self._speed, self._period = own, layout, speed, period
         self._needed, self._shown, self._steps = frozenset(needed), frozenset[str](), 0
-        self._inputs = np.empty(layout.inputs)
-        inputs = self._inputs.view()
-        inputs.flags.writeable = False
-        self._inputs_by_name = {
-            command if name == "command" else name: inputs[place].reshape(())
-            if name == "track_force"
-            else inputs[place]
-            for name, place in layout.input.items()
-        }
-        self._shapes = {
-            name: () if name in _OF_TRAIN else (place.stop - place.start,) for name, place in layout.output.items()
-        }
+        self._inputs, inputs = _by_name(layout.inputs, layout.input)
+        self._inputs_by_name = {command if name == "command" else name: value for name, value in inputs.items()}
+        self._shapes = _shapes(layout.output)
 
     def start(self, inputs: Array) -> Array:
         """Start it and return what it shows; NaN for what it does not.
@@ -366,8 +349,20 @@ class CustomPlant:
 
 
 _OF_TRAIN = frozenset(
-    s.name.removeprefix("reading_") for s in (*PLANT, *EXTRA, *READINGS, *EXTRA_READINGS) if s.extent == "train"
+    s.name.removeprefix("reading_") for s in (*PLANT, *EXTRA, *READINGS, *EXTRA_READINGS, *SENT) if s.extent == "train"
 )
+
+
+def _shapes(places: Mapping[str, slice]) -> dict[str, tuple[int, ...]]:
+    return {name: () if name in _OF_TRAIN else (place.stop - place.start,) for name, place in places.items()}
+
+
+def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str, Array]]:
+    """Return a vector that we write, and the signals in it, which nobody else can write."""
+    vector = np.empty(length)
+    shown = vector.view()
+    shown.flags.writeable = False
+    return vector, {name: shown[places[name]].reshape(shape) for name, shape in _shapes(places).items()}
 
 
 def _locked(observation: Observation) -> Observation:

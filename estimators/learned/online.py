@@ -18,6 +18,7 @@ from railgrip.estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLO
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import Chain, Scale
 from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
+from railgrip.fmus.native import Variable
 
 SX = ca.SX
 
@@ -28,14 +29,9 @@ BOXES: Final = (
 """Accelerations of the axle boxes: longitudinal left and right, lateral."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Edge:
-    """A variable of an online estimator: name, unit, value at the start, what it is."""
-
-    name: str
-    unit: str
-    start: float
-    description: str
+def variable(*, name: str, unit: str, start: float, description: str) -> Variable:
+    """Return a variable of an online estimator."""
+    return Variable(name=name, unit=unit, start=start, description=description, minimum=None, maximum=None, nominal=1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,9 +45,9 @@ class Online:
 
     name: str
     rate: int
-    states: tuple[Edge, ...]
-    inputs: tuple[Edge, ...]
-    outputs: tuple[Edge, ...]
+    states: tuple[Variable, ...]
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
     step: ca.Function
 
     def run(self, samples: Array) -> Array:
@@ -99,8 +95,8 @@ class _Memory:
         self.following.append(None)
         return len(self.names) - 1, symbol
 
-    def edges(self) -> tuple[Edge, ...]:
-        return tuple(Edge(name=n, unit="", start=0.0, description="") for n in self.names)
+    def edges(self) -> tuple[Variable, ...]:
+        return tuple(variable(name=n, unit="", start=0.0, description="") for n in self.names)
 
     def column(self) -> SX:
         missing = [n for n, f in zip(self.names, self.following, strict=True) if f is None]
@@ -148,8 +144,8 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
         states=memory.edges(),
         inputs=_boxes(),
         outputs=(
-            Edge(name="friction", unit="1", start=0.0, description="Friction coefficient"),
-            Edge(name="known", unit="1", start=0.0, description="1 once there is an estimate"),
+            variable(name="friction", unit="1", start=0.0, description="Friction coefficient"),
+            variable(name="known", unit="1", start=0.0, description="1 once there is an estimate"),
         ),
         step=ca.Function("step", [state, boxes], [memory.column(), ca.vertcat(friction, known)]),
     )
@@ -219,21 +215,21 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
         states=memory.edges(),
         inputs=(
             *_boxes(),
-            Edge(name="speed", unit="m/s", start=20.0, description="Speed of the vehicle"),
-            Edge(name="direction", unit="1", start=1.0, description="+1 wheelset 1 leads, -1 wheelset 4 leads"),
+            variable(name="speed", unit="m/s", start=20.0, description="Speed of the vehicle"),
+            variable(name="direction", unit="1", start=1.0, description="+1 wheelset 1 leads, -1 wheelset 4 leads"),
         ),
         outputs=(
-            Edge(name="friction", unit="1", start=0.0, description="Friction coefficient"),
-            Edge(name="lower", unit="1", start=0.0, description="Lower end of the 90 % interval"),
-            Edge(name="upper", unit="1", start=0.0, description="Upper end of the 90 % interval"),
-            Edge(name="known", unit="1", start=0.0, description="1 once there is an estimate"),
+            variable(name="friction", unit="1", start=0.0, description="Friction coefficient"),
+            variable(name="lower", unit="1", start=0.0, description="Lower end of the 90 % interval"),
+            variable(name="upper", unit="1", start=0.0, description="Upper end of the 90 % interval"),
+            variable(name="known", unit="1", start=0.0, description="1 once there is an estimate"),
         ),
         step=ca.Function("step", [ca.vertcat(*memory.symbols), entry], [memory.column(), ca.vertcat(*outputs)]),
     )
 
 
-def _boxes() -> tuple[Edge, ...]:
-    return tuple(Edge(name=n, unit="m/s2", start=0.0, description="Acceleration of an axle box") for n in BOXES)
+def _boxes() -> tuple[Variable, ...]:
+    return tuple(variable(name=n, unit="m/s2", start=0.0, description="Acceleration of an axle box") for n in BOXES)
 
 
 def _motions(boxes: SX, combination: str) -> list[SX]:

@@ -9,7 +9,7 @@ peak must be found first. What is integrated is the train as a point mass; the p
   a rail with friction 0.6, where nothing slides.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -23,7 +23,6 @@ from railgrip.errors import ScenarioError
 from railgrip.loop.ending import Ending
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
-from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.signals import PLANT, SENT
 from railgrip.trace.bound import with_bound
@@ -110,10 +109,8 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             f"{scenario.name}: [controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes "
             f"too much over {period:g} s; shorten [periods] communication"
         )
-    rows = recorder.rows
-    rows[:, recorder.columns["distance"]] = distance[:, None]
-    rows[:, recorder.columns["speed"]] = speed[:, None]
-    rows[:, recorder.columns["acceleration"]] = acceleration[:, None]
+    for name, values in (("distance", distance), ("speed", speed), ("acceleration", acceleration)):
+        recorder.rows[:, recorder.columns[name]] = values[:, None]
     samples = min(stopped or count - 1, moving - 1) + 1
     place = f"{distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s"
     ended = Ending(
@@ -198,14 +195,8 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
         ScenarioError: The scenario asks for something that its parties cannot do, or the plant does not show its
             brakes.
     """
-    changes = {
-        "sensors": {"kind": "ideal"},
-        "estimator": {"kind": "none"},
-        "controller": {"kind": "full_brake"},
-        "faults": [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY],
-    }
-    table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
-    with assembled(Scenario.model_validate(table)) as parts:
+    faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
+    with assembled(_bare(scenario, {"faults": faults})) as parts:
         controller = _Tracking(VehicleData(scenario), parts.recorder)
         parties = replace(parts.parties, controller=controller)
         parts = replace(parts, parties=parties, obstacle="it is shown the truth")
@@ -217,17 +208,18 @@ def _full_brake(scenario: Scenario) -> Scenario:
     """Return the same train on a level rail where nothing slides, fully braked."""
     changes: dict[str, Any] = {
         "track": {},  # its force is no resistance of the train, and comes beside that
-        "name": scenario.name,
         "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
-        "sensors": {"kind": "ideal"},
-        "estimator": {"kind": "none"},
-        "controller": {"kind": "full_brake"},
         "faults": [],
     }
     if scenario.truth.gradient:
         changes["truth"] = scenario.truth.model_dump(mode="json") | {"gradient": 0.0}
-    table = merged({k: v for k, v in scenario.resolved().items() if k not in changes}, changes)
-    return Scenario.model_validate(table)
+    return _bare(scenario, changes)
+
+
+def _bare(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """Return a scenario with other tables, fully braked, and nobody between plant and brakes."""
+    parties = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
+    return Scenario.model_validate(scenario.resolved() | parties | changes)
 
 
 def _end(speed: Array, stop_speed: float) -> int:

@@ -111,15 +111,15 @@ def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> f
 
 def of_recording() -> Iterator[Row]:
     """Yield what the test case of the field test costs; a value of the tuning is of five copies, of the mean length."""
-    recorded, spec, model = run(cases()[TEST], TEST), specification(), prediction()
+    field_run, spec, model = run(cases()[TEST], TEST), specification(), prediction()
     course = spec.course
     assert course is not None
-    task = task_of(recorded.braking, model)
+    task = task_of(field_run.braking, model)
     filter_ = filter_of(model, task.period)
-    recording, samples = with_track_force(recorded.recording, course), len(task.readings)
+    recording, samples = with_track_force(field_run.recording, course), len(task.readings)
     step = microseconds(lambda: follow(task, filter_, PHYSICAL)) / samples
     whole = microseconds(lambda: estimate_of(spec, recording)) / 1e3
-    track = microseconds(lambda: with_track_force(recorded.recording, course), rounds=2) / 1e6
+    track = microseconds(lambda: with_track_force(field_run.recording, course), rounds=2) / 1e6
     value = microseconds(lambda: evaluate("consistent", [task] * 5, filter_, PHYSICAL)) / 1e6
     yield f"13-state filter over a recording of {samples} samples, a sample", f"{step:.1f} µs", "5 µs"
     yield "  estimate of that recording", f"{whole:.0f} ms", ""

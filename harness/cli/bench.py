@@ -12,8 +12,8 @@ def bench() -> None:
     from railgrip.report.table import Table
 
     rows: list[Row] = []
-    with progress("measuring") as shown:
+    with progress("measuring") as bar:
         for doing, case in CASES.items():
-            shown.update(doing=doing)
+            bar.update(doing=doing)
             rows += case()
     show_table(Table.of(("what", "measured", "target"), rows, title=machine()))

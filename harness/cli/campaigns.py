@@ -131,8 +131,8 @@ def report(
     """Make one page of table, figures and definitions from the results in a folder."""
     from railgrip.report.index import write_report
 
-    with progress("report") as shown:
-        page = write_report(directory, panels=panels, tell=lambda what: shown.update(doing=f"drawing {what}"))
+    with progress("report") as bar:
+        page = write_report(directory, panels=panels, tell=lambda what: bar.update(doing=f"drawing {what}"))
     say(str(page))
 
 
@@ -317,16 +317,16 @@ def _run_campaigns(
     from railgrip.campaign.run import Report, run_campaigns
 
     names = ", ".join(one.campaign.name for one in runs)
-    with progress(names, sum(len(one.campaign.stops) for one in runs), counted=True) as shown:
+    with progress(names, sum(len(one.campaign.stops) for one in runs), counted=True) as bar:
 
         def tell(report: Report) -> None:
-            shown.advance()
+            bar.advance()
             if report.state not in {"found", "done"}:
                 complain(f"{report.stop.name}: {report.sentence}")
 
         def complete(number: int) -> None:
-            finished(number, lambda what: shown.update(doing=f"drawing {what}"))
-            shown.update(doing="")
+            finished(number, lambda what: bar.update(doing=f"drawing {what}"))
+            bar.update(doing="")
 
         reports = run_campaigns(
             runs, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
@@ -350,8 +350,8 @@ def _numbers_of(baseline: "Baseline", path: Path, out: Path, workers: int) -> "t
         return code, findings_of(read_results(out))
     from railgrip.studies.headlines import headlines
 
-    with progress(path.stem) as shown:
-        findings = headlines(str(baseline.study), lambda what: shown.update(doing=what))
+    with progress(path.stem) as bar:
+        findings = headlines(str(baseline.study), lambda what: bar.update(doing=what))
     write_findings(findings, out)
     return 0, findings
 

@@ -112,8 +112,8 @@ def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
     from railgrip.studies.roller_rig.study import study, table_of
 
-    with progress("roller rig") as shown:
-        rows = study(out, lambda what: shown.update(doing=what))
+    with progress("roller rig") as bar:
+        rows = study(out, lambda what: bar.update(doing=what))
     wide = ("α bias", "α largest", "α NEES", "μ sd claimed")
     show_table(table_of(rows, scenario="scenario").without(wide))
     say(f"{out}/rig.md")

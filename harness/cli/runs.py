@@ -32,12 +32,12 @@ def run(
 
     scenario = load(file, overrides or [])
     directory = out or Path("build/runs") / scenario.name
-    with progress(scenario.name, scenario.start.speed or None) as shown:
+    with progress(scenario.name, scenario.start.speed or None) as bar:
         stop = run_scenario(
             scenario,
             directory,
             runner(engine, import_from or ()),
-            lambda speed: shown.update(done=scenario.start.speed - speed),
+            lambda speed: bar.update(done=scenario.start.speed - speed),
             remark,
         )
     metrics = stop.metrics

@@ -65,17 +65,17 @@ def ride(
 
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
-    with progress(specification.name, 1.0) as shown:
-        ridden = ride_beside(specification, file.parent, lambda share: shown.update(done=share), remark)
-    write_bytes(folder / "ride.nc", bytes(ridden.trace.to_netcdf(engine="h5netcdf")))
-    save(ride_figure(ridden.trace), folder / "ride.png")
-    last = ridden.trace.isel(time=-1)
+    with progress(specification.name, 1.0) as bar:
+        result = ride_beside(specification, file.parent, lambda share: bar.update(done=share), remark)
+    write_bytes(folder / "ride.nc", bytes(result.trace.to_netcdf(engine="h5netcdf")))
+    save(ride_figure(result.trace), folder / "ride.png")
+    last = result.trace.isel(time=-1)
     sentence = f"{specification.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
     if float(last["friction_sd"]) > 0:
         sentence += f" ± {float(last['friction_sd']):.3f}"
     sentence += f", true {specification.car.friction:.3f} in the mean"
-    if ridden.apart is not None:
-        sentence += f"; sample by sample within {ridden.apart:.1e} of the same readings at once"
+    if result.apart is not None:
+        sentence += f"; sample by sample within {result.apart:.1e} of the same readings at once"
     say(sentence)
     say(f"{folder}/ride.nc")
 
@@ -89,8 +89,8 @@ def field(
     from railgrip.studies.field_test.report import write_report
     from railgrip.studies.field_test.runs import cases
 
-    with progress("field test") as shown:
-        page = write_report(cases(campaign), out, tell=lambda what: shown.update(doing=what))
+    with progress("field test") as bar:
+        page = write_report(cases(campaign), out, tell=lambda what: bar.update(doing=what))
     say(page.read_text(encoding="utf-8"))
     say(str(page))
 
@@ -118,19 +118,19 @@ def tune(
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     model, name = prediction(), "field_test" if campaign is None else campaign.stem
-    with progress("field test") as shown:
-        driven = runs(cases(campaign), TUNING, lambda case: shown.update(doing=case))
-    tasks = [task_of(run.braking, model) for run in driven.values()]
+    with progress("field test") as bar:
+        field_runs = runs(cases(campaign), TUNING, lambda case: bar.update(doing=case))
+    tasks = [task_of(run.braking, model) for run in field_runs.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
-    with progress("generations", generations, counted=True) as shown:
+    with progress("generations", generations, counted=True) as bar:
         optimum = search_for(
             kind,
             tasks,
             model,
             search,
             checkpoint,
-            lambda generation, best: shown.update(done=generation, doing=f"best {best:.6f} m/s"),
+            lambda generation, best: bar.update(done=generation, doing=f"best {best:.6f} m/s"),
         )
     command = (
         f"railgrip tune {kind} --population {population} --generations {generations} --stage {stage} --seed {seed} "
@@ -145,7 +145,7 @@ def tune(
     )
     say(f"{kind}: {optimum.value:.6f} m/s after {len(optimum.history)} generations")
     filter_ = filter_of(model, tasks[0].period)
-    for case, task in zip(driven, tasks, strict=True) if optimum.value < DIVERGED else ():
+    for case, task in zip(field_runs, tasks, strict=True) if optimum.value < DIVERGED else ():
         instant = lost(task, follow(task, filter_, optimum.noise))
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
@@ -164,10 +164,10 @@ def lateral(
 
     plan = QUICK if quick else FULL
     folder = out / "quick" if quick else out
-    with progress("lateral", len(plan.cases), counted=True) as shown:
-        results = conduct(plan, folder, workers=workers, tell=lambda case, result: shown.advance())
-        shown.update(doing="report")
-        page = write_report(plan, results, folder, tell=lambda what: shown.update(doing=what))
+    with progress("lateral", len(plan.cases), counted=True) as bar:
+        results = conduct(plan, workers=workers, tell=lambda case, was_there: bar.advance())
+        bar.update(doing="report")
+        page = write_report(plan, results, folder, tell=lambda what: bar.update(doing=what))
     say(str(page))
 
 
@@ -185,11 +185,11 @@ def monitor(
     from railgrip.studies.pad_monitor.page import draw, health_table, verdict_on
     from railgrip.studies.pad_monitor.watch import Design, watch
 
-    with progress("reading") as shown:
+    with progress("reading") as bar:
         stops = stops_in(
             folder,
             None if column_map is None else load_specification(column_map),
-            lambda done, of: shown.update(doing=f"stop {done} of {of}"),
+            lambda number, of: bar.update(doing=f"stop {number} of {of}"),
         )
     for sentence in stops.sentences:
         say(sentence)
@@ -215,16 +215,16 @@ def monitor_study(
     ] = PRESSURE_OFFSET,
 ) -> None:
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
+    from railgrip.campaign.workers import workers as processes
     from railgrip.studies.pad_monitor.page import draw
-    from railgrip.studies.pad_monitor.study import evidence_of_life, lives, study
+    from railgrip.studies.pad_monitor.study import evidence_of_lives, lives, verdict_of
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     design, plan = Design(), lives(seeds, stops, pressure_offset)
-    with progress("lives", seeds, counted=True) as shown:
-        verdict = study(plan, design, workers=workers, tell=lambda count: shown.update(done=count))
-    show_table(verdict.table())
-    first = watch(evidence_of_life(plan[0]), design)
-    say(str(draw(first, design, out / "life.png")))
+    with progress("lives", seeds, counted=True) as bar, processes(workers) as pool:
+        evidence = evidence_of_lives(plan, pool, lambda count: bar.update(done=count))
+    show_table(verdict_of(plan, evidence, design).table())
+    say(str(draw(watch(evidence[0], design), design, out / "life.png")))
 
 
 @app.command("k-factors")
@@ -243,9 +243,9 @@ def k_factors(
 
     specification, scenario = load_specification(file, overrides or [])
     make_folder(out, *FILES)
-    with progress(specification.name) as shown:
+    with progress(specification.name) as bar:
         study = conduct(
-            specification, scenario, out, loop=loop, workers=workers, tell=lambda what: shown.update(doing=what)
+            specification, scenario, out, loop=loop, workers=workers, tell=lambda what: bar.update(doing=what)
         )
         page = write(study, out)
     show_table(table(study))
@@ -263,13 +263,13 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     from railgrip.studies.axle_box.tables import report
 
     size = QUICK if quick else FULL
-    with progress("learn", pieces(size), counted=True) as shown:
-        results = study(size, inputs=inputs or "longitudinal", workers=workers, tell=shown.advance)
-        shown.update(doing="figures and FMUs")
-        drawn = draw(results, out)
+    with progress("learn", pieces(size), counted=True) as bar:
+        results = study(size, inputs=inputs or "longitudinal", workers=workers, tell=bar.advance)
+        bar.update(doing="figures and FMUs")
+        figures = draw(results, out)
         _export(estimators_of(results), out)
     page = out / "report.md"
-    write_text(page, report(results, [path.stem for path in drawn]))
+    write_text(page, report(results, [path.stem for path in figures]))
     return page
 
 
@@ -284,13 +284,11 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
     network = specification.network if inputs is None else specification.network.model_copy(update={"inputs": inputs})
     folder = out or OUT.with_name(f"learn_{specification.name}")
     labels = file.parent / specification.runs.labels
-    with progress("learn", len(read_labels(labels)), counted=True) as shown:
-        read = read_folder(file.parent / specification.runs.folder, labels, specification.data, shown.advance)
-        shown.update(doing="training and judging", total=len(read.runs) + own_pieces(read.runs))
-        text, trained = judge_own(
-            read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=shown.advance
-        )
-        shown.update(doing="FMUs")
+    with progress("learn", len(read_labels(labels)), counted=True) as bar:
+        read = read_folder(file.parent / specification.runs.folder, labels, specification.data, bar.advance)
+        bar.update(doing="training and judging", total=len(read.runs) + own_pieces(read.runs))
+        text, trained = judge_own(read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=bar.advance)
+        bar.update(doing="FMUs")
         _export(trained, folder)
     page = folder / "report.md"
     write_text(page, text)

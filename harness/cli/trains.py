@@ -97,19 +97,19 @@ def study(
     trial, model = trial_of(), Path("emu387")
     text = installed(model, "trains").read_text(encoding="utf-8")
     pieces = len(names) + len(counts) + 2
-    with progress("trains", pieces, counted=True) as shown, tempfile.TemporaryDirectory() as folder:
+    with progress("trains", pieces, counted=True) as bar, tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{model}_{count}.toml" for count in counts]
         for file, count in zip(files, counts, strict=True):
             file.write_text(multiplied(text, count), encoding="utf-8")
         dry_stops: list[DryStop] = []
         for train in (*names, *files):
             dry_stops.append(dry_stop(train))
-            shown.advance()
+            bar.advance()
         stops, series = dry_stops[: len(names)], dry_stops[len(names) :]
         protected = [protected_stop(period) for period in (1e-3, 10e-3)]
-        shown.advance()
+        bar.advance()
         density, comparisons = compare(trial)
-        shown.advance()
+        bar.advance()
         page = write_report(stops, series, protected, trial, density, comparisons, out)
     show_table(table_of(stops))
     show_table(table_of_protected(protected))

@@ -70,10 +70,10 @@ def type_test(
     directory = out.joinpath(*(Path(written).stem for written in (train, task) if written is not None))
     if case:
         directory = directory / "cases"
-    with progress(whole.name, len(planned.stops), counted=True) as shown:
+    with progress(whole.name, len(planned.stops), counted=True) as bar:
 
         def tell(report: "Report") -> None:
-            shown.advance()
+            bar.advance()
             if report.state in {"refused", "failed"}:
                 complain(f"{report.stop.name}: {report.sentence}")
 
@@ -86,7 +86,7 @@ def type_test(
             tell=tell,
         )
         write_description(whole, directory)
-        shown.update(doing="report")
+        bar.update(doing="report")
         again = "".join(f" --{key} {value}" for key, value in (("train", train), ("task", task)) if value is not None)
         page = write_report(read_results(directory), ours | selected, judging, directory, again)
     show_table(leaderboard_of(directory))

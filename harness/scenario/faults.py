@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import BeforeValidator, Field, StrictInt, model_validator
+from pydantic import Field, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
-from railgrip.scenario.table import Delay, Table, broken, optional
+from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, broken, optional
 from railgrip.scenario.track import STEEPEST
 
 Part = Literal["speed_sensor", "radar", "accelerometer", "transducer", "deflection_sensor", "valve", "brake", "supply"]
@@ -115,11 +115,7 @@ class Fault(Table):
 _Factor = Annotated[float, Unit("1", above=0, at_most=10, because="no train is ten times what it is said to be")]
 
 
-def _all_or_each(written: Any) -> Any:
-    return written if isinstance(written, list | tuple) else (written,)
-
-
-_Factors = Annotated[tuple[_Factor, ...], BeforeValidator(_all_or_each), Field(min_length=1)]
+_Factors = Annotated[tuple[_Factor, ...], ONE_OR_EACH, Field(min_length=1)]
 
 
 class Truth(Table):

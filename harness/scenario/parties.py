@@ -10,7 +10,7 @@ from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Duration, Friction, Parameters, Period, Table, broken, optional, scalars
+from railgrip.scenario.table import Duration, Friction, Parameters, Period, Table, broken, optional
 
 
 class Actuation(Table):
@@ -56,8 +56,6 @@ class KalmanFilter(Table):
         "and it counts in the deviation of the estimated adhesion",
     )
 
-    _flat = field_validator("parameters", mode="before")(scalars)
-
     @model_validator(mode="after")
     def _one_prediction(self) -> Self:
         if self.model is None and (self.kind == "fmu" or self.library is not None):
@@ -102,8 +100,6 @@ class Law(_OverTheTrain):
     ]
     parameters: Parameters = Field(default={}, description="what differs from the law's own set")
 
-    _flat = field_validator("parameters", mode="before")(scalars)
-
 
 class SlipLaw(_OverTheTrain):
     """Slip-based control, and what differs from its parameter set."""
@@ -115,8 +111,6 @@ class SlipLaw(_OverTheTrain):
         "slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
-
-    _flat = field_validator("parameters", mode="before")(scalars)
 
 
 class ControllerFmu(_OverTheTrain):
@@ -136,8 +130,6 @@ class ControllerFmu(_OverTheTrain):
     trust: StrictBool = Field(
         default=False, description="load it into this process: faster, but a crash in it ends the run"
     )
-
-    _flat = field_validator("parameters", mode="before")(scalars)
 
 
 class OwnLaw(Custom, _OverTheTrain):

@@ -1,15 +1,15 @@
 """The table [adhesion]: the kinds of friction profile a scenario can lay on the rail."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from railgrip.scenario.curve import Curve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.sanders import Sand
-from railgrip.scenario.table import Friction, Length, Table, broken, optional
+from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken, optional
 
 
 class Conditioning(Table):
@@ -44,11 +44,7 @@ class Extent(Magnitude):
     """A length or a duration: which one is wanted depends on `over`."""
 
 
-def _one_or_each(written: Any) -> Any:
-    return tuple(written) if isinstance(written, list | tuple) else (written,)
-
-
-Frictions = Annotated[tuple[Friction, ...], BeforeValidator(_one_or_each)]
+Frictions = Annotated[tuple[Friction, ...], ONE_OR_EACH]
 
 
 class Patch(Table):

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StrictInt
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.quantity import Magnitude, Unit
@@ -28,9 +28,28 @@ Lag = Annotated[float, Unit("s", at_least=0, at_most=10, because="what a sensor 
 Length = Annotated[float, Unit("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
 Mass = Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
 Deviation = Annotated[float, Unit("1", at_least=0, below=1)]
-Parameters = dict[str, Magnitude]
 ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
 """Full name of a class."""
+
+
+def _scalars(written: Any) -> Any:
+    """Return a parameter table with `x = [1, 2]` made `"x[1]" = 1`, `"x[2]" = 2`, as FMI names them."""
+    if not isinstance(written, dict):
+        return written
+    flat: dict[str, Any] = {}
+    for name, value in written.items():
+        if isinstance(value, list | tuple):
+            flat.update({f"{name}[{index}]": element for index, element in enumerate(value, start=1)})
+        else:
+            flat[name] = value
+    return flat
+
+
+Parameters = Annotated[dict[str, Magnitude], BeforeValidator(_scalars)]
+
+
+ONE_OR_EACH = BeforeValidator(lambda written: written if isinstance(written, list | tuple) else (written,))
+"""Annotation of a tuple that may be written as one value for all."""
 
 
 def broken(words: str) -> PydanticCustomError:
@@ -60,16 +79,3 @@ class Table(BaseModel):
     """A table of the file: frozen, and without unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-def scalars(written: Any) -> Any:
-    """Return a parameter table with `x = [1, 2]` made `"x[1]" = 1`, `"x[2]" = 2`, as FMI names them."""
-    if not isinstance(written, dict):
-        return written
-    flat: dict[str, Any] = {}
-    for name, value in written.items():
-        if isinstance(value, list | tuple):
-            flat.update({f"{name}[{index}]": element for index, element in enumerate(value, start=1)})
-        else:
-            flat[name] = value
-    return flat

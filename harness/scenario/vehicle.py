@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_seriali
 from railgrip.scenario.file import NamedFile, installed
 from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, optional, scalars
+from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
@@ -43,8 +43,6 @@ class FormationTable(Table):
         description="p_max, n_units, r_friction, r_wheel, J, A_piston, i_rigging, eta_rigging, F_spring, "
         "for all or each group",
     )
-
-    _flat = field_validator("brakes", mode="before")(scalars)
 
 
 class Nudge(Table):
@@ -84,8 +82,6 @@ class Vehicle(Table):
         default=None, description="of a plant that does not say which wheelsets turn as one and where they are"
     )
     nudge: Nudge | None = Field(default=None, description="moves all real parameters of the plant a little")
-
-    _flat = field_validator("parameters", mode="before")(scalars)
 
     @field_validator("plant", mode="plain")
     @classmethod

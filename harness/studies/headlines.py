@@ -50,8 +50,8 @@ def rig(tell: Tell) -> list[Finding]:
             row = row_of(scenario, file, recording, estimate_of(specification, recording))
             who = f"{scenario.name}, {specification.name}"
             findings += [
-                _extreme(f"{who}: adhesion error outside protection events", row.left.largest_outside),
-                Finding(f"{who}: longest adhesion error above 0.02", row.left.longest, "s", 1.01 * row.period),
+                _extreme(f"{who}: adhesion error outside protection events", row.excursions.largest_outside),
+                Finding(f"{who}: longest adhesion error above 0.02", row.excursions.longest, "s", 1.01 * row.period),
                 _mean(f"{who}: adhesion RMSE", row.alpha.rmse),
                 _mean(f"{who}: pad friction RMSE", row.mu_b.rmse),
             ]
@@ -101,7 +101,7 @@ def monitor(tell: Tell) -> list[Finding]:
     """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
     from railgrip.studies.pad_monitor.evidence import evidence_of
     from railgrip.studies.pad_monitor.life import Life, live
-    from railgrip.studies.pad_monitor.study import judged
+    from railgrip.studies.pad_monitor.study import verdict_of
     from railgrip.studies.pad_monitor.watch import Design
 
     # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
@@ -110,7 +110,7 @@ def monitor(tell: Tell) -> list[Finding]:
     for number, stop in enumerate(live(life)):
         tell(f"monitor, stop {number + 1} of {life.stops}")
         evidence.append(evidence_of(stop.recording, stop.temperature))
-    verdict = judged([life], [evidence], Design())
+    verdict = verdict_of([life], [evidence], Design())
     worn, stuck = verdict.worn_delays[0], verdict.stuck_delays[0]
     # A chart that ends a hair below its threshold alarms with the next stop.
     return [

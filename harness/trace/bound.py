@@ -85,28 +85,24 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
     group_load = formation.summed(load)
     peak_adhesion = formation.summed(peak_each * load) / group_load
     demanded = None
-    if (
-        "driver_demand" in trace
-    ):  # a row holds what was demanded until then: what is demanded now stands in the next one
+    if "driver_demand" in trace:
+        # A row holds what was demanded until then: what is demanded now stands in the next one.
         demanded = trace["driver_demand"].values[np.minimum(np.arange(len(time)) + 1, len(time) - 1)]
     force = "full" if demanded is None else "the demanded"
     limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values, demanded)
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
 
-    ratio = {"units": "1"}
+    derived = {
+        "peak_slip": ("group", peak_slip, "slip of the greatest adhesion"),
+        "peak_adhesion": ("group", peak_adhesion, "greatest adhesion of the rail"),
+        "brake_limit": ("group", limit, f"adhesion that {force} brake pressure draws"),
+        "ideal_adhesion": ("group", ideal, "adhesion of the ideal bound"),
+        "ideal_share": ("wheelset", share, "share in the ideal bound"),
+    }
     return trace.assign(
-        peak_slip=(("time", "group"), peak_slip, ratio | {"long_name": "slip of the greatest adhesion"}),
-        peak_adhesion=(
-            ("time", "group"),
-            peak_adhesion,
-            ratio | {"long_name": "greatest adhesion of the rail"},
-        ),
-        brake_limit=(
-            ("time", "group"),
-            limit,
-            ratio | {"long_name": f"adhesion that {force} brake pressure draws"},
-        ),
-        ideal_adhesion=(("time", "group"), ideal, ratio | {"long_name": "adhesion of the ideal bound"}),
-        ideal_share=(("time", "wheelset"), share, ratio | {"long_name": "share in the ideal bound"}),
+        {
+            name: (("time", extent), values, {"units": "1", "long_name": meaning})
+            for name, (extent, values, meaning) in derived.items()
+        }
     )

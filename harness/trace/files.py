@@ -5,9 +5,11 @@ group has its own.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -66,32 +68,42 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
             )
 
 
+@contextmanager
+def _reading(path: Path, what: str) -> Generator[None]:
+    """Say of whatever a damaged file makes the reader of a format raise that it is no such file."""
+    try:
+        yield
+    except EstimationError:
+        raise
+    except Exception as problem:
+        raise EstimationError(f"{path.name}: is not {what}: {cut(str(problem))}") from problem
+
+
+def _library(path: Path, module: str, extra: str) -> Any:
+    """Return the library that reads a format and is not always installed."""
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as problem:
+        raise EstimationError(
+            f"{path.name}: reading {extra} files takes {module.partition('.')[0]}; install it with "
+            f"`pip install 'railgrip[{extra}]'`."
+        ) from problem
+
+
 # ---- tables -----------------------------------------------------------------------------------------------------
 
 
 def _csv(path: Path, table: DataTable) -> Mapping[str, Any]:
-    try:
+    with _reading(path, "a csv file"):
         frame = pd.read_csv(path, sep=table.separator, decimal=table.decimal, encoding="utf-8-sig", low_memory=False)
-    except Exception as problem:  # as all readers of formats: whatever a damaged file makes them raise
-        raise EstimationError(f"{path.name}: is not a csv file: {cut(str(problem))}") from problem
     return {str(name).strip(): frame[name].to_numpy() for name in frame.columns}
 
 
 def _parquet(path: Path, columns: Sequence[str]) -> Mapping[str, Any]:
-    try:
-        import pyarrow.parquet as parquet
-    except ModuleNotFoundError as problem:
-        raise EstimationError(
-            f"{path.name}: reading parquet files takes pyarrow; install it with `pip install 'railgrip[parquet]'`."
-        ) from problem
-    try:
-        schema = parquet.read_schema(path)
-        _all_there(path, columns, schema.names)
+    parquet = _library(path, "pyarrow.parquet", "parquet")
+    with _reading(path, "a parquet file"):
+        _all_there(path, columns, parquet.read_schema(path).names)
         frame = parquet.read_table(path, columns=list(dict.fromkeys(columns))).to_pandas()
-    except EstimationError:
-        raise
-    except Exception as problem:
-        raise EstimationError(f"{path.name}: is not a parquet file: {cut(str(problem))}") from problem
     return {str(name): frame[name].to_numpy() for name in frame.columns}
 
 
@@ -109,7 +121,7 @@ def _mat(path: Path) -> Mapping[str, Any]:
         elif isinstance(value, np.ndarray) and max(value.shape, default=0) == value.size:
             variables[name] = value.ravel()
 
-    try:
+    with _reading(path, "a MATLAB file"):
         if h5py.is_hdf5(path):  # MATLAB 7.3 writes HDF5
 
             def visit(name: str, item: object) -> None:
@@ -122,8 +134,6 @@ def _mat(path: Path) -> Mapping[str, Any]:
             for name, value in loadmat(path, simplify_cells=True).items():
                 if not name.startswith("__"):
                     collect(name, value)
-    except Exception as problem:
-        raise EstimationError(f"{path.name}: is not a MATLAB file: {cut(str(problem))}") from problem
     return variables
 
 
@@ -203,17 +213,9 @@ def _instants(path: Path, values: Any, table: DataTable) -> Vector:
 
 
 def _mf4(path: Path, columns: Sequence[str]) -> dict[str, Series]:
-    try:
-        from asammdf import MDF
-    except ModuleNotFoundError as problem:
-        raise EstimationError(
-            f"{path.name}: reading mf4 files takes asammdf; install it with `pip install 'railgrip[mf4]'`."
-        ) from problem
-    try:
-        file = MDF(path)
-    except Exception as problem:
-        raise EstimationError(f"{path.name}: is not an MDF file: {cut(str(problem))}") from problem
-    series: dict[str, Series] = {}
+    library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
+    with _reading(path, "an MDF file"):
+        file = library.MDF(path)
     try:
         _all_there(path, columns, list(file.channels_db))
         for name in columns:

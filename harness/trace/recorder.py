@@ -69,25 +69,17 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         for signal, block in blocks.items()
     }
     couplers = next((block.shape[1] for signal, block in blocks.items() if signal.extent == "coupler"), 0)
-    further = {"coupler": ("coupler", np.arange(1, couplers + 1), {"long_name": "coupler, lead to trail"})}
+    counted = {
+        "group": (formation.groups, "group of wheelsets that turn as one"),
+        "wheelset": (formation.wheelsets, "wheelset, lead to trail"),
+    } | ({"coupler": (couplers, "coupler, lead to trail")} if couplers else {})
     membership = {"long_name": "group that the wheelset turns with"}
+    # Time is counted and multiplied, never summed.
+    time = np.arange(count) * period, {"units": "s", "long_name": "time since the brake demand"}
     return xarray.Dataset(
         variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
-        coords={
-            # Time is counted and multiplied, never summed.
-            "time": (
-                "time",
-                np.arange(count) * period,
-                {"units": "s", "long_name": "time since the brake demand"},
-            ),
-            "group": (
-                "group",
-                np.arange(1, formation.groups + 1),
-                {"long_name": "group of wheelsets that turn as one"},
-            ),
-            "wheelset": ("wheelset", np.arange(1, formation.wheelsets + 1), {"long_name": "wheelset, lead to trail"}),
-        }
-        | (further if couplers else {}),
+        coords={"time": ("time", *time)}
+        | {name: (name, np.arange(1, number + 1), {"long_name": text}) for name, (number, text) in counted.items()},
     )
 
 

@@ -1,5 +1,7 @@
 """The monitor finds the group that lost friction, and says so when stops cannot tell."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from railgrip.studies.pad_monitor import study as monitor_study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.studies.pad_monitor.study import Verdict, judged
+from railgrip.studies.pad_monitor.study import Verdict, verdict_of
 from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
 from railgrip.trace.samples import reading_of, truth_of, with_signals
@@ -231,7 +233,7 @@ def test_the_bound_of_the_rate_is_the_rule_of_three_when_nothing_alarmed():
 
 def test_a_study_counts_delays_from_the_first_broken_stop():
     life = Life(stops=120, seed=0, worn=50, worn_group=2, stuck=None, stuck_group=3)
-    verdict = judged([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
+    verdict = verdict_of([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
     assert verdict.false_alarms == 0
     assert verdict.healthy == (50 - 20) + 100 + 2 * 100
     assert verdict.worn_delays[0] is not None
@@ -252,10 +254,12 @@ def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
 
 def test_a_life_is_run_once(monkeypatch):
     life = Life(stops=2, seed=99)
-    first = monitor_study.evidence_of_life(life)
-    monkeypatch.setattr(monitor_study, "live", None)
-    for one, again in zip(first, monitor_study.evidence_of_life(life), strict=True):
-        np.testing.assert_array_equal(one.health, again.health)
-        np.testing.assert_array_equal(one.covariance, again.covariance)
-    with pytest.raises(TypeError):
-        monitor_study.evidence_of_life(Life(stops=2, seed=10**9))
+    with ThreadPoolExecutor(1) as pool:
+        (first,) = monitor_study.evidence_of_lives([life], pool)
+        monkeypatch.setattr(monitor_study, "live", None)
+        (second,) = monitor_study.evidence_of_lives([life], pool)
+        for one, again in zip(first, second, strict=True):
+            np.testing.assert_array_equal(one.health, again.health)
+            np.testing.assert_array_equal(one.covariance, again.covariance)
+        with pytest.raises(TypeError):
+            monitor_study.evidence_of_lives([Life(stops=2, seed=10**9)], pool)

@@ -73,13 +73,13 @@ def test_runs_without_a_figure_count_as_infinite():
     assert result.low == 1.0
 
 
-def test_what_has_been_run_is_found_again_and_reported(tmp_path):
+def test_what_has_been_run_is_found_again_and_reported(tmp_path, own_cache):
     """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
     short = Trial(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
     plan = Plan(tests=(short,), speeds=(25.0,), seeds=1)
     messages: list[bool] = []
-    first = conduct(plan, tmp_path, workers=1, tell=lambda case, cached: messages.append(cached))
-    again = conduct(plan, tmp_path, workers=1, tell=lambda case, cached: messages.append(cached))
+    first = conduct(plan, workers=1, tell=lambda case, cached: messages.append(cached))
+    again = conduct(plan, workers=1, tell=lambda case, cached: messages.append(cached))
     assert messages == [False] * len(PLANTS) + [True] * len(PLANTS)
     assert [result.measures for result in first] == [result.measures for result in again]
     page = write_report(plan, again, tmp_path)

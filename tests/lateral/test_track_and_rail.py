@@ -5,19 +5,54 @@ import pytest
 from scipy.signal import welch
 
 from railgrip.fmus.native.dae import LIBRARY
+from railgrip.loop.compiled import run
 from railgrip.studies.lateral.filters import prediction
-from railgrip.studies.lateral.recording import recorded
 from railgrip.studies.lateral.run import Case
 from railgrip.studies.lateral.wheelset import (
     ACCELEROMETER,
     CONDITIONS,
     GYROSCOPE,
     PERIOD,
+    PLANTS,
+    READINGS,
     TESTS,
     Irregularity,
     course,
+    output_columns,
+    wheelset,
 )  # fmt: skip
-from railgrip.trace.samples import knows, period_of, samples, truth_of
+from railgrip.trace.samples import knows, period_of, recording_of, samples, truth_of
+
+
+def recording_of_case(case):
+    """Return readings and known inputs of a run on the grid of 50 µs, and the true states of `LateralPrediction`.
+
+    Row k has what was read at the end of step k and the inputs that were held during it.
+    """
+    realisation = course(case.test, case.seed, case.irregularity)
+    with wheelset(case.speed, PLANTS[case.plant].parameters) as plant:
+        plant.start(realisation.inputs[0])
+        outputs = run(plant, realisation.inputs, readings=tuple(READINGS), noise=realisation.noise).outputs
+    states = {"y": "lateral_position", "dy": "lateral_velocity", "psi": "yaw_angle", "dpsi": "yaw_rate"}
+    units = {"y": "m", "dy": "m/s", "psi": "rad", "dpsi": "rad/s"}
+    places = output_columns((*READINGS, *states.values(), "speed"))
+    return recording_of(
+        {
+            **{
+                name: (outputs[:, places[name]][:, 0] + realisation.noise[:, i], unit)
+                for i, (name, unit) in enumerate(READINGS.items())
+            },
+            "track": (realisation.inputs[:, 0], "m"),
+            "speed": (outputs[:, places["speed"]][:, 0], "m/s"),
+        },
+        truth={
+            **{state: (outputs[:, places[name]][:, 0], units[state]) for state, name in states.items()},
+            "log_mu0": (np.log(realisation.inputs[:, 1]), "1"),
+        },
+        period=PERIOD,
+        start=PERIOD,
+        name=f"lateral {case.test.name}, {case.speed:g} m/s, seed {case.seed}",
+    )
 
 
 def test_the_track_deviates_by_exactly_its_peak():
@@ -80,7 +115,7 @@ def test_the_conditions_are_the_surfaces_of_the_modelica_library():
 
 def test_a_recording_has_what_the_prediction_wants():
     """Inputs and readings by the prediction's names, truth by its states, on an even grid."""
-    recording = recorded(Case(test=TESTS[0].shortened(0.02), speed=25.0, plant="paper", seed=1))
+    recording = recording_of_case(Case(test=TESTS[0].shortened(0.02), speed=25.0, plant="paper", seed=1))
     model = prediction("known_track")
     assert samples(recording, model.inputs, ("m/s", "m")).shape == (400, 2)
     readings = samples(recording, model.outputs, ("m/s2", "rad/s"))

@@ -1,16 +1,16 @@
 """A trained estimator as an FMU."""
 
-from railgrip.estimators.learned.online import Edge, Online
-from railgrip.fmus.native import Variable
+from dataclasses import replace
+
+from railgrip.estimators.learned.online import Online
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import Source
 
 
 def as_fmu(online: Online) -> Source:
     """Return C code and modelDescription.xml of an online estimator, for `railgrip.fmus.native.package.pack`."""
-    states, inputs, outputs = (
-        tuple(map(_variable, edges)) for edges in (_apart(online), online.inputs, online.outputs)
-    )
+    # The states under names that no input or output has.
+    states = tuple(replace(state, name=f"memory.{state.name}") for state in online.states)
     return sources(
         Discrete(
             name=online.name,
@@ -18,29 +18,9 @@ def as_fmu(online: Online) -> Source:
             description=f"Friction between wheel and rail from accelerations of the axle boxes, {online.rate} a second",
             period=1 / online.rate,
             states=states,
-            inputs=inputs,
+            inputs=online.inputs,
             parameters=(),
-            outputs=outputs,
+            outputs=online.outputs,
             step=online.step,
         )
-    )
-
-
-def _apart(online: Online) -> tuple[Edge, ...]:
-    """Return the states under names that no input or output has."""
-    return tuple(
-        Edge(name=f"memory.{edge.name}", unit=edge.unit, start=edge.start, description=edge.description)
-        for edge in online.states
-    )
-
-
-def _variable(edge: Edge) -> Variable:
-    return Variable(
-        name=edge.name,
-        unit=edge.unit,
-        start=edge.start,
-        description=edge.description,
-        minimum=None,
-        maximum=None,
-        nominal=1.0,
     )

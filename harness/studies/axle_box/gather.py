@@ -4,9 +4,8 @@ import ast
 import hashlib
 import json
 from collections.abc import Callable, Iterable
-from concurrent.futures import Executor, as_completed
-from dataclasses import asdict
-from io import BytesIO
+from concurrent.futures import Executor
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Final
 
@@ -20,7 +19,7 @@ import railgrip.studies.axle_box.instrumented_car
 import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
-from railgrip import cache
+from railgrip.campaign.store import results_of
 from railgrip.estimators.arrays import Array
 from railgrip.fmus.build import fmu
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX
@@ -28,8 +27,7 @@ from railgrip.studies.axle_box.instrumented_car import FMU, Pass, slope
 from railgrip.studies.axle_box.measured import VEHICLE, readings
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, reduce
 
-RUN: Final = "run.npz"
-KIND: Final = "runs"
+KIND: Final = "axle-box-runs"
 """Their shelf in the user's cache."""
 EVERY: Final = 20.0
 """m between the spectral features that are kept."""
@@ -59,39 +57,17 @@ def gather(passes: Iterable[Pass], pool: Executor, *, tell: Callable[[str], None
     Args:
         tell: Told the name of every run as it is there.
     """
-    plan = list(passes)
-    common = _common()
-    keys = {p.name + str(p.seed): _key(p, common) for p in plan}
-    files = {name: cache.find(KIND, key, RUN) for name, key in keys.items()}
-    missing = [p for p in plan if files[p.name + str(p.seed)] is None]
-    for p in plan:
-        if p not in missing:
-            tell(p.name)
+    plan, common = list(passes), _common()
+    keys = [_key(p, common) for p in plan]
     # Longest first, so that no worker is left with a long one at the end.
-    missing.sort(key=lambda p: p.speed / p.length)
-    running = {pool.submit(_make, p, keys[p.name + str(p.seed)]): p for p in missing}
-    for future in as_completed(running):
-        files[running[future].name + str(running[future].seed)] = future.result()
-        tell(running[future].name)
-    return [_read(files[p.name + str(p.seed)], slope(p)) for p in plan]
+    tasks = dict(sorted(zip(keys, plan, strict=True), key=lambda item: item[1].speed / item[1].length))
+    runs = results_of(KIND, tasks, run_of, pool, lambda run, was_there: tell(run.name))
+    return [replace(runs[key], slope=slope(p)) for key, p in zip(keys, plan, strict=True)]
 
 
-def _make(run: Pass, key: str) -> Path:
-    own = reduce(run.name, run.friction, readings(run))
-    content = BytesIO()
-    np.savez_compressed(content, **{k: v for k, v in asdict(own).items() if v is not None})
-    return cache.keep(KIND, key, RUN, content.getvalue())
-
-
-def _read(file: Path | None, known_slope: float) -> Run:
-    assert file is not None
-    with np.load(file) as arrays:
-        return Run(
-            name=str(arrays["name"]), group=int(arrays["group"]), speed=float(arrays["speed"]),
-            friction=float(arrays["friction"]),
-            blocks=arrays["blocks"], settled=arrays["settled"],
-            slow=arrays["slow"].astype(np.float64), slope=known_slope,
-        )  # fmt: skip
+def run_of(run: Pass) -> Run:
+    """Simulate, measure and reduce a pass."""
+    return reduce(run.name, run.friction, readings(run))
 
 
 def _common() -> str:

@@ -10,10 +10,9 @@ from railgrip.campaign.workers import workers
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.report.baseline import Finding
 from railgrip.studies.axle_box.evaluate import Recipe, within_exchanged, within_runs, without_each
-from railgrip.studies.axle_box.gather import spectral_features
-from railgrip.studies.axle_box.instrumented_car import MPH, Pass
-from railgrip.studies.axle_box.measured import readings
-from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, Run, reduce
+from railgrip.studies.axle_box.gather import run_of, spectral_features
+from railgrip.studies.axle_box.instrumented_car import MPH
+from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL
 from railgrip.studies.axle_box.runs import campaign
 from railgrip.studies.axle_box.study import FULL, dry_or_not, passes
 
@@ -33,7 +32,7 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
     tell(f"learn, six runs at {SPEED} mph")
     recipe = Recipe(starts=3)
     with workers(2) as pool:
-        runs = list(pool.map(_run_of, [run for run in campaign(length=LENGTH) if run.speed == SPEED * MPH]))
+        runs = list(pool.map(run_of, [run for run in campaign(length=LENGTH) if run.speed == SPEED * MPH]))
         tell("learn, training")
         training = {
             "bias inside": pool.submit(within_runs, runs, recipe),
@@ -58,7 +57,3 @@ def headlines(tell: Callable[[str], None]) -> list[Finding]:
         value = float(features[SPECTRAL.names.index(name)])
         findings.append(Finding(f"{who}, {name}", value, "1", LEVEL))
     return findings
-
-
-def _run_of(run: Pass) -> Run:
-    return reduce(run.name, run.friction, readings(run))

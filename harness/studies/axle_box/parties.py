@@ -10,8 +10,9 @@ import numpy as np
 from railgrip.errors import FmuError
 from railgrip.estimators.belief import Vector
 from railgrip.estimators.learned.ensemble import QUANTILE
-from railgrip.estimators.learned.online import BOXES, Edge, Online
+from railgrip.estimators.learned.online import BOXES, Online
 from railgrip.fmu import Signal, bind, describe, open_plant
+from railgrip.fmus.native import Variable
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, SampleBySample
 from railgrip.studies.axle_box.instrumented_car import Pass, held_speed
 from railgrip.studies.axle_box.measured import disturbance_of
@@ -125,5 +126,5 @@ def in_fmu(
         yield LearnedFriction(advance, inputs, outputs)
 
 
-def _names(edges: tuple[Edge, ...]) -> tuple[str, ...]:
-    return tuple(edge.name for edge in edges)
+def _names(variables: tuple[Variable, ...]) -> tuple[str, ...]:
+    return tuple(variable.name for variable in variables)

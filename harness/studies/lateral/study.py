@@ -3,14 +3,12 @@
 import hashlib
 import json
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Any, Final
 
-from railgrip.atomic import write_text
+from railgrip.campaign.store import results_of
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
@@ -70,36 +68,19 @@ class Result:
 
 
 def conduct(
-    plan: Plan, directory: Path, *, workers: int = 2, tell: Callable[[Case, bool], None] = lambda case, cached: None
+    plan: Plan, *, workers: int = 2, tell: Callable[[Case, bool], None] = lambda case, was_there: None
 ) -> tuple[Result, ...]:
-    """Return the results of all runs of a plan, in its order; those found in `directory`/runs are not run again.
+    """Return the results of all runs of a plan, in its order; those in the user's cache are not run again.
 
     Args:
-        directory: Where results are kept.
-        tell: Told of every finished run, and whether it had been found.
+        tell: Told of every finished run, and whether it had been there.
     """
-    cache = directory / "runs"
-    cache.mkdir(parents=True, exist_ok=True)
-    results: dict[Case, dict[str, Any]] = {}
-    missing: list[Case] = []
-    for case in plan.cases:
-        file = cache / f"{key(case)}.json"
-        if file.exists():
-            results[case] = json.loads(file.read_text())["measures"]
-            tell(case, True)
-        else:
-            missing.append(case)
-    if missing:
-        # Compiled here once, so that the workers find everything made.
-        simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
-        with processes(workers) as pool:
-            running = {pool.submit(one, case): case for case in missing}
-            for future in as_completed(running):
-                case = running[future]
-                results[case] = future.result()
-                _keep(cache / f"{key(case)}.json", case, results[case])
-                tell(case, False)
-    return tuple(Result(case=case, measures=results[case]) for case in plan.cases)
+    # Compiled here once, so that the workers find everything made.
+    simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
+    keys = {case: key(case) for case in plan.cases}
+    with processes(workers) as pool:
+        measures = results_of("lateral-runs", {key: case for case, key in keys.items()}, one, pool, tell)
+    return tuple(Result(case=case, measures=measures[keys[case]]) for case in plan.cases)
 
 
 def one(case: Case) -> dict[str, Any]:
@@ -144,7 +125,3 @@ def _sources(package: str, names: Sequence[str] | None) -> list[tuple[str, str]]
     folder = files(f"railgrip.{room}").joinpath(*below)
     of_package = sorted(file.name for file in folder.iterdir() if file.name.endswith((".py", ".c", ".h")))
     return [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in names or of_package]
-
-
-def _keep(file: Path, case: Case, measures: dict[str, Any]) -> None:
-    write_text(file, json.dumps({"case": asdict(case), "measures": measures}, allow_nan=False))

@@ -4,15 +4,16 @@ Evidence is kept by content: life, FMU and the source of what made it. A study t
 """
 
 import hashlib
+import itertools
 import json
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
-from railgrip import cache
-from railgrip.campaign.workers import workers as processes
+from railgrip.campaign.store import results_of
 from railgrip.fmus.build import fmu
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor import evidence, life, nominal
@@ -47,23 +48,19 @@ def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESS
     ]
 
 
-def evidence_of_life(life: Life) -> list[Evidence]:
-    """Return the evidence of every stop of a life, from the user's cache or by running it."""
-    key = _digest(life)
-    path = cache.find(KIND, key, "life.json")
-    if path is None:
-        evidence = [evidence_of(stop.recording, stop.temperature) for stop in live(life)]
-        rows = [{name: np.asarray(value).tolist() for name, value in asdict(e).items()} for e in evidence]
-        path = cache.keep(KIND, key, "life.json", json.dumps(rows).encode())
-    return [
-        Evidence(
-            health=np.array(r["health"]),
-            covariance=np.array(r["covariance"]),
-            offset=np.array(r["offset"]),
-            drag=r["drag"],
-        )
-        for r in json.loads(path.read_text(encoding="utf-8"))
-    ]
+def evidence_of_lives(
+    plan: Sequence[Life], pool: Executor, tell: Callable[[int], None] = lambda count: None
+) -> list[list[Evidence]]:
+    """Return the evidence of every stop of each life, from the user's cache or by running it."""
+    fmu(PLANT)  # built once, before the processes want it
+    keys, count = [_digest(life) for life in plan], itertools.count(1)
+    tasks = dict(zip(keys, plan, strict=True))
+    evidence = results_of(KIND, tasks, _evidence, pool, lambda life, was_there: tell(next(count)))
+    return [evidence[key] for key in keys]
+
+
+def _evidence(life: Life) -> list[Evidence]:
+    return [evidence_of(stop.recording, stop.temperature) for stop in live(life)]
 
 
 # Read when this is imported, so that an edit during a study cannot pass for what ran.
@@ -132,24 +129,8 @@ def _delays(delays: Sequence[int | None]) -> str:
     return f"median {np.median(finite):.0f}, at most {max(finite)}; {len(finite)} of {len(delays)} found"
 
 
-def study(
-    plan: Sequence[Life], design: Design, *, workers: int = 2, tell: Callable[[int], None] = lambda count: None
-) -> Verdict:
-    """Return what the monitor made of the lives."""
-    fmu(PLANT)  # built once, before the processes want it
-    if workers == 1:
-        evidence = [evidence_of_life(one) for one in plan]
-    else:
-        with processes(workers) as pool:
-            evidence = []
-            for count, evidences in enumerate(pool.map(evidence_of_life, plan), start=1):
-                evidence.append(evidences)
-                tell(count)
-    return judged(plan, evidence, design)
-
-
-def judged(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
-    """Return delays and false alarms of lives whose evidence is known."""
+def verdict_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
+    """Return what the monitor makes of lives whose evidence is known: delays and false alarms."""
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []
     healthy = false_alarms = right = alarms_due = 0

@@ -51,7 +51,7 @@ class Row:
         period: Of the samples [s].
         speed_noise: 1σ of the roller's speed [m/s].
         alpha: Of adhesion.
-        left: Where the error of adhesion is larger than 0.02.
+        excursions: Where the error of adhesion is larger than 0.02.
         mu_b: Of pad friction.
         ended: Why the filter ended early, or nothing.
     """
@@ -61,7 +61,7 @@ class Row:
     period: float
     speed_noise: float
     alpha: Judgement
-    left: Excursions
+    excursions: Excursions
     mu_b: Judgement
     ended: str
 
@@ -88,7 +88,7 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
         period=scenario.periods.communication,
         speed_noise=scenario.sensors.noise["speed"].si("m/s"),
         alpha=judge(recording, estimates, "alpha", after),
-        left=excursions(recording, estimates, SETTLED),
+        excursions=excursions(recording, estimates, SETTLED),
         mu_b=judge(recording, estimates, "mu_b", after),
         ended=str(estimates.attrs["ended"]),
     )
@@ -166,8 +166,9 @@ def _csv(rows: Sequence[Row]) -> Table:
 _ALL = {
     **{name: name for name in ("scenario", "filter", "period", "speed_noise")},
     **{f"alpha_{name}": f"alpha.{name}" for name in ("rmse", "bias", "nees", "sd")},
-    "alpha_largest": "left.largest", "alpha_outside": "left.largest_outside", "samples_outside": "left.outside",
-    "excursions": "left.count", "longest": "left.longest", "kept": "left.kept",
+    "alpha_largest": "excursions.largest", "alpha_outside": "excursions.largest_outside",
+    "samples_outside": "excursions.outside",
+    "excursions": "excursions.count", "longest": "excursions.longest", "kept": "excursions.kept",
     **{f"mu_b_{name}": f"mu_b.{name}" for name in ("rmse", "bias", "largest", "nees", "covered", "sd")},
     "ended": "ended",
 }  # fmt: skip
@@ -179,8 +180,8 @@ def _records(rows: Sequence[Row], columns: Mapping[str, str]) -> list[dict[str, 
 
 
 _COLUMNS = {
-    "filter": "filter", "α rmse": "alpha.rmse", "α bias": "alpha.bias", "α largest": "left.largest",
-    "outside events": "left.largest_outside", "longest > 0.02": "left.longest", "kept": "left.kept",
+    "filter": "filter", "α rmse": "alpha.rmse", "α bias": "alpha.bias", "α largest": "excursions.largest",
+    "outside events": "excursions.largest_outside", "longest > 0.02": "excursions.longest", "kept": "excursions.kept",
     "α NEES": "alpha.nees", "μ rmse": "mu_b.rmse", "μ bias": "mu_b.bias", "μ NEES": "mu_b.nees",
     "μ sd claimed": "mu_b.sd",
 }  # fmt: skip
