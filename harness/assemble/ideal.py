@@ -9,7 +9,7 @@ peak must be found first. What is integrated is the train as a point mass; the p
   a rail with friction 0.6, where nothing slides.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -216,7 +216,7 @@ def _full_brake(scenario: Scenario) -> Scenario:
     return _bare(scenario, changes)
 
 
-def _bare(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
     """Return a scenario with other tables, fully braked, and nobody between plant and brakes."""
     parties = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
     return Scenario.model_validate(scenario.resolved() | parties | changes)
