@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
 from railgrip.report.style import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION, figure
-from railgrip.rolling_stock.schema import Car, Train
+from railgrip.rolling_stock.schema import Train
 
 _ROW = 110.0  # m of train in a row of the figure
 _INCHES = 0.13  # for a metre
@@ -45,10 +45,6 @@ def drawing(train: Train) -> Figure:
     return train_figure
 
 
-def _equipment(car: Car) -> str:
-    return ", ".join(filter(None, (car.distributor, car.accelerator)))
-
-
 def _rows(train: Train) -> Iterator[tuple[range, float, float]]:
     """Yield cars, begin and end of each row [m]."""
     first, begin, front = 0, 0.0, 0.0
@@ -70,7 +66,8 @@ def _row(axes: Axes, train: Train, cars: range) -> None:
             facecolor="#EEF4F8", edgecolor=BLUE, linewidth=0.9,
         )  # fmt: skip
         axes.add_patch(body)
-        words = "\n".join(filter(None, (car.name, f"{car.mass / 1e3:g} t", _equipment(car))))
+        equipment = ", ".join(filter(None, (f"{car.mass / 1e3:g} t", car.distributor, car.accelerator)))
+        words = f"{car.name}\n{equipment}"
         axes.text(front + car.length / 2, 2.6, words, ha="center", va="center", fontsize=7)
         if car.coupler:
             axes.plot([front + car.length - 0.5, front + car.length + 0.5], [1.05, 1.05], color=BLACK, linewidth=2)

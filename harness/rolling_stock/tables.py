@@ -1,5 +1,7 @@
 """A train in words and columns."""
 
+from collections import Counter
+
 from railgrip.report.table import Table
 from railgrip.rolling_stock.schema import GRAVITY, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
@@ -52,14 +54,14 @@ def table_of_distributors(train: Train) -> Table:
 def sentence_of_equipment(train: Train) -> str:
     """Return how many cars have which two-stage distributor and accelerator; empty for a train without any."""
     words: list[str] = []
-    for kind in train.distributors:
-        stages, count = train.distributors[kind], sum(car.distributor == kind for car in train.cars)
+    for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
+        stages = train.distributors[kind]
         words.append(
             f"{kind} in {count} of {len(train.cars)} cars: {stages.low_share:.0%} of the pressure once slower than "
             f"{3.6 * stages.speed_down:g} km/h, all of it from {3.6 * stages.speed_up:g} km/h on"
         )
-    for kind in train.accelerators:
-        vent, count = train.accelerators[kind], sum(car.accelerator == kind for car in train.cars)
+    for kind, count in Counter(car.accelerator for car in train.cars if car.accelerator).items():
+        vent = train.accelerators[kind]
         words.append(
             f"{kind} in {count} of {len(train.cars)} cars vents the pipe where it falls by {vent.opening_rate / 1e5:g} "
             f"bar/s, down to {vent.closing_pressure / 1e5:g} bar"
