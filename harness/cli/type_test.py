@@ -51,12 +51,12 @@ def type_test(
     from railgrip.report.index import write_report as write_panels
     from railgrip.report.results import read_results
     from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
-    from railgrip.studies.type_test.entrants import campaign_of, chosen, entrants, task_of, train_of
+    from railgrip.studies.type_test.entrants import campaign_of, entrants, entrants_named, task_of, train_of
     from railgrip.studies.type_test.judge import limits_of
     from railgrip.studies.type_test.report import compared, leaderboard_of, write_report
 
     judging, ours = limits_of(limits), entrants()
-    selected = ours if controller is None else chosen(controller, ours)
+    selected = ours if controller is None else entrants_named(controller, ours)
     if against is not None and against not in ours | selected:
         raise ScenarioError(f"--against {against}: is none of {', '.join(ours | selected)}")
     # What others are measured with is run, too; what they are compared with comes from earlier runs.

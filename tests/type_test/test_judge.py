@@ -10,7 +10,7 @@ import pytest
 from railgrip.errors import ScenarioError
 from railgrip.report.results import Result
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import judged, limits_of, summaries
+from railgrip.studies.type_test.judge import judgements, limits_of, summaries
 from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import StopRecord
@@ -48,7 +48,7 @@ def case(name, *, mine, tuned=300.0, second=330.0, **figures):
 
 
 def mine(stops):
-    return next(stop for stop in judged(stops, TAKING_PART, LIMITS) if stop.controller == "mine")
+    return next(stop for stop in judgements(stops, TAKING_PART, LIMITS) if stop.controller == "mine")
 
 
 def test_a_distance_is_compared_with_dry_rail_bound_and_best_tuned_baseline():
@@ -91,14 +91,14 @@ def test_a_train_that_does_not_stop_fails_and_has_no_distance():
 def test_a_reservoir_loses_what_the_compressor_does_not_bring():
     """p V is kept: 450 l at 8 bar that give 0.9 m3 of free air lose two atmospheres."""
     supply = LIMITS.supply.model_copy(update={"delivery": 0.0})
-    assert supply.left(0.9, 10.0) == pytest.approx(8e5 - 2 * 101325)
-    assert supply.left(100.0, 10.0) == 0.0
-    assert LIMITS.supply.left(0.1, 60.0) == 8e5  # it is not filled beyond what it had
+    assert supply.remaining(0.9, 10.0) == pytest.approx(8e5 - 2 * 101325)
+    assert supply.remaining(100.0, 10.0) == 0.0
+    assert LIMITS.supply.remaining(0.1, 60.0) == 8e5  # it is not filled beyond what it had
 
 
 def test_the_leaderboard_has_the_quantiles_of_the_ratios():
     stops = [stop for n, far in enumerate((270.0, 285.0, 300.0, 345.0)) for stop in case(str(n), mine=far)]
-    board = {one.controller: one for one in summaries(judged(stops, TAKING_PART, LIMITS), TAKING_PART)}
+    board = {one.controller: one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART)}
     own = board["mine"]
     assert (own.median, own.p95, own.worst) == pytest.approx((0.95, 1.15, 1.15))
     assert (own.stops, own.cases) == (1.0, 4)
@@ -112,7 +112,9 @@ def test_the_leaderboard_has_the_quantiles_of_the_ratios():
 
 def test_one_stop_that_never_ends_leaves_no_worst_ratio():
     stops = [stop for n, far in enumerate((270.0, 285.0, None)) for stop in case(str(n), mine=far)]
-    own = next(one for one in summaries(judged(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine")
+    own = next(
+        one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine"
+    )
     assert own.median == pytest.approx(0.95)
     assert own.worst is None
     assert own.stops == pytest.approx(2 / 3)
@@ -140,7 +142,9 @@ def test_a_limit_that_is_none_is_refused(tmp_path):
 
 def test_the_interval_of_k_wet_holds_the_quantile_of_equal_cases():
     stops = [stop for n in range(30) for stop in case(str(n), mine=300.0 + n)]
-    own = next(one for one in summaries(judged(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine")
+    own = next(
+        one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART) if one.controller == "mine"
+    )
     values = sorted((250 - 10) / (300 + n - 10) for n in range(30))
     assert own.k_wet == pytest.approx(values[2])
     assert own.k_wet_low == pytest.approx(values[0], abs=0.01)

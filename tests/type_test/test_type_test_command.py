@@ -9,7 +9,7 @@ from one_process import one_process
 
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
-from railgrip.studies.type_test.entrants import chosen, entrants, train_of
+from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
 from railgrip.studies.type_test.report import compared
 
 OWN = """
@@ -144,8 +144,8 @@ def test_an_entrant_is_one_of_ours_a_scenario_an_fmu_or_a_class(tmp_path):
     ours = entrants()
     (tmp_path / "own.toml").write_text(OWN.replace("[controller]", "[controlled]"), encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"own.toml: has no \[controller\]"):
-        chosen([str(tmp_path / "own.toml")], ours)
-    taking_part = chosen(["adhesion_based", str(tmp_path / "law.fmu"), "mine:Law"], ours)
+        entrants_named([str(tmp_path / "own.toml")], ours)
+    taking_part = entrants_named(["adhesion_based", str(tmp_path / "law.fmu"), "mine:Law"], ours)
     assert list(taking_part) == ["adhesion_based", "law", "Law"]
     assert taking_part["law"].tables == {"controller": {"kind": "fmu", "file": str(tmp_path / "law.fmu")}}
     assert taking_part["Law"].tables == {"controller": {"kind": "mine:Law"}}

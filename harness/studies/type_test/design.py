@@ -106,10 +106,10 @@ class Case:
 
     def variants(self) -> dict[str, str]:
         """Return its values as people read them."""
-        shown = {name: str(value) for name, value in asdict(self).items() if name not in ("name", "lot")}
+        rest = {name: str(value) for name, value in asdict(self).items() if name not in ("name", "lot")}
         return {
             "case": self.name,
-            **shown,
+            **rest,
             "friction": f"{self.friction:.3f}",
             "speed": f"{KMH * self.speed:.0f} km/h",
             "gradient": f"{1000 * self.slope:+.0f} ‰" if self.slope else "level",
@@ -158,10 +158,10 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
     faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
     tables = (LOADS, RADII, PADS, GRADIENTS)
     axes: tuple[Sequence[str], ...] = (CURVES, RAILS, *map(tuple, tables), tuple(faults))
-    drawn = Sobol(3 + len(axes), rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())[:count]
-    points = (drawn.argsort(axis=0).argsort(axis=0) + 0.5) / count
+    sample = Sobol(3 + len(axes), rng=np.random.default_rng(seed)).random_base2(max(count - 1, 1).bit_length())[:count]
+    points = (sample.argsort(axis=0).argsort(axis=0) + 0.5) / count
     digits = len(str(count))
-    found: list[Case] = []
+    design: list[Case] = []
     for number, (slippery, fast, lot, *places) in enumerate(points, start=1):
         curve, rail, load, radius, pads, gradient, fault = (
             axis[int(place * len(axis))] for axis, place in zip(axes, places, strict=True)
@@ -169,7 +169,7 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
         low, high = FRICTION
         friction = float(f"{low * (high / low) ** slippery:.3g}")
         fastest = min(SPEED[1], 0.6 * friction * GRAVITY * LONGEST)
-        found.append(
+        design.append(
             Case(
                 name=f"{number:0{digits}d}of{count}-{seed}",
                 curve=curve,
@@ -184,7 +184,7 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
                 lot=int(1e6 * lot),
             )
         )
-    return tuple(found)
+    return tuple(design)
 
 
 def case_named(name: str) -> Case:
@@ -194,8 +194,8 @@ def case_named(name: str) -> Case:
         ScenarioError: There is no such case.
     """
     match = re.fullmatch(r"\d+of(\d{1,5})-(\d{1,9})", name)
-    drawn = cases(int(match[1]), int(match[2])) if match and int(match[1]) else ()
-    found = next((case for case in drawn if case.name == name), None)
-    if found is None:
+    design = cases(int(match[1]), int(match[2])) if match and int(match[1]) else ()
+    one = next((case for case in design if case.name == name), None)
+    if one is None:
         raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {cases(QUICK)[0].name}")
-    return found
+    return one

@@ -51,7 +51,7 @@ def entrants() -> dict[str, Entrant]:
     }
 
 
-def chosen(written: Sequence[str], known: Mapping[str, Entrant]) -> dict[str, Entrant]:
+def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dict[str, Entrant]:
     """Return those that a user names: one of ours, a scenario's [controller] and [estimator], an FMU, module:Class.
 
     An FMU and a class are shown what the filter of the train estimates; a scenario may say otherwise.
@@ -59,11 +59,11 @@ def chosen(written: Sequence[str], known: Mapping[str, Entrant]) -> dict[str, En
     Raises:
         ScenarioError: There is no such entrant.
     """
-    found: dict[str, Entrant] = {}
-    for name in written:
+    selection: dict[str, Entrant] = {}
+    for name in arguments:
         path = Path(name)
-        if name in known:
-            found[name] = known[name]
+        if name in ours:
+            selection[name] = ours[name]
         elif path.suffix == ".toml":
             table = read_toml(path)
             if "controller" not in table:
@@ -71,24 +71,24 @@ def chosen(written: Sequence[str], known: Mapping[str, Entrant]) -> dict[str, En
             tables = {key: table[key] for key in ("controller", "estimator") if key in table}
             for part in tables.values():
                 part |= {key: str((path.parent / part[key]).resolve()) for key in ("file", "library") if key in part}
-            found[path.stem] = _own(f"[controller] of {path.name}", tables)
+            selection[path.stem] = _own(f"[controller] of {path.name}", tables)
         elif path.suffix == ".fmu":
-            found[path.stem] = _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
+            selection[path.stem] = _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
         elif ":" in name:
-            found[name.rpartition(":")[2]] = _own(name, {"controller": {"kind": name}})
+            selection[name.rpartition(":")[2]] = _own(name, {"controller": {"kind": name}})
         else:
             raise ScenarioError(
-                f"--controller {cut(name)}: is neither one of {', '.join(known)} nor a scenario (.toml), an .fmu or "
+                f"--controller {cut(name)}: is neither one of {', '.join(ours)} nor a scenario (.toml), an .fmu or "
                 "module:Class"
             )
-    return found
+    return selection
 
 
 def _own(description: str, tables: Mapping[str, Any]) -> Entrant:
     return Entrant.model_validate({"description": description, "role": "entrant", **tables})
 
 
-def train_of(written: str | None) -> dict[str, Any]:
+def train_of(argument: str | None) -> dict[str, Any]:
     """Return the tables of a train with valves and service sensors.
 
     It is ours, a recipe, an FMU, that of a scenario, or one in a train file, which the decentralised filter knows.
@@ -98,14 +98,14 @@ def train_of(written: str | None) -> dict[str, Any]:
     """
     table = merged(read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "edges" / "service.toml"))
     table = merged(table, {"estimator": _FILTER})
-    if written is None:
+    if argument is None:
         return table
-    path = installed(Path(written), "library")
-    named = installed(path, "trains")
-    if named.suffix == ".toml":
-        own = read_toml(named)
+    path = installed(Path(argument), "library")
+    train_path = installed(path, "trains")
+    if train_path.suffix == ".toml":
+        own = read_toml(train_path)
         if "cars" in own:
-            own_file = str(named.resolve()) if named == path else written
+            own_file = str(train_path.resolve()) if train_path == path else argument
             filtering = {"kind": "decentralised", "noise": "service", **_ANY_TRAIN}
             return table | {"vehicle": {"train": own_file}, "estimator": filtering}
         vehicle = dict(own.get("vehicle", {}))
@@ -115,10 +115,10 @@ def train_of(written: str | None) -> dict[str, Any]:
         return table | {key: own[key] for key in _OF_THE_TRAIN if key in own} | {"vehicle": vehicle}
     if path.suffix == ".fmu":
         return table | {"vehicle": {"plant": str(path.resolve())}}
-    if written in read_recipes().recipes:
-        return table | {"vehicle": {"plant": written}}
+    if argument in read_recipes().recipes:
+        return table | {"vehicle": {"plant": argument}}
     raise ScenarioError(
-        f"--train {cut(written)}: is neither a scenario (.toml), an .fmu nor a recipe of this project, nor a train"
+        f"--train {cut(argument)}: is neither a scenario (.toml), an .fmu nor a recipe of this project, nor a train"
     )
 
 
@@ -164,7 +164,7 @@ def training(count: int) -> tuple[PlannedStop, ...]:
 
 
 def campaign_of(
-    stopped: Iterable[Case],
+    design: Iterable[Case],
     taking_part: Mapping[str, Entrant],
     train: Mapping[str, Any],
     *,
@@ -174,7 +174,7 @@ def campaign_of(
     """Return the stops of a type test: each case with everyone who takes part.
 
     Args:
-        stopped: The cases.
+        design: The cases.
         taking_part: By name.
         train: Tables of the train, `train_of`.
         task: Tables laid over every case, `task_of`; full brake without it.
@@ -186,7 +186,7 @@ def campaign_of(
     bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
     groups = VehicleData(bare).formation.groups
     stops: list[PlannedStop] = []
-    for case in stopped:
+    for case in design:
         of_case = merged(train, {"name": "type-test"} | case.tables(groups))
         of_case = merged(of_case, FAULTS[case.fault])
         for name, entrant in taking_part.items():

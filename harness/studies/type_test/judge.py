@@ -36,9 +36,9 @@ class Supply(Table):
     pressure: Annotated[float, Unit("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
     delivery: Annotated[float, Unit("m3/s", at_least=0, at_most=1)] = Field(description="free air of the compressor")
 
-    def left(self, used: float, duration: float) -> float:
+    def remaining(self, air: float, duration: float) -> float:
         """Return the pressure at the end [Pa], for free air used [m3] in a time [s], at constant temperature."""
-        drained = used - self.delivery * duration
+        drained = air - self.delivery * duration
         return float(np.clip(self.pressure - _AMBIENT * drained / self.volume, 0.0, self.pressure))
 
 
@@ -131,26 +131,26 @@ class Judged:
         return asdict(self)
 
 
-def judged(results: Iterable[Result], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
+def judgements(results: Iterable[Result], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
     """Return what each stop is worth, references left out, case by case."""
     by_case: dict[str, dict[str, Result]] = {}
     for result in results:
         by_case.setdefault(result.variants["case"], {})[result.variants["controller"]] = result
-    found: list[Judged] = []
+    rows: list[Judged] = []
     for case, stops in by_case.items():
         distances = {name: _distance(stop) for name, stop in stops.items()}
         tuned = [d for n, d in distances.items() if d and taking_part[n].tuned and taking_part[n].role == "baseline"]
         best = min(tuned, default=None)
         for name, stop in stops.items():
             if taking_part[name].role != "reference":
-                found.append(
+                rows.append(
                     _judge(
                         case, stop, name, taking_part[name].tuned, limits,
                         distance=distances[name], dry=distances.get("dry"), bound=distances.get("ideal_bound"),
                         best=best,
                     )
                 )  # fmt: skip
-    return found
+    return rows
 
 
 def _judge(
@@ -169,8 +169,8 @@ def _judge(
     speed = float(stop.record.scenario["start"]["speed"])
     extension = None if distance is None or dry is None else distance / dry - 1.0
     lock, dragged = _number(max(metrics.longest_lock_fast)), _number(max(metrics.locked_distance))
-    air, used = _number(metrics.air_used), _number(metrics.utilisation)
-    left = None if air is None else limits.supply.left(air, metrics.duration)
+    air, utilisation = _number(metrics.air_used), _number(metrics.utilisation)
+    remaining = None if air is None else limits.supply.remaining(air, metrics.duration)
     friction = float(stop.variants["friction"])
 
     def keeps(clause: Clause, value: float | None, *, at_least: bool = False) -> bool | None:
@@ -187,8 +187,8 @@ def _judge(
         "extension": keeps(quoted, math.inf if dry is not None and not stands else extension),
         "lock": keeps(limits.lock, lock),
         "locked_distance": keeps(limits.locked_distance, dragged),
-        "reservoir": keeps(limits.reservoir, left, at_least=True),
-        "utilisation": keeps(limits.utilisation, used, at_least=True),
+        "reservoir": keeps(limits.reservoir, remaining, at_least=True),
+        "utilisation": keeps(limits.utilisation, utilisation, at_least=True),
     }
     build_up = speed * limits.build_up.time
     return Judged(
@@ -208,10 +208,10 @@ def _judge(
         longest_lock_s=lock,
         locked_distance_m=dragged,
         air_l=None if air is None else 1e3 * air,
-        reservoir_bar=None if left is None else 1e-5 * left,
+        reservoir_bar=None if remaining is None else 1e-5 * remaining,
         strokes=round(sum(metrics.actuations)),
         tread_energy_mj=_number(1e-6 * max(metrics.tread_energy)),
-        utilisation=used,
+        utilisation=utilisation,
         nees=None if metrics.adhesion_nees is None else _number(float(np.mean(metrics.adhesion_nees))),
         verdicts=verdicts,
     )
@@ -277,7 +277,7 @@ _THREE_STATE: Final = "slip_three_state"
 def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> list[Summary]:
     """Return the leaderboard: shortest median first, those without a baseline to compare with in the end."""
     frugal = {stop.case: stop for stop in stops if stop.controller == _THREE_STATE}
-    found: list[Summary] = []
+    board: list[Summary] = []
     for name, entrant in taking_part.items():
         own = [stop for stop in stops if stop.controller == name]
         if not own:
@@ -286,7 +286,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
         wet = [stop.k_wet for stop in own if stop.k_wet is not None and stop.verdicts["extension"] is not None]
         low, high = _interval(wet)
         sure = [stop.nees for stop in own if stop.nees is not None]
-        found.append(
+        board.append(
             Summary(
                 controller=name,
                 description=entrant.description,
@@ -315,7 +315,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 kept={clause: _kept(own, clause) for clause in JUDGED},
             )
         )
-    return sorted(found, key=lambda one: math.inf if one.median is None else one.median)
+    return sorted(board, key=lambda one: math.inf if one.median is None else one.median)
 
 
 def _kept(stops: Sequence[Judged], clause: str) -> float | None:

@@ -16,7 +16,7 @@ from railgrip.report.page import image, write_page
 from railgrip.report.results import Results
 from railgrip.report.table import Table, names, percent, share
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import JUDGED, Judged, Limits, Summary, judged, summaries
+from railgrip.studies.type_test.judge import JUDGED, Judged, Limits, Summary, judgements, summaries
 
 FILE: Final = "type_test.json"
 _WORST: Final = 10
@@ -39,7 +39,7 @@ def write_report(
         directory: The folder.
         again: Options of the command line that run a case of it again, beside controller and case.
     """
-    stops = judged(results.stops, taking_part, limits)
+    stops = judgements(results.stops, taking_part, limits)
     board = summaries(stops, taking_part)
     content = {
         "cases": [{name: plain[name] for name in _JSON} | plain for plain in (stop.to_plain() for stop in stops)],
@@ -225,8 +225,8 @@ def _colours(board: Sequence[Summary]) -> dict[str, tuple[str, str]]:
 
 def _ratios(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline."""
-    made = style.figure(8.0, 4.5)
-    axes = made.subplots()
+    figure = style.figure(8.0, 4.5)
+    axes = figure.subplots()
     for name, (colour, dash) in _colours(board).items():
         own = [stop for stop in stops if stop.controller == name and stop.best_m]
         ratios = np.sort([stop.over_best for stop in own if stop.over_best is not None])
@@ -239,7 +239,7 @@ def _ratios(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     style.dress(axes, x="distance over that of the best tuned baseline", y="share of the cases")
     if axes.lines[1:]:
         axes.legend(fontsize=7, loc="lower right")
-    return made
+    return figure
 
 
 def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
@@ -253,8 +253,8 @@ def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
         ]
         for one in board
     ]  # fmt: skip
-    made = style.figure(8.0, 1.2 + 0.32 * len(board))
-    axes = made.subplots()
+    figure = style.figure(8.0, 1.2 + 0.32 * len(board))
+    axes = figure.subplots()
     axes.imshow(values, vmin=0.4, vmax=1.0, cmap="RdYlGn", aspect="auto")
     for row, line in enumerate(values):
         for column, value in enumerate(line):
@@ -262,13 +262,13 @@ def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
                 axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8)
     axes.set_xticks(range(len(curves)), curves, fontsize=8)
     axes.set_yticks(range(len(board)), [one.controller for one in board], fontsize=8)
-    return made
+    return figure
 
 
 def _over_friction(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     """Draw distances over the ideal bound against mean friction."""
-    made = style.figure(8.0, 4.5)
-    axes = made.subplots()
+    figure = style.figure(8.0, 4.5)
+    axes = figure.subplots()
     for name, (colour, dash) in _colours(board).items():
         own = [(float(s.variants["friction"]), s.over_bound) for s in stops if s.controller == name and s.over_bound]
         if own:
@@ -280,4 +280,4 @@ def _over_friction(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     style.dress(axes, x="mean of the maximum friction", y="distance over the ideal bound")
     if axes.lines:
         axes.legend(fontsize=7, loc="upper right")
-    return made
+    return figure
