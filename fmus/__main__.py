@@ -1,14 +1,13 @@
 """Command line: python -m railgrip.fmus build | list | check."""
 
 import shutil
-import sys
 from pathlib import Path
 from typing import Annotated, cast
 
 import typer
 
-from railgrip.console import complain, progress, say, show_table
-from railgrip.errors import InputError, for_user
+from railgrip.console import answer, complain, progress, say, show_table
+from railgrip.errors import InputError
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.table import Table
@@ -96,15 +95,8 @@ def check_command(
 
 
 def main() -> None:
-    """Run the command line; what a user can answer ends in its sentence and its exit code."""
-    try:
-        app()
-    except Exception as problem:
-        message = for_user(problem)
-        if message is None:
-            raise
-        complain(str(message))
-        sys.exit(message.exit_code)
+    """Run the command line."""
+    answer(app)
 
 
 if __name__ == "__main__":

@@ -5,12 +5,14 @@ rich is used for tables and bars alone: of what users wrote, its markup and emoj
 
 import sys
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rich.console import Console
+
+from railgrip.errors import for_user
 
 if TYPE_CHECKING:
     from railgrip.report.table import Table
@@ -41,6 +43,18 @@ def remark(text: str) -> None:
 def complain(text: str) -> None:
     """Print what went wrong on standard error."""
     _err.print(text, style="red", soft_wrap=True)
+
+
+def answer(command: Callable[[], object]) -> None:
+    """Run a command; what a user can mend ends in a sentence and its exit code, never in a traceback."""
+    try:
+        command()
+    except Exception as problem:
+        message = for_user(problem)
+        if message is None:
+            raise
+        complain(str(message))
+        sys.exit(message.exit_code)
 
 
 def show_table(table: "Table", nothing: str = "nothing") -> None:
