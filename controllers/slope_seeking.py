@@ -245,7 +245,7 @@ def slope_seeking(groups: int) -> Formula:
             before = draft.state(
                 group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible"
             )
-            pad_friction = choose(own.credible, group.pad_friction, before)
+            pad_friction = choose(either(own.credible, before <= 0.0), group.pad_friction, before)
             draft.keep(before, pad_friction)
             if not others:
                 return controlled

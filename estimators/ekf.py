@@ -86,7 +86,7 @@ class ExtendedKalmanFilter:
             prior: Belief at the start of the period.
             inputs: Inputs during the period, shape (nu,).
             readings: Readings at its end, shape (m,); NaN where a sensor had nothing new. Outputs that depend on
-                inputs are expected under `inputs`, the inputs just before the instant of the reading.
+                inputs are expected under those of the period, just before the instant of the reading.
 
         Raises:
             EstimatorError: `inputs` or `readings` has the wrong shape.

@@ -275,8 +275,8 @@ def complete(rows: Matrix, recorder: Recorder, state_estimator: StateEstimator) 
     Adhesion is a force that the readings tell over a load that they do not: its relative error is the load's as well.
     """
     spread, columns = rows[:, recorder.block(signals.SPREAD)], recorder.columns
-    unloaded = state_estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
-    rows[:, columns["estimate_adhesion_sd"]] += unloaded**2
+    load_error = state_estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
+    rows[:, columns["estimate_adhesion_sd"]] += load_error**2
     np.sqrt(spread, out=spread)
     speed = rows[:, columns["estimate_speed"]]
     rolling = np.asarray(state_estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]

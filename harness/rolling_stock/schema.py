@@ -149,6 +149,9 @@ class Distributor(Sourced):
         return self
 
 
+_READY = "from there on an accelerator is ready to open once more, and would open and close without end"
+
+
 class Accelerator(Sourced):
     """What vents the brake pipe at a car once pressure falls fast: RailBraking.Pneumatics.Accelerator."""
 
@@ -158,7 +161,7 @@ class Accelerator(Sourced):
     opening_rate: Annotated[float, Unit("Pa/s", at_least=1, at_most=1e7)] = Field(
         description="fall of the pipe's pressure at which it opens"
     )
-    closing_pressure: Annotated[float, Unit("Pa", above=0, below=5e5, because="the pipe is charged to 5 bar")] = Field(
+    closing_pressure: Annotated[float, Unit("Pa", above=0, below=4.5e5, because=_READY)] = Field(
         description="of the pipe, at which it closes again"
     )
     sensing_time: LagTime = Field(description="over which the fall is sensed")

@@ -49,11 +49,10 @@ class KalmanFilter(Table):
         "let the speed of a wheel that rolls, its brake off, stand for that of the train while the radar is silent",
         default=False,
     )
-    load_deviation: Annotated[float, Unit("1", at_least=0, at_most=1)] = Field(
+    load_deviation: Annotated[float, Unit("1", at_least=0, at_most=1)] = optional(
+        "standard deviation of the load of a wheelset over what the filter is told; no reading tells it, and it "
+        "counts in the deviation of the estimated adhesion",
         default=0.0,
-        exclude_if=lambda value: not value,
-        description="standard deviation of the load of a wheelset over what the filter is told; no reading tells it, "
-        "and it counts in the deviation of the estimated adhesion",
     )
 
     @model_validator(mode="after")

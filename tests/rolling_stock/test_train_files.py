@@ -63,6 +63,7 @@ def test_what_is_no_train_is_refused_with_its_key(tables, change, sentence):
         (lambda t: t["distributors"]["R"].update(stage_time=0), "[distributors.R] stage_time must be at least"),
         (lambda t: t["distributors"]["R"].pop("estimated"), "[distributors.R] does not say whose its numbers are"),
         (lambda t: t["accelerators"]["quick"].update(closing_pressure="6 bar"), "closing_pressure must be below"),
+        (lambda t: t["accelerators"]["quick"].update(closing_pressure="4.6 bar"), "closing_pressure must be below"),
         (lambda t: t["accelerators"]["quick"].update(opening_rate="0.7 bar"), "[accelerators.quick] opening_rate is"),
         (lambda t: t["accelerators"]["quick"].update(conductance="1 cm2"), "[accelerators.quick] conductance is"),
     ],
