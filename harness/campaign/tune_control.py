@@ -28,8 +28,11 @@ EDGES = {"ideal": "ideal", "pneumatic": "service"}
 
 Ranges = Mapping[str, tuple[float, float]]
 
-_LEVELS: Ranges = {"low": (3e-3, 0.2), "high_over_low": (1.1, 4.0)}
-"""From below all published peaks to beyond most; narrower bands than 10 % of a level are below what sensors tell."""
+_LEVELS: Ranges = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
+"""From below nearly all published peaks to beyond them; narrower bands than 10 % of a level are below what sensors tell."""
+
+_HIGHEST = 0.9
+"""Slip above which no upper level is searched: a wheel that is nearly locked."""
 
 _SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
 
@@ -138,7 +141,7 @@ def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
     """
     values = {name: math.exp(value) for name, value in zip(names, point, strict=True)}
     if "high_over_low" in values:
-        values["high"] = values["low"] * values.pop("high_over_low")
+        values["high"] = min(_HIGHEST, values["low"] * values.pop("high_over_low"))
     return {name: float(f"{value:.2g}") for name, value in values.items()}
 
 
