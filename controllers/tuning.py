@@ -18,7 +18,7 @@ SlipSource = Literal["read", "estimated"]
 """How a law knows the slip: from readings alone, or from an estimator."""
 
 
-TWICE = frozenset({"slip_two_state", "slip_three_state", "adhesion_based"})
+TWICE = frozenset({"slip_three_state"})
 """Laws searched on the campaign `training`, which the tables of the papers hang on, and once more on the training
 cases of the type test. The others have one set for valves, searched on those cases."""
 
@@ -36,8 +36,10 @@ def searched(law: str, actuation: str, slip: SlipSource, *, type_test: bool = Fa
     """Return what was found for a law, on rails that no result is reported of.
 
     Raises:
-        ValueError: The law was not searched with this actuation and this way to know the slip.
+        ValueError: The law was not searched for that, or not with this actuation and this way to know the slip.
     """
+    if type_test and law not in TWICE:
+        raise ValueError(f"{law} has no set of its own for the type test; there is one of {', '.join(sorted(TWICE))}")
     sets = _sets(file_of(law, type_test=type_test))
     if slip not in sets.get(actuation, {}):
         known = ", ".join(f"{one} actuation and {source} slip" for one, of_one in sets.items() for source in of_one)

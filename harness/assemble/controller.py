@@ -149,7 +149,7 @@ def _searched(scenario: Scenario, table: SlipLaw | AdhesionLaw, slip: tuning.Sli
     """Return the set of parameters that [controller] names.
 
     Raises:
-        ScenarioError: The law was not searched with this actuation.
+        ScenarioError: The law was not searched for that, or not with this actuation.
     """
     try:
         return tuning.searched(table.kind, scenario.actuation.kind, slip, type_test=table.tuning == "type_test")

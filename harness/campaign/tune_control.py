@@ -210,7 +210,7 @@ def search(
     from scipy.optimize import Bounds, differential_evolution
     from scipy.stats.qmc import Sobol
 
-    start = tuning.searched(law, actuation, slip, type_test=planned is not None)
+    start = tuning.searched(law, actuation, slip, type_test=planned is not None and law in tuning.TWICE)
     if planned is None:
         planned = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
     scenarios = [stop.scenario for stop in planned]

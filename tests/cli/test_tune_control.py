@@ -26,11 +26,6 @@ from railgrip.studies.type_test.entrants import entrants, training
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]
-SETS = [
-    *((*case, False) for case in CASES),
-    *((law, actuation, slip, True) for law, actuation, slip in CASES if law in TWICE and actuation == "pneumatic"),
-]
-"""Law, actuation, slip, and whether it is the set of the type test."""
 
 
 def rails_of(campaign: str):
@@ -51,6 +46,13 @@ def text_with(law: str, type_test: bool) -> str:
 
 def committed(law: str, type_test: bool = False):
     return tomllib.loads(text_with(law, type_test))
+
+
+SETS = [
+    *((*case, False) for case in CASES),
+    *((law, "pneumatic", slip, True) for law in sorted(TWICE) for slip in committed(law, True)["pneumatic"]),
+]
+"""Law, actuation, slip, and whether it is the set of the type test."""
 
 
 @pytest.mark.parametrize(("law", "actuation", "slip", "type_test"), SETS)
@@ -106,6 +108,12 @@ def test_the_set_of_the_type_test_is_for_valves(law):
         law_with("ideal", "estimated", kind=law, tuning="type_test")
 
 
+def test_a_law_without_a_set_of_the_type_test_is_refused(monkeypatch):
+    monkeypatch.setattr("railgrip.controllers.tuning.TWICE", {"slip_three_state"})
+    with pytest.raises(ScenarioError, match="slip_two_state has no set of its own for the type test; there is"):
+        law_with("pneumatic", "read", kind="slip_two_state", tuning="type_test")
+
+
 def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_path, monkeypatch):
     """A law with one set for both keeps it in one file."""
 
@@ -144,7 +152,7 @@ def test_the_committed_parameters_are_those_of_a_search(law):
 
 @pytest.mark.parametrize("law", sorted(TWICE))
 def test_the_sets_of_the_type_test_were_found_on_training_cases(law):
-    text, valves = text_with(law, type_test=True), [kind for kind in RANGES[law] if kind[0] == "pneumatic"]
+    text, valves = text_with(law, type_test=True), committed(law, type_test=True)["pneumatic"]
     command = f"railgrip tune-control --law {law} --cases 16 --budget 32"
     assert text.startswith(text_of(law, {}, command).rstrip())
     assert text.count("# The best of 32 sets: ") == len(valves)
