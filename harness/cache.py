@@ -35,11 +35,11 @@ def folder() -> Path:
     Raises:
         InputError: It is relative: a folder somebody sent could then bring what is loaded.
     """
-    named = os.environ.get(VARIABLE)
-    chosen = Path(named) if named else user_cache_path("railgrip", appauthor=False)
-    if not chosen.is_absolute():
-        raise InputError(f"the cache folder must be an absolute path, got '{chosen}'; correct {VARIABLE}.")
-    return chosen.resolve()
+    variable = os.environ.get(VARIABLE)
+    path = Path(variable) if variable else user_cache_path("railgrip", appauthor=False)
+    if not path.is_absolute():
+        raise InputError(f"the cache folder must be an absolute path, got '{path}'; correct {VARIABLE}.")
+    return path.resolve()
 
 
 def find(kind: str, key: str, name: str) -> Path | None:

@@ -77,7 +77,7 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
 class Progress(Protocol):
     """What shows how far something is."""
 
-    def update(self, *, doing: str | None = None, done: float | None = None, total: float | None = None) -> None:
+    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
         """Show what is being done, how much is done, and of how much; None leaves it as it is."""
         ...
 
@@ -87,24 +87,26 @@ class Progress(Protocol):
 
 
 @contextmanager
-def progress(name: str, total: float | None = None, *, counted: bool = False) -> Generator[Progress]:
+def progress(name: str, total: float | None = None, *, is_count: bool = False) -> Generator[Progress]:
     """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
 
     Args:
         name: What is being done.
         total: How much there is to do; None where nobody knows.
-        counted: Whether that is a number of things, and not a share.
+        is_count: Whether that is a number of things, and not a share.
     """
-    with _bar(name, total, counted) if _err.is_terminal else _lines(name, total, counted) as shown:
-        yield shown
+    with _bar(name, total, is_count) if _err.is_terminal else _lines(name, total, is_count) as bar:
+        yield bar
 
 
 @contextmanager
-def _bar(name: str, total: float | None, counted: bool) -> Generator[Progress]:
+def _bar(name: str, total: float | None, is_count: bool) -> Generator[Progress]:
     from rich import progress as rich
 
     text = rich.TextColumn("{task.description}", markup=False)
-    measure = () if total is None else (rich.BarColumn(), rich.MofNCompleteColumn()) if counted else (rich.BarColumn(),)
+    measure = (
+        () if total is None else (rich.BarColumn(), rich.MofNCompleteColumn()) if is_count else (rich.BarColumn(),)
+    )
     with rich.Progress(
         rich.SpinnerColumn(), text, *measure, rich.TimeElapsedColumn(), console=_err, transient=True
     ) as bar:
@@ -115,9 +117,9 @@ class _Bar:
     def __init__(self, bar: Any, task: Any, name: str) -> None:
         self._bar, self._task, self._name = bar, task, name
 
-    def update(self, *, doing: str | None = None, done: float | None = None, total: float | None = None) -> None:
+    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
         description = None if doing is None else _described(self._name, doing)
-        self._bar.update(self._task, description=description, completed=done, total=total)
+        self._bar.update(self._task, description=description, completed=amount, total=total)
 
     def advance(self, doing: str | None = None) -> None:
         self._bar.advance(self._task)
@@ -125,11 +127,11 @@ class _Bar:
 
 
 @contextmanager
-def _lines(name: str, total: float | None, counted: bool) -> Generator[Progress]:
-    lines, ended, start = _Lines(name, total, counted), Event(), time.monotonic()
+def _lines(name: str, total: float | None, is_count: bool) -> Generator[Progress]:
+    lines, end, start = _Lines(name, total, is_count), Event(), time.monotonic()
 
     def remind() -> None:
-        while not ended.wait(REMINDER):
+        while not end.wait(REMINDER):
             remark(f"{lines}, {time.monotonic() - start:.0f} s")
 
     thread = Thread(target=remind, name="progress", daemon=True)
@@ -137,28 +139,28 @@ def _lines(name: str, total: float | None, counted: bool) -> Generator[Progress]
     try:
         yield lines
     finally:
-        ended.set()
+        end.set()
         thread.join()
 
 
 class _Lines:
-    def __init__(self, name: str, total: float | None, counted: bool) -> None:
-        self._name, self._doing, self._done, self._total, self._counted = name, "", 0.0, total, counted
+    def __init__(self, name: str, total: float | None, is_count: bool) -> None:
+        self._name, self._doing, self._amount, self._total, self._is_count = name, "", 0.0, total, is_count
 
-    def update(self, *, doing: str | None = None, done: float | None = None, total: float | None = None) -> None:
+    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
         self._doing = self._doing if doing is None else doing
-        self._done = self._done if done is None else done
+        self._amount = self._amount if amount is None else amount
         self._total = self._total if total is None else total
 
     def advance(self, doing: str | None = None) -> None:
-        self.update(doing=doing, done=self._done + 1)
+        self.update(doing=doing, amount=self._amount + 1)
 
     def __str__(self) -> str:
         text = _described(self._name, self._doing)
         if self._total is None:
             return text
         return f"{text}, " + (
-            f"{self._done:.0f} of {self._total:.0f}" if self._counted else f"{self._done / self._total:.0%}"
+            f"{self._amount:.0f} of {self._total:.0f}" if self._is_count else f"{self._amount / self._total:.0%}"
         )
 
 

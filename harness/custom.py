@@ -183,7 +183,7 @@ class CustomEstimator:
                 f"{type(own).__name__}: `provides` is {provides!r}; an estimator says there what its steps give, of "
                 f'{", ".join(PROVIDED)}, as in provides = ("adhesion",)'
             )
-        self._own, self._formation, self._started = own, formation, False
+        self._own, self._formation, self._has_started = own, formation, False
         self.provides: tuple[str, ...] = tuple(dict.fromkeys(provides))
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
@@ -197,11 +197,11 @@ class CustomEstimator:
             EstimatorFailed: It raised an exception, or gave something else than it provides.
         """
         own = self._own
-        call = "step" if self._started else "start"
+        call = "step" if self._has_started else "start"
         try:
-            if not self._started:
+            if not self._has_started:
                 own.start(_locked(observation), self._formation)
-                self._started, call = True, "step"
+                self._has_started, call = True, "step"
             estimate: Any = own.step(_locked(observation))
         except Exception as problem:
             raise EstimatorFailed(_failure(own, call, problem)) from problem
@@ -234,7 +234,7 @@ class CustomSensors:
         """
         _demand_methods(own, "a sensor model", "start", "read")
         self._own, self._layout, self._period = own, layout, period
-        self._truth, self._shown = _by_name(layout.outputs, layout.output)
+        self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
         self._shapes = _shapes(layout.reading)
         try:
             own.start(formation, random)
@@ -251,7 +251,7 @@ class CustomSensors:
         time = sample * self._period
         when = f" At {time:.3f} s."
         try:
-            readings: Any = self._own.read(time, self._shown)
+            readings: Any = self._own.read(time, self._truth_by_name)
         except Exception as problem:
             raise SensorsFailed(_failure(self._own, "read", problem) + when) from problem
         if not isinstance(readings, Mapping) or not readings.keys() <= self._shapes.keys():
@@ -275,7 +275,7 @@ class CustomPlant:
     """A plant of the user's own in the loop."""
 
     def __init__(
-        self, own: Plant, layout: Layout, *, speed: float, period: float, needed: Collection[str], command: str
+        self, own: Plant, layout: Layout, *, speed: float, period: float, required: Collection[str], command: str
     ) -> None:
         """Take it; the loop starts it.
 
@@ -284,7 +284,7 @@ class CustomPlant:
             layout: Of the loop's vectors.
             speed: At the start [m/s].
             period: Of a step [s].
-            needed: Names of outputs that it cannot do without.
+            required: Names of outputs that it cannot do without.
             command: Name of its command to the brakes.
 
         Raises:
@@ -292,7 +292,7 @@ class CustomPlant:
         """
         _demand_methods(own, "a plant", "start", "step")
         self._own, self._layout, self._speed, self._period = own, layout, speed, period
-        self._needed, self._shown, self._steps = frozenset(needed), frozenset[str](), 0
+        self._required, self._output_names, self._steps = frozenset(required), frozenset[str](), 0
         self._inputs, inputs = _by_name(layout.inputs, layout.input)
         self._inputs_by_name = {command if name == "command" else name: value for name, value in inputs.items()}
         self._shapes = _shapes(layout.output)
@@ -304,27 +304,27 @@ class CustomPlant:
             PlantFailed: It raised an exception, or showed something else.
         """
         self._steps = 0
-        shown = self._called("start", lambda: self._own.start(self._layout.formation, self._speed, self._period))
-        if not isinstance(shown, Mapping) or not self._needed <= shown.keys() <= self._shapes.keys():
+        outputs = self._called("start", lambda: self._own.start(self._layout.formation, self._speed, self._period))
+        if not isinstance(outputs, Mapping) or not self._required <= outputs.keys() <= self._shapes.keys():
             raise PlantFailed(
-                f"{_place(self._own, 'start')} returned {_short(shown)}; a plant shows "
-                f"{', '.join(sorted(self._needed))}, and may show "
-                f"{', '.join(sorted(self._shapes.keys() - self._needed))}."
+                f"{_place(self._own, 'start')} returned {_short(outputs)}; a plant shows "
+                f"{', '.join(sorted(self._required))}, and may show "
+                f"{', '.join(sorted(self._shapes.keys() - self._required))}."
             )
-        self._shown = frozenset(shown)
-        return self._vector("start", shown)
+        self._output_names = frozenset(outputs)
+        return self._vector("start", outputs)
 
     def step(self, inputs: Array) -> Array:
         """Step it and return what it shows, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        shown = self._called("step", lambda: self._own.step(self._inputs_by_name))
-        if not isinstance(shown, Mapping) or self._shown.symmetric_difference(shown):
+        outputs = self._called("step", lambda: self._own.step(self._inputs_by_name))
+        if not isinstance(outputs, Mapping) or self._output_names.symmetric_difference(outputs):
             raise PlantFailed(
-                f"{_place(self._own, 'step')} returned {_short(shown)}, not what it showed at the start, "
-                f"{', '.join(sorted(self._shown))}.{self._when}"
+                f"{_place(self._own, 'step')} returned {_short(outputs)}, not what it showed at the start, "
+                f"{', '.join(sorted(self._output_names))}.{self._when}"
             )
-        return self._vector("step", shown)
+        return self._vector("step", outputs)
 
     @property
     def _when(self) -> str:
@@ -336,9 +336,9 @@ class CustomPlant:
         except Exception as problem:
             raise PlantFailed(_failure(self._own, method, problem) + self._when) from problem
 
-    def _vector(self, method: str, shown: Mapping[str, ArrayLike]) -> Array:
+    def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
         truth = np.full(self._layout.outputs, np.nan)
-        for name, value in shown.items():
+        for name, value in outputs.items():
             problem = problem_with(value, self._shapes[name])
             if problem:
                 raise PlantFailed(
@@ -361,9 +361,9 @@ def _shapes(places: Mapping[str, slice]) -> dict[str, tuple[int, ...]]:
 def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str, Array]]:
     """Return a vector that we write, and the signals in it, which nobody else can write."""
     vector = np.empty(length)
-    shown = vector.view()
-    shown.flags.writeable = False
-    return vector, {name: shown[places[name]].reshape(shape) for name, shape in _shapes(places).items()}
+    view = vector.view()
+    view.flags.writeable = False
+    return vector, {name: view[places[name]].reshape(shape) for name, shape in _shapes(places).items()}
 
 
 def _locked(observation: Observation) -> Observation:

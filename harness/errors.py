@@ -141,9 +141,9 @@ class Failure:
             "refused": f"the FMU could not be started: {self.call} gave no instance",
         }[self.reason]
         about = f" ({self.detail})" if self.detail else ""
-        reached = f"; it came as far as {self.reached:.9g} s" if self.reached is not None else ""
+        progress = f"; it came as far as {self.reached:.9g} s" if self.reached is not None else ""
         words = f"; it says: {self.log[-1]}" if self.log else ""
-        return f"{self.file}: at {self.time:.9g} s {what}{about}{reached}{words}."
+        return f"{self.file}: at {self.time:.9g} s {what}{about}{progress}{words}."
 
 
 class PlantFailed(RailgripError):

@@ -54,18 +54,18 @@ class Formation:
                 "a formation has one wheelset or more in each of its groups, as in [2, 1, 1, 2]; "
                 f"got {list(self.wheelsets_per_group)}"
             )
-        counted = f"wheelsets_per_group has {self.wheelsets}, {list(self.wheelsets_per_group)}"
+        count = f"wheelsets_per_group has {self.wheelsets}, {list(self.wheelsets_per_group)}"
         if self.wheelsets_per_car and (
             min(self.wheelsets_per_car) < 1 or sum(self.wheelsets_per_car) != self.wheelsets
         ):
             raise ValueError(
                 f"wheelsets_per_car has {sum(self.wheelsets_per_car)} wheelsets, {list(self.wheelsets_per_car)}, at "
-                f"least one to a car; {counted}"
+                f"least one to a car; {count}"
             )
         for name in ("wheelset_position", "wheelset_load"):
             values: tuple[float, ...] = getattr(self, name)
             if values and len(values) != self.wheelsets:
-                raise ValueError(f"{name} is for {len(values)} wheelsets; {counted}")
+                raise ValueError(f"{name} is for {len(values)} wheelsets; {count}")
         if self.brakes and len(self.brakes) != self.groups:
             raise ValueError(f"brakes are for {len(self.brakes)} groups, there are {self.groups}")
         if self.groups_per_valve and (min(self.groups_per_valve) < 1 or sum(self.groups_per_valve) != self.groups):

@@ -103,10 +103,10 @@ def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
 
     Groups stand one after the other for each name.
     """
-    named = {name.partition("[")[0]: (name, unit, meaning) for name, unit, meaning in states}
+    by_base = {name.partition("[")[0]: (name, unit, meaning) for name, unit, meaning in states}
     return tuple(
         Signal(f"law_{base}", "group" if name.endswith("]") else "train", unit, meaning)
-        for base, (name, unit, meaning) in named.items()
+        for base, (name, unit, meaning) in by_base.items()
     )
 
 
@@ -216,9 +216,9 @@ class Layout:
         """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
         vectors = {name: getattr(self, name) for name in ("input", "output", "reading")}
         sizes = {"GROUPS": self.formation.groups, "WHEELSETS": self.formation.wheelsets}
-        sizes |= {f"{vector}s".upper(): length(named) for vector, named in vectors.items()}
-        for vector, named in vectors.items():
-            sizes |= {f"{vector}_{name}".upper(): place.start for name, place in named.items()}
+        sizes |= {f"{vector}s".upper(): length(places) for vector, places in vectors.items()}
+        for vector, places in vectors.items():
+            sizes |= {f"{vector}_{name}".upper(): place.start for name, place in places.items()}
         return "".join(f"#define {name} {value}\n" for name, value in sizes.items())
 
 

@@ -150,7 +150,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
         def run(own: Plant = own, layout: Layout = layout) -> Iterator[Row]:
             brakes = layout.formation
             pressure, release = tuple(brakes.pressure_max.tolist()), (0.0,) * brakes.groups
-            plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, needed=NEEDED, command="pressure_command")
+            plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
             trial = tried(layout, plant, period=_PERIOD, release=release, brake=pressure)
             results = findings(trial, speed=_SPEED, radius=tuple(brakes.wheel_radius.tolist()), pressure=pressure)
             for finding in (finding for finding in results if not finding.good):
@@ -176,8 +176,8 @@ def formations() -> Iterator[Formation]:
 def observations(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
     """Yield what is shown of a train that nobody has read yet, then of one that brakes from 30 m/s to standstill."""
     groups = formation.groups
-    unread, known = np.full(groups, np.nan), np.full(groups, 0.05)
-    estimates = (known, 7 * known) if estimated else (None, None)
+    unread, values = np.full(groups, np.nan), np.full(groups, 0.05)
+    estimates = (values, 7 * values) if estimated else (None, None)
     yield Observation(
         0.0, np.nan, np.nan, unread, unread, estimated, *estimates, np.zeros(groups), formation.pressure_max
     )

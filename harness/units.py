@@ -186,25 +186,25 @@ def unit(text: str) -> Unit:
 
     Source: Modelica Specification 3.6, §19.1 (syntax of unit expressions).
     """
-    spelled = text.strip()
-    for written, plain in _SPELLINGS.items():
-        spelled = spelled.replace(written, plain)
-    spelled = re.sub(r"\s+", "*", re.sub(r"\s*(\*\*|[*./^()])\s*", r"\1", spelled))
-    match = _QUOTIENT.fullmatch(spelled or "1") if len(text) <= _LONGEST else None
+    product = text.strip()
+    for spelling, plain in _SPELLINGS.items():
+        product = product.replace(spelling, plain)
+    product = re.sub(r"\s+", "*", re.sub(r"\s*(\*\*|[*./^()])\s*", r"\1", product))
+    match = _QUOTIENT.fullmatch(product or "1") if len(text) <= _LONGEST else None
     if match is None:
         raise _unknown(text)
     exponents, factor = [0] * len(BASE), 1.0
     for part, sign in ((match[1], 1), (match[2], -1)):
         for symbol, digits in _POWER.findall(part):
             power = sign * int(digits or 1)
-            known = _symbol(symbol)
-            if known is None:
+            symbol_unit = _symbol(symbol)
+            if symbol_unit is None:
                 raise _unknown(text)
-            size, roots = known
+            size, roots = symbol_unit
             factor *= size**power
             exponents = [e + power * roots.get(root, 0) for e, root in zip(exponents, _ROOTS, strict=True)]
     kg, m, s, a, k, mol, cd, rad = exponents
-    offset = _registry().Quantity(0.0, spelled).to_root_units().magnitude if spelled in ("degC", "degF") else 0.0
+    offset = _registry().Quantity(0.0, product).to_root_units().magnitude if product in ("degC", "degF") else 0.0
     return Unit(name=text, exponents=(kg, m, s, a, k, mol, cd, rad), factor=factor, offset=offset)
 
 
@@ -249,10 +249,10 @@ def to_si(text: str, target_unit: str | Unit) -> float:
     return gain * number + shift
 
 
-def short(written: object) -> str:
+def short(value: object) -> str:
     """Return what was written as a sentence may repeat it: its representation, cut to a line."""
     try:
-        return cut(repr(written))
+        return cut(repr(value))
     except ValueError:  # Python writes out no integer of more than 4300 digits
         return "a number of thousands of digits"
 

@@ -58,8 +58,8 @@ def controlling(
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, units_of(description))
     groups = vehicle.formation.groups
-    opened = foreign_controller(scenario, table, description, values, groups, estimates, tell)
-    controller, commands_valves = stack.enter_context(opened)
+    context = foreign_controller(scenario, table, description, values, groups, estimates, tell)
+    controller, commands_valves = stack.enter_context(context)
     if not commands_valves:
         return over_the_train(vehicle, controller), False
     if table.redistribute:

@@ -158,9 +158,9 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
     model = lowered(f"RailBraking.FMUs.{name}") if own is None else lower(name, library_of(own.path))
     where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
-    predicted = sum(name.startswith("w[") for name in states)
-    if predicted != groups:
-        raise ScenarioError(f"{where} is for {predicted} groups, the vehicle has {groups}")
+    prediction_groups = sum(name.startswith("w[") for name in states)
+    if prediction_groups != groups:
+        raise ScenarioError(f"{where} is for {prediction_groups} groups, the vehicle has {groups}")
     each = [f"{name}[{g + 1}]" for name in ("w", "mu_b", "alpha") for g in range(groups)]
     needs = {
         "state": (["v", *each], states),
@@ -169,9 +169,9 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
             [variable.name for variable in model.parameters],
         ),
     }
-    for kind, (names, offered) in needs.items():
-        if missing := [name for name in names if name not in offered]:
-            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(offered)}")
+    for kind, (names, available) in needs.items():
+        if missing := [name for name in names if name not in available]:
+            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
     if inputs[:groups] != pressures:
         raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
@@ -209,8 +209,8 @@ def _outlier_limits(table: KalmanFilter, outputs: Sequence[str]) -> list[float]:
     """
     read = [name.partition("[")[0] for name in outputs]
     if other := sorted(table.outlier_limit.keys() - read):
-        known = ", ".join(dict.fromkeys(read))
-        raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {known}")
+        choice = ", ".join(dict.fromkeys(read))
+        raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {choice}")
     return [table.outlier_limit.get(name, inf) for name in read]
 
 

@@ -22,7 +22,7 @@ _VENT, _HOLD, _FILL = -1.0, 0.0, 1.0
 
 
 def faults_of(
-    scenario: Scenario, layout: Layout, brakes: Sequence[BrakeGroup], *, shown: frozenset[str], valves: bool
+    scenario: Scenario, layout: Layout, brakes: Sequence[BrakeGroup], *, outputs: frozenset[str], valves: bool
 ) -> Faults | None:
     """Return what is broken on the way to and from the plant; None where nothing is.
 
@@ -30,7 +30,7 @@ def faults_of(
         scenario: With the faults.
         layout: Of the vectors of the loop.
         brakes: Of each group, nominal.
-        shown: Names of what the plant shows.
+        outputs: Names of what the plant shows.
         valves: The plant takes positions of valves, else pressures.
 
     Raises:
@@ -42,7 +42,7 @@ def faults_of(
         if fault.part in READ_BY and fault.kind != "missing_teeth":
             readings += _of_sensor(scenario, layout, number, where, fault)
         elif fault.part in ("valve", "supply") or (fault.kind == "isolated" and fault.value is None):
-            if fault.part == "supply" and "air_used" not in shown:
+            if fault.part == "supply" and "air_used" not in outputs:
                 raise ScenarioError(f"{where} empties a reservoir, but the plant does not show the air that it uses")
             commands += _of_brake(scenario, layout.formation, where, fault, brakes, valves)
     if not readings and not commands:
@@ -131,12 +131,12 @@ def _samples(scenario: Scenario, fault: Fault) -> tuple[int, int]:
     return begin, max(round(end / period), begin + 1)
 
 
-def _places(written: int | None, count: int, where: str, what: str) -> range:
-    if written is None:
+def _places(number: int | None, count: int, where: str, what: str) -> range:
+    if number is None:
         return range(count)
-    if written > count:
-        raise ScenarioError(f"{where} is at {what} {written}, the vehicle has {count}")
-    return range(written - 1, written)
+    if number > count:
+        raise ScenarioError(f"{where} is at {what} {number}, the vehicle has {count}")
+    return range(number - 1, number)
 
 
 def _of_sensor(scenario: Scenario, layout: Layout, number: int, where: str, fault: Fault) -> Iterator[ReadingFault]:
@@ -144,9 +144,9 @@ def _of_sensor(scenario: Scenario, layout: Layout, number: int, where: str, faul
     place = layout.reading[quantity]
     unit = next(signal.unit for signal in layout.reading_signals if signal.name == f"reading_{quantity}")
     begin, end = _samples(scenario, fault)
-    what, written = ("wheelset", fault.wheelset) if fault.part == "deflection_sensor" else ("group", fault.group)
+    what, place_number = ("wheelset", fault.wheelset) if fault.part == "deflection_sensor" else ("group", fault.group)
     kind, value = ("scaled", 0.0) if fault.kind == "zero" else (fault.kind, fault.amount(unit, where))
-    for index in _places(written, place.stop - place.start, where, what):
+    for index in _places(place_number, place.stop - place.start, where, what):
         noise = None
         if kind == "noisy":
             noise = generator(scenario.seed, f"faults.{number}.{index}").standard_normal(_MOST_DRAWS)

@@ -42,7 +42,7 @@ class ForeignController:
         self._fmu = fmu
         self._inputs = np.zeros(binding.inputs.size)
         self._decision = binding.outputs.layout[gives]
-        self._started = False
+        self._has_started = False
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa], or the valve command if that is what the FMU gives.
@@ -54,13 +54,13 @@ class ForeignController:
         estimated = [values for values in (adhesion, pad_friction) if values is not None]
         self._inputs[:] = np.concatenate(((speed, acceleration), slip, wheels, pressure, driver_demand, *estimated))
         try:
-            if not self._started:
+            if not self._has_started:
                 self._fmu.start(self._inputs)
-                self._started = True
-            decided = self._fmu.step(self._inputs)
+                self._has_started = True
+            outputs = self._fmu.step(self._inputs)
         except PlantFailed as failed:
             raise ControllerFailed(f"The controller failed: {failed}") from failed
-        return tuple(decided[self._decision].tolist())
+        return tuple(outputs[self._decision].tolist())
 
 
 def binding_of(
@@ -121,7 +121,7 @@ def foreign_controller(
             f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
             "what it starts with stays."
         )
-    opened = open_plant(
+    context = open_plant(
         description,
         binding,
         period=scenario.periods.controller,
@@ -131,5 +131,5 @@ def foreign_controller(
         limits=scenario.limits.fmu.limits(),
         table="[controller]",
     )
-    with opened as fmu:
+    with context as fmu:
         yield ForeignController(fmu, binding, gives), gives == "command"

@@ -59,20 +59,20 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     with assembled(_full_brake(scenario)) as parts:
         reference = parts.stop(parts.run(progress))
     period = scenario.periods.communication
-    known = reference.trace.isel(time=slice(round(_BUILD_UP / period), None))
-    if reference.outcome is not Outcome.STANDSTILL or known.sizes["time"] < 2:
+    truth = reference.trace.isel(time=slice(round(_BUILD_UP / period), None))
+    if reference.outcome is not Outcome.STANDSTILL or truth.sizes["time"] < 2:
         raise ScenarioError(
             f"{scenario.name}: [controller] ideal_bound takes the brakes from a stop with full brake on a rail of "
             f"friction {_GRIPPY:g}, which ended with {reference.outcome.value}: {reference.reason}"
         )
-    order = np.argsort(known["speed"].values)
-    speeds = known["speed"].values[order]
-    friction = known["pad_friction"].values[order]
+    order = np.argsort(truth["speed"].values)
+    speeds = truth["speed"].values[order]
+    friction = truth["pad_friction"].values[order]
     formation = vehicle.formation
     masses = masses_of(vehicle.true_parameters, formation)
     mass = sum(masses.tolist())
-    drawn = np.sum(known["adhesion"].values * known["wheelset_load"].values, axis=1)
-    resistance = (-mass * known["acceleration"].values - drawn)[order]
+    rail_force = np.sum(truth["adhesion"].values * truth["wheelset_load"].values, axis=1)
+    resistance = (-mass * truth["acceleration"].values - rail_force)[order]
 
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
@@ -105,8 +105,8 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:moving, at["slip"]] = bound["peak_slip"].values
         before = distance[end or -1]
         speed, distance, acceleration = _integrated(scenario.start.speed, slowing, count, period)
-        stopped = _end(speed, scenario.limits.stop_speed)
-        if bool(stopped) == bool(end) and abs(distance[stopped or -1] - before) < _CLOSE:
+        end_index = _end(speed, scenario.limits.stop_speed)
+        if bool(end_index) == bool(end) and abs(distance[end_index or -1] - before) < _CLOSE:
             break
     else:
         raise ScenarioError(
@@ -115,16 +115,16 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         )
     for name, values in (("distance", distance), ("speed", speed), ("acceleration", acceleration)):
         recorder.rows[:, recorder.columns[name]] = values[:, None]
-    samples = min(stopped or count - 1, moving - 1) + 1
+    samples = min(end_index or count - 1, moving - 1) + 1
     place = f"{distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s"
-    ended = Ending(
-        outcome=Outcome.STANDSTILL if stopped else Outcome.HORIZON,
+    ending = Ending(
+        outcome=Outcome.STANDSTILL if end_index else Outcome.HORIZON,
         reason=f"Could stop after {place} at best."
-        if stopped
+        if end_index
         else f"Still rolls with {speed[samples - 1]:.2f} m/s after {place} at best.",
         samples=samples,
     )
-    return judged(vehicle, recorder, ended, {vehicle.file.file.name: vehicle.file})
+    return judged(vehicle, recorder, ending, {vehicle.file.file.name: vehicle.file})
 
 
 class _Tracking:
@@ -208,8 +208,8 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
         controller = _Tracking(VehicleData(scenario), parts.recorder)
         parties = replace(parts.parties, controller=controller)
         parts = replace(parts, parties=parties, obstacle="it is shown the truth")
-        ended = parts.run(progress)
-    return replace(parts.stop(ended), scenario=scenario)
+        ending = parts.run(progress)
+    return replace(parts.stop(ending), scenario=scenario)
 
 
 def _full_brake(scenario: Scenario) -> Scenario:

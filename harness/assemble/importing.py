@@ -48,8 +48,8 @@ def party_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
         ScenarioError: There is no such module or class, or it does not take these parameters.
     """
     where = {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
-    named = table.kind if ":" in table.kind else installed_names(role)[table.kind]
-    module, _, name = named.partition(":")
+    class_name = table.kind if ":" in table.kind else installed_names(role)[table.kind]
+    module, _, name = class_name.partition(":")
     with _path_without_current_folder(folders):
         try:
             factory: Any = importlib.import_module(module)

@@ -128,11 +128,11 @@ class Assembled:
         """Return the end of a run whose plant failed."""
         return Ending(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
 
-    def stop(self, ended: Ending) -> Stop:
+    def stop(self, ending: Ending) -> Stop:
         """Return the stop that a run of the loop gave."""
         # A plant that does not even start leaves one row without a number: rows are memory as it was found.
         self.recorder.rows[self.recorder.written : 1] = np.nan
-        stop = judged(self.vehicle, self.recorder, ended, self.fmus)
+        stop = judged(self.vehicle, self.recorder, ending, self.fmus)
         return replace(stop, classes={name: origin.to_plain() for name, origin in self.classes.items()})
 
 
@@ -170,7 +170,7 @@ def assembled(
 
     with ExitStack() as stack:
         if (name := scenario.vehicle.own_class) is not None:
-            arguments = {key: value.written for key, value in scenario.vehicle.parameters.items()}
+            arguments = {key: value.entry for key, value in scenario.vehicle.parameters.items()}
             table = Custom(kind=name, parameters=arguments) if own.plant is None else table_of(own.plant)
             plant = python_plant(vehicle, party("plants", table, own.plant))
         else:
@@ -221,7 +221,7 @@ def assembled(
             controller=controller,
             actuation=actuation,
             driver=driver_of(vehicle),
-            faults=faults_of(scenario, layout, formation.brakes, shown=vehicle.shown, valves=pneumatic),
+            faults=faults_of(scenario, layout, formation.brakes, outputs=vehicle.shown, valves=pneumatic),
             wheel_radius=radius,
             law=law,
             clock=Clock(
@@ -252,34 +252,34 @@ def _demand_estimates(scenario: Scenario, controller: Controller, estimates: Col
     """
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
-        provided = ", ".join(sorted(estimates)) or "nothing"
+        choice = ", ".join(sorted(estimates)) or "nothing"
         raise ScenarioError(
             f"{scenario.name}: [controller] '{scenario.controller.kind}' needs estimates of {' and '.join(missing)}, "
-            f"[estimator] '{scenario.estimator.kind}' provides {provided}"
+            f"[estimator] '{scenario.estimator.kind}' provides {choice}"
         )
 
 
-def judged(vehicle: VehicleData, recorder: Recorder, ended: Ending, fmus: Mapping[str, Description]) -> Stop:
+def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
     """Return the stop that a run of the loop gave, with bound and figures."""
     scenario = vehicle.scenario
-    trace = recorder.trace(max(ended.samples, 1), scenario.periods.communication)
+    trace = recorder.trace(max(ending.samples, 1), scenario.periods.communication)
     # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
     # that does not show its brakes has none; the figures that need it are empty.
     with suppress(ScenarioError):
         trace = with_bound(trace, vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
     share = over_the_rail(trace)
-    if ended.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
-        ended = implausibility(
+    if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+        ending = implausibility(
             f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot be: "
             "its contact is not that of [adhesion] polach.",
-            ended.samples,
+            ending.samples,
         )
     metrics = measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind)
     since = "" if scenario.demand is None else f" {metrics.distance:.2f} m of that since the first brake demand."
     return Stop(
         scenario=scenario,
-        outcome=ended.outcome,
-        reason=ended.reason + since,
+        outcome=ending.outcome,
+        reason=ending.reason + since,
         trace=trace,
         metrics=metrics,
         versions=versions() | {name: description.generator for name, description in fmus.items()},

@@ -120,7 +120,7 @@ def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
     command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
     speed, period = scenario.start.speed, scenario.periods.communication
     plant = _WithSlip(
-        custom.CustomPlant(own, layout, speed=speed, period=period, needed=NEEDED, command=command), layout
+        custom.CustomPlant(own, layout, speed=speed, period=period, required=NEEDED, command=command), layout
     )
     with suppress(PlantFailed):  # the stop itself will say how it failed
         _refuse_unfit(f"{scenario.name}: the plant {type(own).__name__} is none", vehicle, plant)
@@ -155,14 +155,14 @@ def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) 
         if v.causality == "parameter" and v.kind == "Real" and v.name.partition("[")[0] not in idle
     ]
     shares = generator(nudge.seed, "plant parameters").uniform(-nudge.relative, nudge.relative, len(real))
-    moved: dict[str, float] = {}
+    nudges: dict[str, float] = {}
     for variable, share in zip(real, shares, strict=True):
         value = values.get(variable.name, variable.start)
         if value is not None:
             least, most = variable.minimum, variable.maximum
             free = float(value) * (1.0 + float(share))
-            moved[variable.name] = min(max(free, -inf if least is None else least), inf if most is None else most)
-    return moved
+            nudges[variable.name] = min(max(free, -inf if least is None else least), inf if most is None else most)
+    return nudges
 
 
 def _refuse_unfit(who: str, vehicle: VehicleData, plant: Plant) -> None:

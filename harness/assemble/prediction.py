@@ -43,7 +43,7 @@ def units_of_predictions() -> dict[str, str]:
 
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
     """Return what a prediction takes of a train: nominal data, and what the formation knows where they lack it."""
-    known = {name.partition("[")[0] for name in nominal}
+    bases = {name.partition("[")[0] for name in nominal}
     of_brakes = {
         "J": "inertia", "r_wheel": "wheel_radius", "n_units": "units", "r_friction": "friction_radius",
         "A_piston": "piston_area", "i_rigging": "rigging", "F_spring": "spring_force",
@@ -51,10 +51,10 @@ def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, flo
     each = {
         f"{name}[{g + 1}]": float(getattr(brake, attribute))
         for name, attribute in of_brakes.items()
-        if name not in known
+        if name not in bases
         for g, brake in enumerate(formation.brakes)
     }
-    if "i_rigging" not in known:  # the product with its efficiency
+    if "i_rigging" not in bases:  # the product with its efficiency
         each["eta_rigging"] = 1.0
     masses = {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
     return dict(nominal) | each | masses
@@ -115,8 +115,8 @@ def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
     parts: list[_Members] = []
     for bogie, (first, end) in enumerate(pairwise(ends)):
         groups = tuple(dict.fromkeys(group_of[first:end]))
-        framed = all(f"{name}[{bogie + 1}]" in data or name in data for name in ("m_frame", "I_frame", "wheelbase"))
-        if end - first == 2 and framed and sum(per_group[g] for g in groups) == 2:
+        has_frames = all(f"{name}[{bogie + 1}]" in data or name in data for name in ("m_frame", "I_frame", "wheelbase"))
+        if end - first == 2 and has_frames and sum(per_group[g] for g in groups) == 2:
             parts.append(_Members(groups, (first, first + 1), bogie))
     alone = set(range(formation.groups)).difference(*(members.groups for members in parts))
     wheelsets = np.arange(formation.wheelsets)
@@ -125,9 +125,9 @@ def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
 
 
 def _wheelsets_per_bogie(formation: Formation, data: Mapping[str, float]) -> list[int]:
-    written = sorted((name for name in data if name.startswith("wheelsets_per_bogie[")), key=_number)
-    if written:
-        counts = [int(data[name]) for name in written]
+    names = sorted((name for name in data if name.startswith("wheelsets_per_bogie[")), key=_number)
+    if names:
+        counts = [int(data[name]) for name in names]
         if sum(counts) != formation.wheelsets:
             raise ScenarioError(
                 f"wheelsets_per_bogie has {sum(counts)} wheelsets, {counts}; the vehicle has {formation.wheelsets}"
@@ -165,12 +165,14 @@ def _part(members: _Members, formation: Formation, data: Mapping[str, float]) ->
         return f"{base}[{index + 1}]"
 
     states = tuple(whole(variable) for variable in model.states)
-    shown = {"w": "wheelset_speed", "dz": "deflection"}
+    reading_of = {"w": "wheelset_speed", "dz": "deflection"}
     pairs = ((state.partition("["), state) for state in states)
     return Part(
         model=model,
         parameters=np.array([parameter(variable) for variable in model.parameters]),
         states=states,
         inputs=tuple(whole(variable) for variable in model.inputs[:-1]),
-        readings=tuple((f"{shown[name]}[{index}", state) for (name, _, index), state in pairs if name in shown),
+        readings=tuple(
+            (f"{reading_of[name]}[{index}", state) for (name, _, index), state in pairs if name in reading_of
+        ),
     )

@@ -39,14 +39,14 @@ def run_stop(
     if scenario.controller.kind in ("ideal_bound", "ideal_tracking") and own.controller is None and own.plant is None:
         return (ideal_stop if scenario.controller.kind == "ideal_bound" else tracking_stop)(scenario, progress)
     with assembled(scenario, tell, own) as parts:
-        ended = parts.run(progress, engine)
-    return parts.stop(ended)
+        ending = parts.run(progress, engine)
+    return parts.stop(ending)
 
 
 def braking_distance(scenario: Scenario) -> float | None:
     """Return only the distance [m], None where the train does not come to stand: for searches over many stops."""
-    ended, trace = _unjudged(scenario)
-    return distance_of(since_brake_demand(trace)) if ended.outcome is Outcome.STANDSTILL else None
+    ending, trace = _unjudged(scenario)
+    return distance_of(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
 
 
 def trace_of(scenario: Scenario) -> xarray.Dataset:
@@ -55,13 +55,13 @@ def trace_of(scenario: Scenario) -> xarray.Dataset:
     Raises:
         ScenarioError: The run ended with a failure.
     """
-    ended, trace = _unjudged(scenario)
-    if ended.outcome not in (Outcome.STANDSTILL, Outcome.HORIZON):
-        raise ScenarioError(f"{scenario.name}: ended with {ended.outcome.value}: {ended.reason}")
+    ending, trace = _unjudged(scenario)
+    if ending.outcome not in (Outcome.STANDSTILL, Outcome.HORIZON):
+        raise ScenarioError(f"{scenario.name}: ended with {ending.outcome.value}: {ending.reason}")
     return trace
 
 
 def _unjudged(scenario: Scenario) -> tuple[Ending, xarray.Dataset]:
     with assembled(scenario) as parts:
-        ended = parts.run()
-    return ended, parts.recorder.trace(max(ended.samples, 1), scenario.periods.communication)
+        ending = parts.run()
+    return ending, parts.recorder.trace(max(ending.samples, 1), scenario.periods.communication)

@@ -23,12 +23,12 @@ from railgrip.signals import EXTRA_READINGS, READINGS, Layout, Signal
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
 
 
-def readings_of(scenario: Scenario, shown: Collection[str]) -> tuple[Signal, ...]:
+def readings_of(scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, ...]:
     """Return what the sensors of a scenario show.
 
     Args:
         scenario: With the sensors.
-        shown: Names of what the plant shows.
+        outputs: Names of what the plant shows.
 
     Raises:
         ScenarioError: A quantity is named that is none, or that the plant does not show.
@@ -37,11 +37,11 @@ def readings_of(scenario: Scenario, shown: Collection[str]) -> tuple[Signal, ...
     if not isinstance(table, WhiteTable):
         return READINGS
     unknown = sorted(table.named - set(_ALL))
-    unseen = sorted(table.named - set(unknown) - set(shown) - set(_SOURCE))
-    if unknown or unseen:
-        problem = f"there is no quantity {unknown[0]}" if unknown else f"the plant does not show {unseen[0]}"
-        known = ", ".join(name for name in _ALL if name in shown or name in _SOURCE)
-        raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {known}")
+    absent = sorted(table.named - set(unknown) - set(outputs) - set(_SOURCE))
+    if unknown or absent:
+        problem = f"there is no quantity {unknown[0]}" if unknown else f"the plant does not show {absent[0]}"
+        choice = ", ".join(name for name in _ALL if name in outputs or name in _SOURCE)
+        raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {choice}")
     return (*READINGS, *(signal for name, signal in _ALL.items() if name in table.named and signal in EXTRA_READINGS))
 
 
@@ -99,11 +99,11 @@ def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: 
         # A chain of two states whose stay in the second lasts dropout_time on average, in its steady state.
         returns = min(every / table.dropout_time, 1.0)
         fails = min(returns * table.dropouts / (1.0 - table.dropouts), 1.0)
-        lost = random.uniform() < table.dropouts
-        for i, drawn in enumerate(random.uniform(size=count)):
-            if lost:
+        silent = random.uniform() < table.dropouts
+        for i, chance in enumerate(random.uniform(size=count)):
+            if silent:
                 factor[i] = np.nan
-            lost = drawn >= returns if lost else drawn < fails
+            silent = chance >= returns if silent else chance < fails
     return factor
 
 
@@ -157,8 +157,8 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     omega = 2.0 * math.pi * table.frequency
     filter_ = bilinear([1.0, 0.0, 0.0], [1.0, 2.0 * table.damping * omega, omega**2], fs=1.0 / period)
     forward, back = (np.asarray(part, dtype=np.float64) for part in filter_)
-    driven = np.arange(-lead_in, 0.0, scenario.start.speed * period)
-    before = np.interp(driven[:, None] - position, begin + _FINE * np.arange(height.values.size), height.values)
+    travel = np.arange(-lead_in, 0.0, scenario.start.speed * period)
+    before = np.interp(travel[:, None] - position, begin + _FINE * np.arange(height.values.size), height.values)
     _, state = lfilter(forward, back, before, axis=0, zi=np.zeros((2, position.size)))
     return RoughRail(
         height=height, position=position, forward=forward, back=back[1:], state=np.ascontiguousarray(state.T)
@@ -257,9 +257,9 @@ def _white(scenario: Scenario, table: WhiteTable, layout: Layout) -> WhiteSensor
     return OnTrack(white, layout, scenario, table.gnss) if _SOURCE.keys() & layout.reading.keys() else white
 
 
-def _deviations(scenario: Scenario, table: str, written: Mapping[str, Magnitude]) -> dict[str, float]:
+def _deviations(scenario: Scenario, table: str, magnitudes: Mapping[str, Magnitude]) -> dict[str, float]:
     where = f"{scenario.name}: [sensors.{table}]"
-    values = in_units(where, written, {name: signal.unit for name, signal in _ALL.items()})
+    values = in_units(where, magnitudes, {name: signal.unit for name, signal in _ALL.items()})
     negative = next((name for name, value in values.items() if value < 0.0), None)
     if negative is not None:
         raise ScenarioError(f"{where} {negative} is a standard deviation and not negative, got {values[negative]:g}")

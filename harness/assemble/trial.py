@@ -105,15 +105,15 @@ def findings(
         radius: Of the wheels of each group, as the harness believes [m].
         pressure: Full brake cylinder pressure of each group [Pa].
     """
-    shown = {name: trial.rows[:, place] for name, place in trial.layout.output.items()}
-    v, x, a = (shown[name][:, 0] for name in ("speed", "distance", "acceleration"))
+    outputs = {name: trial.rows[:, place] for name, place in trial.layout.output.items()}
+    v, x, a = (outputs[name][:, 0] for name in ("speed", "distance", "acceleration"))
     last, coasting = trial.coasting - 1, trial.coasting
     results = [_ratio("speed", v[0], speed, 0.01, "m/s at the start, [start] speed is")]
     results.append(
         _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
     )
-    lost, gained = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
-    slowing = -lost / ((len(v) - coasting) * trial.period)
+    loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
+    slowing = -loss / ((len(v) - coasting) * trial.period)
     results.append(
         Finding(
             signal="pressure_command",
@@ -121,32 +121,29 @@ def findings(
             sentence=f"full brakes slow the train by {slowing:.3g} m/s2, {_LEAST_DECELERATION:g} and more is expected",
         )
     )
-    if abs(lost) > 0.1:
+    if abs(loss) > 0.1:
         results.append(
-            _ratio("acceleration", gained, lost, 0.1, "m/s as its integral in braking, the speed changes by")
+            _ratio("acceleration", integral, loss, 0.1, "m/s as its integral in braking, the speed changes by")
         )
-    for g, believed in enumerate(radius):
-        wheel, slip = shown["wheelset_speed"][last, g], shown["slip"][last, g]
+    for g, value in enumerate(radius):
+        wheel, slip = outputs["wheelset_speed"][last, g], outputs["slip"][last, g]
         name = f"wheelset_speed[{g + 1}]"
         rolling = v[last] / wheel if wheel else math.inf
-        words = f"m of radius by speed over wheel speed; the harness believes {believed:.6g} m"
-        near = abs(rolling / believed - 1) <= _WEAR
-        hint = "" if near else _hint(believed / rolling)
+        words = f"m of radius by speed over wheel speed; the harness believes {value:.6g} m"
+        near = abs(rolling / value - 1) <= _WEAR
+        hint = "" if near else _hint(value / rolling)
         if not near and not hint:
-            hint = (
-                f": a constant slip of {1 - believed / rolling:.0%}; give the controller and the estimator this r_wheel"
-            )
+            hint = f": a constant slip of {1 - value / rolling:.0%}; give the controller and the estimator this r_wheel"
         results.append(Finding(signal=name, good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}"))
         if not math.isnan(slip):
-            good = abs(slip) <= 0.02 and shown["slip"][-1, g] > -0.005
-            sentence = (
-                f"is {slip:.3g} coasting and {shown['slip'][-1, g]:.3g} in full braking; 0, and then above, is expected"
-            )
+            braking = outputs["slip"][-1, g]
+            good = abs(slip) <= 0.02 and braking > -0.005
+            sentence = f"is {slip:.3g} coasting and {braking:.3g} in full braking; 0, and then above, is expected"
             results.append(Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence))
         results.append(
-            _ratio(f"cylinder_pressure[{g + 1}]", shown["cylinder_pressure"][-1, g], pressure[g], 0.5, "Pa of")
+            _ratio(f"cylinder_pressure[{g + 1}]", outputs["cylinder_pressure"][-1, g], pressure[g], 0.5, "Pa of")
         )
-    for i, adhesion in enumerate(shown["adhesion"][-1]):
+    for i, adhesion in enumerate(outputs["adhesion"][-1]):
         if not math.isnan(adhesion):
             good = 0 < adhesion <= _GOOD_RAIL * 1.01
             sentence = f"is {adhesion:.3g} in full braking; above 0 and at most mu0 = {_GOOD_RAIL:g} is expected"

@@ -79,18 +79,18 @@ class VehicleData:
         table = self.scenario.vehicle.formation or FormationTable()
         values: dict[str, tuple[float, ...]] = {}
         for name, unit in DESCRIPTIVE.items():
-            own, written = _array_of(self.own, name), getattr(table, name)
+            own, entry = _array_of(self.own, name), getattr(table, name)
             if own and file.variables[f"{name}[1]"].unit_name not in (unit, ""):
                 raise ScenarioError(
                     f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit_name}'; by that "
                     f"name the harness takes '{unit}'"
                 )
-            if own and written and own != tuple(written):
+            if own and entry and own != tuple(entry):
                 raise ScenarioError(
-                    f"{origin} {name} is {list(written)}, {file.file.name} has "
+                    f"{origin} {name} is {list(entry)}, {file.file.name} has "
                     f"{[float(f'{value:g}') for value in own]}; leave it out"
                 )
-            values[name] = own or written
+            values[name] = own or entry
         try:
             return Formation(
                 tuple(map(int, values[COUNTS])) or catalogue_counts(),
@@ -115,24 +115,24 @@ class VehicleData:
         formation, where = self.formation, f"{self.scenario.name}: [vehicle.formation]"
         vehicle = self.scenario.vehicle
         table = vehicle.formation or FormationTable()
-        written = in_units(f"{where} brakes", table.brakes, units_of_brakes(formation))
-        written |= {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
-        written = spread(written, formation)
+        entries = in_units(f"{where} brakes", table.brakes, units_of_brakes(formation))
+        entries |= {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
+        entries = spread(entries, formation)
         if isinstance(vehicle.plant, NamedFile) or vehicle.own_class:
             catalogue = _catalogue()
             alike = formation.wheelsets_per_group == counts_of(catalogue)
-            return (catalogue if alike else {}) | written
-        known = spread(self.own, formation)
+            return (catalogue if alike else {}) | entries
+        own = spread(self.own, formation)
         with suppress(ScenarioError):
-            known |= {f"m_wheelset[{i + 1}]": mass for i, mass in enumerate(masses_of(self.own, formation).tolist())}
-        for name, value in known.items():
-            if name in written and not isclose(written[name], value, rel_tol=1e-3):
+            own |= {f"m_wheelset[{i + 1}]": mass for i, mass in enumerate(masses_of(self.own, formation).tolist())}
+        for name, value in own.items():
+            if name in entries and not isclose(entries[name], value, rel_tol=1e-3):
                 key = "wheelset_load" if name.startswith("m_wheelset") else f"brakes {name}"
                 raise ScenarioError(
-                    f"{where} {key} says {name} = {written[name]:g}, {self.file.file.name} has {value:g}; leave it "
+                    f"{where} {key} says {name} = {entries[name]:g}, {self.file.file.name} has {value:g}; leave it "
                     "out, or change [vehicle.parameters] or [controller.parameters]"
                 )
-        return self.own | written
+        return self.own | entries
 
     @cached_property
     def controlled(self) -> Formation:
@@ -144,11 +144,11 @@ class VehicleData:
         formation, nominal, controller = self.formation, self.nominal, self.scenario.controller
         if not isinstance(controller, ControllerFmu | Custom):
             units = units_of_nominal_data(formation)
-            written = {name: value for name, value in controller.parameters.items() if name in units}
-            written = in_units("[controller.parameters]", written, units)
-            nominal = spread(nominal, formation) | spread(written, formation)
-            if "m" in written and not any(name.startswith("m_wheelset") for name in written):
-                each = written["m"] / formation.wheelsets
+            entries = {name: value for name, value in controller.parameters.items() if name in units}
+            entries = in_units("[controller.parameters]", entries, units)
+            nominal = spread(nominal, formation) | spread(entries, formation)
+            if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
+                each = entries["m"] / formation.wheelsets
                 nominal |= {f"m_wheelset[{i + 1}]": each for i in range(formation.wheelsets)}
         return replace(
             formation,
@@ -240,10 +240,10 @@ class VehicleData:
     def shown(self) -> frozenset[str]:
         """Names of what the plant shows."""
         table = set(self.scenario.vehicle.map)
-        offered = {name.partition("[")[0] for name in self.file.variables} | table
-        extra = table | (offered & {name.partition("[")[0] for name in self.file.names("output")})
+        available = {name.partition("[")[0] for name in self.file.variables} | table
+        extra = table | (available & {name.partition("[")[0] for name in self.file.names("output")})
         return frozenset(
-            {"slip"} | {s.name for s in PLANT if s.name in offered} | {s.name for s in EXTRA if s.name in extra}
+            {"slip"} | {s.name for s in PLANT if s.name in available} | {s.name for s in EXTRA if s.name in extra}
         )
 
     @cached_property
@@ -303,8 +303,8 @@ def catalogue_counts() -> tuple[int, ...]:
 def catalogue_brakes(groups: int) -> tuple[BrakeGroup, ...]:
     """Return brakes as the catalogue train has them, for a plant of so many groups that says nothing of its own."""
     nominal = _catalogue()
-    known = brake_groups_of(nominal, Formation(counts_of(nominal)))
-    return tuple(known[g % len(known)] for g in range(groups))
+    brakes = brake_groups_of(nominal, Formation(counts_of(nominal)))
+    return tuple(brakes[g % len(brakes)] for g in range(groups))
 
 
 def _catalogue() -> dict[str, float]:

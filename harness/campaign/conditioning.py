@@ -88,7 +88,7 @@ def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
     if choose("auto") == _OTHER or recipe is None:
         return
     path = fmu(recipe, _OTHER)
-    update = {"plant": NamedFile(written=str(path), path=path), "trust": True}
+    update = {"plant": NamedFile(entry=str(path), path=path), "trust": True}
     yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **update)
 
 

@@ -57,7 +57,7 @@ def run_campaigns(
     scheduler: str | None = None,
     fresh: bool = False,
     tell: Callable[[Report], None],
-    finished: Callable[[int], None] = lambda number: None,
+    on_complete: Callable[[int], None] = lambda number: None,
 ) -> list[list[Report]]:
     """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
 
@@ -72,7 +72,7 @@ def run_campaigns(
         scheduler: Address of a Dask cluster that runs the stops in place of processes here; it needs no disk of ours.
         fresh: Whether to run also what is there.
         tell: Called as soon as something became of a stop.
-        finished: Called with the number of a campaign when all its stops are there, while others go on.
+        on_complete: Called with the number of a campaign when all its stops are there, while others go on.
 
     Raises:
         RecordError: Results cannot be written there; nothing was run.
@@ -95,12 +95,12 @@ def run_campaigns(
     with _running(waiting, runner, workers, scheduler) as running:
         for number in range(len(campaigns)):
             if number not in open_:
-                finished(number)
+                on_complete(number)
         for order, report in running:
             reports[order.campaign][order.stop.name] = report
             tell(report)
             if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
-                finished(order.campaign)
+                on_complete(order.campaign)
     return [
         [reports_of[stop.name] for stop in one.campaign.stops]
         for one, reports_of in zip(campaigns, reports, strict=True)

@@ -119,9 +119,11 @@ def swept(
         raise ScenarioError(f"sweep: workers is 1 or more, got {workers}")
     scenarios = [variant(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
     results: dict[int, Result] = {}
-    with progress(name, len(scenarios), counted=True) as bar:
-        finished = _in_processes(scenarios, own, workers) if workers > 1 and _portable(own) else _here(scenarios, own)
-        for number, result in finished:
+    with progress(name, len(scenarios), is_count=True) as bar:
+        numbered_results = (
+            _in_processes(scenarios, own, workers) if workers > 1 and _portable(own) else _here(scenarios, own)
+        )
+        for number, result in numbered_results:
             results[number] = result
             bar.advance()
     return Sweep(

@@ -184,7 +184,7 @@ def search(
     pool: Executor,
     *,
     rails: Path = RAILS,
-    planned: Sequence[PlannedStop] | None = None,
+    rail_stops: Sequence[PlannedStop] | None = None,
     sets: int = _SETS,
     budget: int | None = None,
 ) -> Optimum:
@@ -199,16 +199,16 @@ def search(
         tell: Called after each generation with its number and the best reduction against the reference.
         pool: To run stops in.
         rails: Campaign with the axes rail and edge.
-        planned: Stops of this kind of actuation in place of its rails, each with the variant rail.
+        rail_stops: Stops of this kind of actuation in place of its rails, each with the variant rail.
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
         budget: Sets to be tried in all, whatever is searched; None for `sets`.
     """
     from scipy.optimize import Bounds, differential_evolution
     from scipy.stats.qmc import Sobol
 
-    if planned is None:
-        planned = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
-    scenarios = [stop.scenario for stop in planned]
+    if rail_stops is None:
+        rail_stops = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
+    scenarios = [stop.scenario for stop in rail_stops]
     ranges = RANGES[law][actuation, slip]
     stops = tuple(_under(law, slip, scenario) for scenario in scenarios)
     objective = Objective(tuple(ranges), stops)
@@ -250,7 +250,7 @@ def search(
     return Optimum(
         values=values,
         sets=population * (generations + 1),
-        rails=tuple(stop.variants["rail"] for stop in planned),
+        rails=tuple(stop.variants["rail"] for stop in rail_stops),
         distances=tuple(distances),
         reference=tuple(reference),
     )

@@ -49,9 +49,9 @@ def campaign(
     from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign
 
-    planned = [load_campaign(file, overrides or []) for file in files]
+    campaigns = [load_campaign(file, overrides or []) for file in files]
     own = out if out is not None and len(files) == 1 else None
-    runs = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in planned]
+    runs = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in campaigns]
     twice = next((one for one in runs if [a.directory for a in runs].count(one.directory) > 1), None)
     if twice is not None:
         raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
@@ -60,7 +60,7 @@ def campaign(
         one = runs[number]
         write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
 
-    problem = _run_campaigns(runs, workers=workers, fresh=fresh, finished=draw, import_from=import_from or ())
+    problem = _run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
     for one in runs:
         _show_distances(rows_of(read_results(one.directory)))
         say(f"{one.directory}/index.html")
@@ -91,15 +91,17 @@ def conditioning(
     whole = load_campaign(file)
     if whole.conditioning is None:
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
-    chosen = whole.only(lambda stop: fnmatch(stop.name, stops))
-    if not chosen.stops:
+    selection = whole.only(lambda stop: fnmatch(stop.name, stops))
+    if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {whole.stops[0].name} and others")
     others = {} if stops == "*" else _repeated_before(whole.conditioning, relative)
-    repeated = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in chosen.stops}
+    repetitions = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in selection.stops}
     directory = out / whole.name
-    problem = _run_campaigns([CampaignRun(campaign_of(chosen, repeated), directory)], workers=workers, fresh=fresh)
+    problem = _run_campaigns(
+        [CampaignRun(campaign_of(selection, repetitions), directory)], workers=workers, fresh=fresh
+    )
     # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
-    results = conditioning_of(chosen, repeated, directory, relative)
+    results = conditioning_of(selection, repetitions, directory, relative)
     write_text(whole.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
@@ -159,13 +161,13 @@ def regress(
         problem = code or problem
         comparisons = compare(baseline, findings)
         show_table(comparison_table(comparisons, path.name), "nothing changed")
-        strayed = [comparison.name for comparison in comparisons if comparison.state != "kept"]
-        if strayed:
+        deviations = [comparison.name for comparison in comparisons if comparison.state != "kept"]
+        if deviations:
             problem = RUN_FAILED
             what = "stops" if baseline.campaign is not None else "figures"
             complain(
-                f"{path.name}: {len(strayed)} of {len(comparisons)} {what} did not keep to their baseline: "
-                f"{', '.join(strayed)}; if that is right, `railgrip accept --reason '…'`"
+                f"{path.name}: {len(deviations)} of {len(comparisons)} {what} did not keep to their baseline: "
+                f"{', '.join(deviations)}; if that is right, `railgrip accept --reason '…'`"
             )
     if problem:
         raise typer.Exit(problem)
@@ -194,13 +196,13 @@ def accept(
         findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
         after = accepted(baseline, findings, reason)
         # What kept to its tolerance may have become a range all the same.
-        moved = tuple(
+        changes = tuple(
             comparison
             for comparison in compare(baseline, findings)
             if after.accepted.get(comparison.name) != baseline.accepted.get(comparison.name)
         )
         write_baseline(after, path)
-        show_table(comparison_table(moved, f"{path.name}: accepted"), "nothing changed")
+        show_table(comparison_table(changes, f"{path.name}: accepted"), "nothing changed")
 
 
 @app.command()
@@ -249,20 +251,20 @@ def tune_control(
     def note(name: str, number: int, best: float) -> None:
         say(f"{name}, generation {number}: {100 * best:+.2f} % against slip-based control")
 
-    planned, searched = None, frozenset(EDGES)
+    stops, kinds = None, frozenset(EDGES)
     if cases is not None:
         from railgrip.studies.type_test.entrants import training
 
-        planned, searched = training(cases), frozenset({"pneumatic"})
+        stops, kinds = training(cases), frozenset({"pneumatic"})
     options = {"--cases": cases, "--budget": budget}
     with processes(workers) as pool:
         for each in law or RANGES:
             optima: dict[tuple[str, SlipSource], Optimum] = {}
-            for actuation, slip in (kind for kind in RANGES[each] if kind[0] in searched):
+            for actuation, slip in (kind for kind in RANGES[each] if kind[0] in kinds):
                 name = f"{each}, {actuation} actuation, {slip} slip"
                 with progress(name):
                     tell = partial(note, name)
-                    optima[actuation, slip] = search(each, actuation, slip, tell, pool, planned=planned, budget=budget)
+                    optima[actuation, slip] = search(each, actuation, slip, tell, pool, rail_stops=stops, budget=budget)
                 say(text_of(each, {(actuation, slip): optima[actuation, slip]}))
             command = " ".join(
                 (
@@ -307,17 +309,17 @@ def _run_campaigns(
     *,
     workers: int,
     fresh: bool,
-    finished: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
+    on_complete: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
     import_from: Sequence[Path] = (),
 ) -> int:
     """Run campaigns with progress; return the exit code that their stops call for.
 
-    `finished` is called with the number of a campaign that is complete, and with what tells the user of its doing.
+    `on_complete` is called with the number of a campaign that is complete, and with what tells the user of its doing.
     """
     from railgrip.campaign.run import Report, run_campaigns
 
     names = ", ".join(one.campaign.name for one in runs)
-    with progress(names, sum(len(one.campaign.stops) for one in runs), counted=True) as bar:
+    with progress(names, sum(len(one.campaign.stops) for one in runs), is_count=True) as bar:
 
         def tell(report: Report) -> None:
             bar.advance()
@@ -325,13 +327,13 @@ def _run_campaigns(
                 complain(f"{report.stop.name}: {report.sentence}")
 
         def complete(number: int) -> None:
-            finished(number, lambda what: bar.update(doing=f"drawing {what}"))
+            on_complete(number, lambda what: bar.update(doing=f"drawing {what}"))
             bar.update(doing="")
 
         reports = run_campaigns(
-            runs, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, finished=complete
+            runs, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, on_complete=complete
         )
-    states = {report.state for reported in reports for report in reported}
+    states = {report.state for group in reports for report in group}
     if "refused" in states:
         return ScenarioError.exit_code
     return RUN_FAILED if states & {"failed", "ended_badly"} else 0
@@ -366,10 +368,10 @@ def _baseline_files(folder: Path) -> list[Path]:
 def _show_distances(rows: "Sequence[Row]") -> None:
     from railgrip.report.distances import tables_of
 
-    drawn, single = tables_of(rows)
-    if drawn:
-        show_table(drawn)
-    if single or not drawn:
+    draws, single = tables_of(rows)
+    if draws:
+        show_table(draws)
+    if single or not draws:
         show_table(single.without(_NOT_ON_SCREEN), "no results")
 
 

@@ -53,7 +53,7 @@ def observability(
         with progress(f"{specification.name}: filter"):
             recording = with_estimates_as_truth(specification, recording)
     with progress(f"{specification.name}: windows"):
-        observed = observe(specification, recording)
+        observation = observe(specification, recording)
     ranks = [
         {
             "at": f"{point.time:.2f} s, {point.what}",
@@ -61,14 +61,14 @@ def observability(
             "derivatives": point.information.order,
             "not determined": ", ".join(point.information.undetermined) or "–",
         }
-        for point in observed.points
+        for point in observation.points
     ]
     show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
-    windows = observed.windows
+    windows = observation.windows
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
-    shown = tuple(gate.inputs) if gate is not None else prediction_for(specification).inputs[:2]
-    picture = information(recording, windows, folder / "observability.png", inputs=shown)
+    inputs = tuple(gate.inputs) if gate is not None else prediction_for(specification).inputs[:2]
+    picture = information(recording, windows, folder / "observability.png", inputs=inputs)
     say(f"{folder}/observability.csv, {picture}")
 
 
@@ -134,21 +134,21 @@ def _print_errors(recording: "xarray.Dataset", estimates: "xarray.Dataset") -> N
         f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
         "filter is surer than its readings allow."
     )
-    known = [str(state) for state in estimates["state"].values if knows(recording, str(state))]
-    if not known:
+    states = [str(state) for state in estimates["state"].values if knows(recording, str(state))]
+    if not states:
         return
     rows = [
         {
             "state": state,
-            "rmse": judged.rmse,
-            "of the best constant": judged.constant,
-            "bias": judged.bias,
-            "largest": judged.largest,
-            "NEES": judged.nees,
-            "within 2 sd": judged.covered,
+            "rmse": judgement.rmse,
+            "of the best constant": judgement.constant,
+            "bias": judgement.bias,
+            "largest": judgement.largest,
+            "NEES": judgement.nees,
+            "within 2 sd": judgement.covered,
         }
-        for state in known
-        for judged in (judge(recording, estimates, state),)
+        for state in states
+        for judgement in (judge(recording, estimates, state),)
     ]
     forms: dict[str, Form] = {
         **dict.fromkeys(("rmse", "of the best constant", "largest"), "{:.4g}"),

@@ -37,7 +37,7 @@ def run(
             scenario,
             directory,
             runner(engine, import_from or ()),
-            lambda speed: bar.update(done=scenario.start.speed - speed),
+            lambda speed: bar.update(amount=scenario.start.speed - speed),
             remark,
         )
     metrics = stop.metrics
@@ -128,8 +128,8 @@ def map_(
         tell=lambda sentence: None,
     )  # fmt: skip
     try:
-        with plant as opened:
-            trial = tried(layout_of(formation), opened, period=period, release=(0.0,) * len(groups), brake=pressure)
+        with plant as fmu:
+            trial = tried(layout_of(formation), fmu, period=period, release=(0.0,) * len(groups), brake=pressure)
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")
         raise typer.Exit(RUN_FAILED) from failed

@@ -66,7 +66,7 @@ def ride(
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
     with progress(specification.name, 1.0) as bar:
-        result = ride_beside(specification, file.parent, lambda share: bar.update(done=share), remark)
+        result = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
     write_bytes(folder / "ride.nc", bytes(result.trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(result.trace), folder / "ride.png")
     last = result.trace.isel(time=-1)
@@ -123,14 +123,14 @@ def tune(
     tasks = [task_of(run.braking, model) for run in field_runs.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
-    with progress("generations", generations, counted=True) as bar:
+    with progress("generations", generations, is_count=True) as bar:
         optimum = search_for(
             kind,
             tasks,
             model,
             search,
             checkpoint,
-            lambda generation, best: bar.update(done=generation, doing=f"best {best:.6f} m/s"),
+            lambda generation, best: bar.update(amount=generation, doing=f"best {best:.6f} m/s"),
         )
     command = (
         f"railgrip tune {kind} --population {population} --generations {generations} --stage {stage} --seed {seed} "
@@ -164,7 +164,7 @@ def lateral(
 
     plan = QUICK if quick else FULL
     folder = out / "quick" if quick else out
-    with progress("lateral", len(plan.cases), counted=True) as bar:
+    with progress("lateral", len(plan.cases), is_count=True) as bar:
         results = conduct(plan, workers=workers, tell=lambda case, was_there: bar.advance())
         bar.update(doing="report")
         page = write_report(plan, results, folder, tell=lambda what: bar.update(doing=what))
@@ -221,8 +221,8 @@ def monitor_study(
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     design, plan = Design(), lives(seeds, stops, pressure_offset)
-    with progress("lives", seeds, counted=True) as bar, processes(workers) as pool:
-        evidence = evidence_of_lives(plan, pool, lambda count: bar.update(done=count))
+    with progress("lives", seeds, is_count=True) as bar, processes(workers) as pool:
+        evidence = evidence_of_lives(plan, pool, lambda count: bar.update(amount=count))
     show_table(verdict_of(plan, evidence, design).table())
     say(str(draw(watch(evidence[0], design), design, out / "life.png")))
 
@@ -263,7 +263,7 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     from railgrip.studies.axle_box.tables import report
 
     size = QUICK if quick else FULL
-    with progress("learn", pieces(size), counted=True) as bar:
+    with progress("learn", pieces(size), is_count=True) as bar:
         results = study(size, inputs=inputs or "longitudinal", workers=workers, tell=bar.advance)
         bar.update(doing="figures and FMUs")
         figures = draw(results, out)
@@ -284,7 +284,7 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
     network = specification.network if inputs is None else specification.network.model_copy(update={"inputs": inputs})
     folder = out or OUT.with_name(f"learn_{specification.name}")
     labels = file.parent / specification.runs.labels
-    with progress("learn", len(read_labels(labels)), counted=True) as bar:
+    with progress("learn", len(read_labels(labels)), is_count=True) as bar:
         read = read_folder(file.parent / specification.runs.folder, labels, specification.data, bar.advance)
         bar.update(doing="training and judging", total=len(read.runs) + own_pieces(read.runs))
         text, trained = judge_own(read.runs, network.recipe(), workers=workers, remarks=read.remarks, tell=bar.advance)

@@ -97,7 +97,7 @@ def study(
     trial, model = trial_of(), Path("emu387")
     text = installed(model, "trains").read_text(encoding="utf-8")
     pieces = len(names) + len(counts) + 2
-    with progress("trains", pieces, counted=True) as bar, tempfile.TemporaryDirectory() as folder:
+    with progress("trains", pieces, is_count=True) as bar, tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{model}_{count}.toml" for count in counts]
         for file, count in zip(files, counts, strict=True):
             file.write_text(multiplied(text, count), encoding="utf-8")
@@ -106,12 +106,12 @@ def study(
             dry_stops.append(dry_stop(train))
             bar.advance()
         stops, series = dry_stops[: len(names)], dry_stops[len(names) :]
-        protected = [protected_stop(period) for period in (1e-3, 10e-3)]
+        protected_stops = [protected_stop(period) for period in (1e-3, 10e-3)]
         bar.advance()
         density, comparisons = compare(trial)
         bar.advance()
-        page = write_report(stops, series, protected, trial, density, comparisons, out)
+        page = write_report(stops, series, protected_stops, trial, density, comparisons, out)
     show_table(table_of(stops))
-    show_table(table_of_protected(protected))
+    show_table(table_of_protected(protected_stops))
     show_table(table_of_sanders(comparisons))
     say(str(page))

@@ -56,21 +56,23 @@ def type_test(
     from railgrip.studies.type_test.report import compared, leaderboard_of, write_report
 
     judging, ours = limits_of(limits), entrants()
-    selected = ours if controller is None else entrants_named(controller, ours)
-    if against is not None and against not in ours | selected:
-        raise ScenarioError(f"--against {against}: is none of {', '.join(ours | selected)}")
+    candidates = ours if controller is None else entrants_named(controller, ours)
+    if against is not None and against not in ours | candidates:
+        raise ScenarioError(f"--against {against}: is none of {', '.join(ours | candidates)}")
     # What others are measured with is run, too; what they are compared with comes from earlier runs.
-    running = {name for name, one in ours.items() if one.role in {"reference", "bound"}} | selected.keys()
+    running = {name for name, one in ours.items() if one.role in {"reference", "bound"}} | candidates.keys()
     if case:
-        drawn = tuple(case_named(name) for name in case)
+        blind_cases = tuple(case_named(name) for name in case)
     else:
-        drawn = cases(count or (QUICK if quick else CASES), VALIDATION_SEED if validation else SEED)
-    whole = campaign_of(drawn, ours | selected, train_of(train), task=task and task_of(task), keep_traces=bool(case))
-    planned = whole.only(lambda stop: stop.variants["controller"] in running)
-    directory = out.joinpath(*(Path(written).stem for written in (train, task) if written is not None))
+        blind_cases = cases(count or (QUICK if quick else CASES), VALIDATION_SEED if validation else SEED)
+    whole = campaign_of(
+        blind_cases, ours | candidates, train_of(train), task=task and task_of(task), keep_traces=bool(case)
+    )
+    stops = whole.only(lambda stop: stop.variants["controller"] in running)
+    directory = out.joinpath(*(Path(file).stem for file in (train, task) if file is not None))
     if case:
         directory = directory / "cases"
-    with progress(whole.name, len(planned.stops), counted=True) as bar:
+    with progress(whole.name, len(stops.stops), is_count=True) as bar:
 
         def tell(report: "Report") -> None:
             bar.advance()
@@ -78,7 +80,7 @@ def type_test(
                 complain(f"{report.stop.name}: {report.sentence}")
 
         (reports,) = run_campaigns(
-            [CampaignRun(planned, directory)],
+            [CampaignRun(stops, directory)],
             runner(import_from=import_from or ()),
             workers=workers,
             scheduler=scheduler,
@@ -88,12 +90,12 @@ def type_test(
         write_description(whole, directory)
         bar.update(doing="report")
         again = "".join(f" --{key} {value}" for key, value in (("train", train), ("task", task)) if value is not None)
-        page = write_report(read_results(directory), ours | selected, judging, directory, again)
+        page = write_report(read_results(directory), ours | candidates, judging, directory, again)
     show_table(leaderboard_of(directory))
     if against is not None:
         show_table(compared(directory, against))
-    for stop in planned.stops if case else ():
-        if stop.variants["controller"] in selected and (directory / stop.name / "trace.nc").exists():
+    for stop in stops.stops if case else ():
+        if stop.variants["controller"] in candidates and (directory / stop.name / "trace.nc").exists():
             say(str(write_panels(directory / stop.name)))
     say(str(page))
     states = {report.state for report in reports}

@@ -214,8 +214,8 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     if missing:
         raise EstimationError(f"settings: {what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}.")
-    allowed = {*names, *(name.partition("[")[0] for name in names)}
-    strange = [name for name in values if name not in allowed]
+    choice = {*names, *(name.partition("[")[0] for name in names)}
+    strange = [name for name in values if name not in choice]
     if strange:
         raise EstimationError(f"settings: {what} has {', '.join(strange)}, the model has {', '.join(names)}.")
     return np.array([values.get(name, values.get(name.partition("[")[0], np.nan)) for name in names])

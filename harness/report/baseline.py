@@ -302,13 +302,13 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
             if baseline.campaign is not None:
                 raise ScenarioError(f"accept: {name} did not come to a standstill; a baseline is a distance")
             raise ScenarioError(f"accept: {name} has no value; a baseline is a number")
-        unchanged = before if comparison.state == "kept" else None
+        old = before if comparison.state == "kept" else None
         if baseline.campaign is not None:
             # A number that turns out to be a range, or no longer to be one, is accepted anew.
             spreads = finding.repeated is not None and finding.repeated.spreads
             stop = (
-                unchanged
-                if isinstance(unchanged, Accepted) and (unchanged.is_range == spreads or finding.repeated is None)
+                old
+                if isinstance(old, Accepted) and (old.is_range == spreads or finding.repeated is None)
                 else _accepted_stop(finding, finding.value, before, reason)
             )
             beside = {
@@ -319,8 +319,8 @@ def accepted(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         else:
             tolerance = finding.tolerance or TOLERANCE * abs(finding.value)
             figures[name] = (
-                unchanged
-                if isinstance(unchanged, AcceptedFigure)
+                old
+                if isinstance(old, AcceptedFigure)
                 else AcceptedFigure(
                     value=_digits(finding.value, 4),
                     tolerance=_digits(tolerance, 2),

@@ -39,17 +39,17 @@ def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequ
             panel.plot(time, factor * reading_of(recording, name), color=colour, lw=0.9, label=_element(name))
         style.dress(panel, y=f"{family.replace('_', ' ')} [{unit}]")
         _legend(panel, len(names))
-    settled = time >= time[0] + _SETTLED * (time[-1] - time[0])
+    later = time >= time[0] + _SETTLED * (time[-1] - time[0])
     for panel, (family, names) in zip(panels[len(families) :], states.items(), strict=False):
         bands: list[np.ndarray] = []
         for name, colour in zip(names, _COLOURS, strict=False):
             mean, sd = (estimates[what].sel(state=name).values for what in ("mean", "sd"))
             style.band(panel, time, mean - 2 * sd, mean + 2 * sd, colour, 0.15)
             panel.plot(time, mean, color=colour, lw=1.0, label=_element(name))
-            bands.append(mean[settled])
+            bands.append(mean[later])
             if knows(recording, name):
                 panel.plot(time, truth_of(recording, name), color=colour, lw=1.0, ls="--")
-                bands.append(truth_of(recording, name)[settled])
+                bands.append(truth_of(recording, name)[later])
         style.dress(panel, y=_WORDS.get(family, family))
         panel.set_ylim(*_reach(np.concatenate(bands)))
         _legend(panel, len(names))

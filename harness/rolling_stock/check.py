@@ -50,14 +50,14 @@ def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
 
 
 def _masses(train: Train) -> Iterator[Finding]:
-    shared = any(placed.shared for car in train.cars for placed in car.bogies)
+    shared = any(mount.shared for car in train.cars for mount in car.bogies)
     if shared:
         pairs = [("[[cars]] mass", "all cars together", sum(car.mass for car in train.cars), train.mass)]
     else:
-        carried = [sum(axle.mass for axle in train.axles if axle.car == i) for i in range(len(train.cars))]
+        load = [sum(axle.mass for axle in train.axles if axle.car == i) for i in range(len(train.cars))]
         pairs = [
             (f"[cars[{i}]] mass", car.name, car.mass, on_axles)
-            for i, (car, on_axles) in enumerate(zip(train.cars, carried, strict=True), start=1)
+            for i, (car, on_axles) in enumerate(zip(train.cars, load, strict=True), start=1)
         ]
     for key, who, mass, on_axles in pairs:
         if abs(mass - on_axles) > _SAME_MASS * mass:
@@ -68,11 +68,11 @@ def _masses(train: Train) -> Iterator[Finding]:
     for kind, ours in _by_kind(train):
         for bogie in ours:
             own = bogie.data.frame_mass + bogie.data.axle_mass * len(bogie.axles)
-            carried = sum(train.axles[i].mass for i in bogie.axles)
-            if own >= carried:
+            load = sum(train.axles[i].mass for i in bogie.axles)
+            if own >= load:
                 yield Finding(
                     f"[bogies.{kind}] frame_mass",
-                    f"frame and axles have {own / 1e3:g} t, but only {carried / 1e3:g} t stand on the bogie's axles",
+                    f"frame and axles have {own / 1e3:g} t, but only {load / 1e3:g} t stand on the bogie's axles",
                 )
                 break
     rotating = (
@@ -89,12 +89,12 @@ def _masses(train: Train) -> Iterator[Finding]:
 
 def _places(train: Train) -> Iterator[Finding]:
     for number, car in enumerate(train.cars, start=1):
-        for placed in car.bogies:
-            half = train.bogies[placed.kind].wheelbase / 2
-            if not placed.shared and (placed.at < half or placed.at + half > car.length):
+        for mount in car.bogies:
+            half = train.bogies[mount.kind].wheelbase / 2
+            if not mount.shared and (mount.at < half or mount.at + half > car.length):
                 yield Finding(
                     f"[cars[{number}]] bogies",
-                    f"the axles of {placed.kind} at {placed.at:g} m are not under {car.name}, {car.length:g} m long",
+                    f"the axles of {mount.kind} at {mount.at:g} m are not under {car.name}, {car.length:g} m long",
                 )
     for kind, bogie in train.bogies.items():
         gaps = [b - a for a, b in zip(bogie.axles, bogie.axles[1:], strict=False)]
@@ -123,11 +123,11 @@ def _brakes(train: Train) -> Iterator[Finding]:
 
 def _accelerators(train: Train) -> Iterator[Finding]:
     for kind, vent in train.accelerators.items():
-        sensed = vent.opening_rate * vent.sensing_time
-        if sensed < _SENSED:
+        drop = vent.opening_rate * vent.sensing_time
+        if drop < _SENSED:
             yield Finding(
                 f"[accelerators.{kind}] sensing_time",
-                f"times opening_rate is {sensed / 1e5:g} bar: less than {_SENSED / 1e5:g} bar and the brake runs "
+                f"times opening_rate is {drop / 1e5:g} bar: less than {_SENSED / 1e5:g} bar and the brake runs "
                 "through the pipe faster than sound here, for cells smear its front",
                 wrong=False,
             )

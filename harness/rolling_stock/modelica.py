@@ -47,11 +47,11 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
     body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
     axles, groups, bogies = train.axles, train.groups, train.bogies_in_train
     bogie_of_group = [train.bogie_of(number) for number in range(len(groups))]
-    carried = [body_of_car[axle.car] for axle in axles]
+    carriers = [body_of_car[axle.car] for axle in axles]
     bodies = range(body_of_car[-1] + 1)
-    known: dict[str, Sequence[float]] = {
+    values: dict[str, Sequence[float]] = {
         "wheelsets_per_group": [len(members) for members in groups],
-        "wheelsets_per_car": [carried.count(body) for body in bodies],
+        "wheelsets_per_car": [carriers.count(body) for body in bodies],
         "wheelset_position": [axle.position - axles[0].position for axle in axles],
         "m_wheelset": [axle.mass for axle in axles],
         "m_unsprung": [bogies[axle.bogie].data.axle_mass for axle in axles],
@@ -90,15 +90,15 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
                 "body": body_of_car[bogie.cars[0]] + 1,
             }
         )
-    piped = train.command is not None and train.command.kind == "brake_pipe"
+    has_pipe = train.command is not None and train.command.kind == "brake_pipe"
     kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
     # Through the pipe each car has a pressure of its own, by wire there is one for all.
-    available = [max(_pressures(train, number)) for number in range(len(train.cars))] if piped else [1.0]
+    available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else [1.0]
     cells = _CELLS_OF_A_CAR if any(train.accelerator_of_car) else 1
     distributors = train.distributor_of_car
-    single, staged = ([i for i, one in enumerate(distributors) if (one is None) == plain] for plain in (True, False))
+    single, two_stage = ([i for i, one in enumerate(distributors) if (one is None) == plain] for plain in (True, False))
     part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
-    part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(staged, start=1)}
+    part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
     return rendered(
         "rolling_stock/plant.mo.jinja",
         name=class_name(train, pneumatic=pneumatic),
@@ -107,7 +107,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         pneumatic=pneumatic,
         groups=len(groups),
         wheelsets=len(axles),
-        known=known,
+        parameters=values,
         rigging=rigging,
         suspension=suspension,
         bogies=parts,
@@ -115,7 +115,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         bodies=[
             {
                 # Of the parameters: who changes them changes the body.
-                "mass": f"sum(m_wheelset[{carried.index(body) + 1}:{len(carried) - carried[::-1].index(body)}])",
+                "mass": f"sum(m_wheelset[{carriers.index(body) + 1}:{len(carriers) - carriers[::-1].index(body)}])",
                 "title": _text(
                     ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
                 ),
@@ -130,17 +130,17 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         command=train.command,
         available=available,
         distributor_of_car=part_of_car,
-        single_stage=[available[car] for car in single] if piped else [],
+        single_stage=[available[car] for car in single] if has_pipe else [],
         two_stages=[
             {"distributor": distributors[car], "pressure": available[car], "body": body_of_car[car] + 1}
-            for car in staged
+            for car in two_stage
         ],
         accelerators=[
             {"accelerator": vent, "car": car} for car, vent in enumerate(train.accelerator_of_car) if vent is not None
         ],
         lengths=[car.length / cells for car in train.cars for _ in range(cells)],
         branch_of_car=[cells * number + (cells + 1) // 2 for number in range(len(train.cars))],
-        supply_of_group=[axles[members[0]].car + 1 if piped else 1 for members in groups],
+        supply_of_group=[axles[members[0]].car + 1 if has_pipe else 1 for members in groups],
         commands=_sharing(train.groups_per_valve),
         array=_array,
         lowest=_lowest,

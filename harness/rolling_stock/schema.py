@@ -51,8 +51,8 @@ class Sourced(Table):
                 raise broken("names its estimated keys, but nobody for the others: give source = '…', too")
             for key in self.estimated:
                 if key not in type(self).model_fields:
-                    known = ", ".join(name for name in type(self).model_fields if name not in Sourced.model_fields)
-                    raise broken(f"calls '{key}' estimated, which it does not have; it has {known}")
+                    choice = ", ".join(name for name in type(self).model_fields if name not in Sourced.model_fields)
+                    raise broken(f"calls '{key}' estimated, which it does not have; it has {choice}")
         return self
 
 
@@ -342,20 +342,20 @@ class Train(Table):
             _known("track_brakes", magnets, self.track_brakes, f"[bogies.{kind}] track_brake")
         for number, car in enumerate(self.cars, start=1):
             where = f"[cars[{number}]]"
-            _known("bogies", [placed.kind for placed in car.bogies], self.bogies, f"{where} bogies")
+            _known("bogies", [mount.kind for mount in car.bogies], self.bogies, f"{where} bogies")
             _known("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
             for key, table in (("distributor", self.distributors), ("accelerator", self.accelerators)):
                 name = getattr(car, key)
                 _known(f"{key}s", [name] if name else [], table, f"{where} {key}")
                 if name and not isinstance(self.command, BrakePipe):
                     raise broken(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
-            count = sum(len(self.bogies[placed.kind].axles) for placed in car.bogies)
+            count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
             if car.axle_masses and len(car.axle_masses) != count:
                 raise broken(f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles")
-            if not car.axle_masses and any(placed.shared for placed in car.bogies):
+            if not car.axle_masses and any(mount.shared for mount in car.bogies):
                 raise broken(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
             last = number == len(self.cars)
-            if last and (car.coupler or any(placed.shared for placed in car.bogies)):
+            if last and (car.coupler or any(mount.shared for mount in car.bogies)):
                 raise broken(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
         if not self.axles:
             raise broken("[[cars]] have no bogies: a train runs on one axle at least")
@@ -376,20 +376,20 @@ class Train(Table):
         bogies: list[BogieInTrain] = []
         front, first = 0.0, 0
         for number, car in enumerate(self.cars):
-            for placed in car.bogies:
-                data = self.bogies[placed.kind]
+            for mount in car.bogies:
+                data = self.bogies[mount.kind]
                 last = first + len(data.axles)
                 bogies.append(
                     BogieInTrain(
-                        kind=placed.kind,
+                        kind=mount.kind,
                         data=data,
                         brake=self.brakes[data.brake],
                         pads=self.pads[self.brakes[data.brake].pads],
                         track_brake=self.track_brakes[data.track_brake] if data.track_brake else None,
-                        position=front + placed.at - data.wheelbase / 2,
+                        position=front + mount.at - data.wheelbase / 2,
                         axles=range(first, last),
-                        cars=(number, number + 1) if placed.shared else (number,),
-                        reversed=placed.reversed,
+                        cars=(number, number + 1) if mount.shared else (number,),
+                        reversed=mount.reversed,
                     )
                 )
                 first = last
@@ -479,11 +479,11 @@ class Train(Table):
         return sum(car.length for car in self.cars)
 
     def _axle_masses(self, car: Car) -> Sequence[float]:
-        count = sum(len(self.bogies[placed.kind].axles) for placed in car.bogies)
+        count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
         return car.axle_masses or [car.mass / max(count, 1)] * count
 
 
-def _known(table: str, names: Sequence[str], known: Mapping[str, Table], where: str) -> None:
+def _known(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
     for name in names:
-        if name not in known:
-            raise broken(f"{where} names '{name}', which is not in [{table}]; it has {', '.join(known) or 'nothing'}")
+        if name not in choice:
+            raise broken(f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}")

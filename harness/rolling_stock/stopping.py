@@ -100,7 +100,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     stages = _Stages(train, speed)
     v, s, t = speed, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
-    developed: list[float] = []
+    decelerations: list[float] = []
     history: list[Vector] = []
     car_mass = cars @ (mass + turning)
     while v > 0:
@@ -123,7 +123,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         surplus = np.cumsum(of_cars - car_mass * deceleration)[:-1]
         joints = np.where(np.abs(surplus) > np.abs(joints), surplus, joints)
         if t > developed_at:
-            developed.append(deceleration)
+            decelerations.append(deceleration)
         last = deceleration * _STEP >= v
         step = v / deceleration if last else _STEP
         s += v * step - 0.5 * deceleration * step**2
@@ -131,7 +131,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         t += step
         if t > _LONGEST:
             raise ValueError(f"{train.name} does not come to stand within {_LONGEST:g} s")
-    mean = float(np.mean(developed)) if developed else speed**2 / (2 * s)
+    mean = float(np.mean(decelerations)) if decelerations else speed**2 / (2 * s)
     return HandCalculation(
         distance=s,
         duration=t,

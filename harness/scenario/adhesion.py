@@ -103,7 +103,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         case Random():
             friction = _random(adhesion, places, scenario.seed)
         case FromTable(curve=curve):
-            _check_count(scenario, f"[adhesion] file {adhesion.file.written}", curve.mu0.shape[1], wheelsets)
+            _check_count(scenario, f"[adhesion] file {adhesion.file.entry}", curve.mu0.shape[1], wheelsets)
             friction = _from_curve(
                 curve, np.broadcast_to(places, (axis.size, max(places.shape[1], curve.mu0.shape[1])))
             )
@@ -159,9 +159,9 @@ def reach_of(scenario: Scenario) -> float:
     Raises:
         ScenarioError: That is too far to be tabulated.
     """
-    driven = scenario.demand is not None and scenario.demand.has_traction
-    reach = (FASTEST if driven else scenario.start.speed) * scenario.limits.horizon
-    fastest = "any train" if driven else "[start] speed"
+    has_traction = scenario.demand is not None and scenario.demand.has_traction
+    reach = (FASTEST if has_traction else scenario.start.speed) * scenario.limits.horizon
+    fastest = "any train" if has_traction else "[start] speed"
     _demand_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
     return reach
 
@@ -282,5 +282,5 @@ def _conditioned(mu0: Array, conditioning: Conditioning | None, formation: Forma
     if conditioning is None:
         return np.array(np.broadcast_to(mu0, (len(mu0), formation.wheelsets)))
     ahead = formation.group_of_wheelset if conditioning.by == "group" else np.arange(formation.wheelsets)
-    closed = 1 - (1 - conditioning.fraction) ** ahead
-    return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * closed
+    recovery = 1 - (1 - conditioning.fraction) ** ahead
+    return mu0 + np.clip(conditioning.recovered - mu0, 0, None) * recovery

@@ -131,23 +131,23 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     path = installed(path, "campaigns")
     table = read_toml(path)
     demand_kind(table, "campaign", path)
-    written = validated(CampaignFile, table, directory=path.parent, origin=path.name)
+    campaign = validated(CampaignFile, table, directory=path.parent, origin=path.name)
     axes = {
         axis: {
             variant: _variant_file(path, axis, variant, tables) if isinstance(tables, str) else tables
             for variant, tables in variants.items()
         }
-        for axis, variants in written.axes.items()
+        for axis, variants in campaign.axes.items()
     }
     if _AXIS_OF_SCENARIOS in axes:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{_AXIS_OF_SCENARIOS}', the files are that axis")
     if DRAW in axes:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{DRAW}', [draws] is that axis")
-    for key, values in written.sweep.items():
+    for key, values in campaign.sweep.items():
         axes[key] = {_spelled(value): read_overrides([f"{key}={json.dumps(value)}"]) for value in values}
-    _demand_known(path, written, axes)
+    _demand_known(path, campaign, axes)
     last = read_overrides(overrides)
-    stops = tuple(_stops(path, written, axes, last))
+    stops = tuple(_stops(path, campaign, axes, last))
     names = [stop.name for stop in stops]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -155,12 +155,12 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     if not stops:
         raise ScenarioError(f"{path.name}: exclude leaves no stop to run")
     return Campaign(
-        name=written.name,
-        description=written.description,
+        name=campaign.name,
+        description=campaign.description,
         stops=stops,
-        references=written.reference,
-        panels=written.panels,
-        conditioning=path.parent / written.conditioning if written.conditioning else None,
+        references=campaign.reference,
+        panels=campaign.panels,
+        conditioning=path.parent / campaign.conditioning if campaign.conditioning else None,
     )
 
 
@@ -175,15 +175,15 @@ def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, A
 
 
 def _stops(
-    path: Path, written: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]], last: Mapping[str, Any]
+    path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]], last: Mapping[str, Any]
 ) -> Iterator[PlannedStop]:
-    for file in written.scenarios:
+    for file in campaign.scenarios:
         base_path = path.parent / file
         base = read_toml(base_path)
         for combination in itertools.product(*(variants.items() for variants in axes.values())):
-            chosen = dict(zip(axes, (name for name, _ in combination), strict=True))
-            variants = {_AXIS_OF_SCENARIOS: str(base.get("name", base_path.stem)), **chosen}
-            if any(_matches(entry, variants) for entry in written.exclude):
+            choice = dict(zip(axes, (name for name, _ in combination), strict=True))
+            variants = {_AXIS_OF_SCENARIOS: str(base.get("name", base_path.stem)), **choice}
+            if any(_matches(entry, variants) for entry in campaign.exclude):
                 continue
             table = base
             for _, change in combination:
@@ -198,9 +198,9 @@ def _stops(
             scenario = scenario_of(
                 merged(table, last), directory=base_path.parent, origin=f"{path.name}, stop {name} ({base_path.name})"
             )
-            planned = PlannedStop(name=name, variants=variants, scenario=scenario)
-            draws = written.draws
-            yield from _drawn(planned, draws) if draws and _matches(draws.match, variants) else (planned,)
+            stop = PlannedStop(name=name, variants=variants, scenario=scenario)
+            draws = campaign.draws
+            yield from _drawn(stop, draws) if draws and _matches(draws.match, variants) else (stop,)
 
 
 def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
@@ -221,12 +221,12 @@ def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, 
     )
 
 
-def _demand_known(path: Path, written: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
+def _demand_known(path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
     """Refuse a match that names an axis or variant that is not there: it would never be one."""
     matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
-        "exclude": written.exclude,
-        "reference": [reference.match for reference in written.reference],
-        "draws": [written.draws.match] if written.draws else [],
+        "exclude": campaign.exclude,
+        "reference": [reference.match for reference in campaign.reference],
+        "draws": [campaign.draws.match] if campaign.draws else [],
     }
     for table, entries in matches.items():
         for axis, choice in (pair for entry in entries for pair in entry.items()):
@@ -236,8 +236,8 @@ def _demand_known(path: Path, written: CampaignFile, axes: Mapping[str, Mapping[
                 raise ScenarioError(f"{path.name}: [{table}] names the axis '{axis}'; there is {', '.join(axes)}")
             for variant in (choice,) if isinstance(choice, str) else choice:
                 if variant not in axes[axis]:
-                    known = ", ".join(axes[axis])
-                    raise ScenarioError(f"{path.name}: [{table}] names '{variant}' of axis '{axis}'; it has {known}")
+                    names = ", ".join(axes[axis])
+                    raise ScenarioError(f"{path.name}: [{table}] names '{variant}' of axis '{axis}'; it has {names}")
 
 
 def _spelled(value: Any) -> str:

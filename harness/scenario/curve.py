@@ -52,22 +52,22 @@ def read_columns(
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            numbered = enumerate(csv.reader(file), start=1)
-            rows = [(line, row) for line, row in numbered if any(cell.strip() for cell in row)]
+            lines = enumerate(csv.reader(file), start=1)
+            rows = [(line, row) for line, row in lines if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError, csv.Error) as problem:
         raise ValueError("is not a table of text, as csv files are") from problem
     if not rows:
         raise ValueError(f"is empty; the first line names the columns, such as time,{name}")
     header = [cell.strip() for cell in rows[0][1]]
     each = [f"{name}_{number}" for number in range(1, len(header))]
-    known = {*axes, name, *each}
+    reserved_names = {*axes, name, *each}
     axes_in_header = [axis for axis in axes if axis in header]
     columns = next((expected for expected in ([name], each) if set(header) == {*axes_in_header, *expected}), None)
     if len(axes_in_header) != 1 or columns is None or len(header) != 1 + len(columns):
         expected = " or ".join(f"{axis} [{unit}]" for axis, unit in axes.items())
         raise ValueError(
             f"has {len(header)} columns; its first line wants to name {expected}, and {name} for all or {name}_1, "
-            f"{name}_2 … for each, and names of these {', '.join(sorted({*header} & known)) or 'none'}"
+            f"{name}_2 … for each, and names of these {', '.join(sorted({*header} & reserved_names)) or 'none'}"
         )
     values = np.array([_numbers(line, row, len(header)) for line, row in rows[1:]])
     if len(values) < 2:

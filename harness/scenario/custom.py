@@ -34,11 +34,11 @@ def installed_names(role: Role) -> dict[str, str]:
 def whose(role: Role, ours: frozenset[str]) -> Callable[[Any], str]:
     """Return what tells the tables of this project, of the kinds `ours`, from those of a class of one's own."""
 
-    def tag(written: Any) -> str:
-        if isinstance(written, Mapping):
-            kind: object = cast("Mapping[str, object]", written).get("kind")
+    def tag(entry: Any) -> str:
+        if isinstance(entry, Mapping):
+            kind: object = cast("Mapping[str, object]", entry).get("kind")
         else:
-            kind = getattr(written, "kind", None)
+            kind = getattr(entry, "kind", None)
         if not isinstance(kind, str) or kind in ours:
             return OURS
         return CUSTOM if ":" in kind or kind in installed_names(role) else OURS

@@ -86,10 +86,10 @@ class Phase(Table):
 
     @field_validator("pressure", mode="before")
     @classmethod
-    def _one_or_each(cls, written: Any) -> Any:
-        if written is None:
+    def _one_or_each(cls, entry: Any) -> Any:
+        if entry is None:
             return None
-        each = tuple(written) if isinstance(written, list | tuple) else (written,)
+        each = tuple(entry) if isinstance(entry, list | tuple) else (entry,)
         if not each:
             raise broken("is an empty list; give one pressure, or one for each group")
         return tuple("full" if one == "full" else _PRESSURE.read(one) for one in each)
@@ -135,7 +135,7 @@ class Demand(Table):
         try:
             _, time, pressures = read_columns(self.file.path, axes={"time": "s"}, name="pressure", span=(0.0, 1e8))
         except ValueError as problem:
-            raise broken(f"file {self.file.written}: {problem}") from problem
+            raise broken(f"file {self.file.entry}: {problem}") from problem
         return time.tolist(), pressures.tolist()
 
 
@@ -170,7 +170,7 @@ def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[Deman
     if demand.file is None:
         return tuple(_written(demand, full, f"{origin}: [demand.phases"))
     times, pressures = demand.profile()
-    where = f"{origin}: [demand] file {demand.file.written}"
+    where = f"{origin}: [demand] file {demand.file.entry}"
     return tuple(_from_points(times, [_of_groups(row, full, where) for row in pressures]))
 
 
@@ -209,11 +209,11 @@ def _from_points(times: Sequence[float], pressures: Sequence[tuple[float, ...]])
     yield DemandedPhase(pressures=pressures[-1], slopes=none)
 
 
-def _of_groups(written: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
+def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
     """Return the pressure of each group; none has more than its full brake."""
-    if len(written) not in (1, len(full)):
-        raise ScenarioError(f"{where} is for {len(written)} groups, the vehicle has {len(full)}")
-    pressures = [most if one == "full" else float(one) for one, most in zip(cycle(written), full, strict=False)]
+    if len(entries) not in (1, len(full)):
+        raise ScenarioError(f"{where} is for {len(entries)} groups, the vehicle has {len(full)}")
+    pressures = [most if one == "full" else float(one) for one, most in zip(cycle(entries), full, strict=False)]
     if max(pressures) > max(full):
         raise ScenarioError(f"{where} asks for {max(pressures):g} Pa, full brake is {max(full):g} Pa; write 'full'")
     return tuple(map(min, pressures, full))

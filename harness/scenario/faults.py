@@ -80,8 +80,8 @@ class Fault(Table):
         where = "wheelset" if self.part == "deflection_sensor" else "group"
         for name in ("group", "wheelset"):
             if getattr(self, name) is not None and (self.part in _OF_WHOLE_TRAIN or name != where):
-                allowed = "no place: there is one" if self.part in _OF_WHOLE_TRAIN else f"'{where}'"
-                raise broken(f"has '{name}', but {self.part} takes {allowed}")
+                choice = "no place: there is one" if self.part in _OF_WHOLE_TRAIN else f"'{where}'"
+                raise broken(f"has '{name}', but {self.part} takes {choice}")
         if self.end is not None and self.end <= self.begin:
             raise broken(f"end {self.end:g} s is not after begin {self.begin:g} s")
         if self.kind != "isolated" and (self.value is None) == (self.kind in _VALUED):

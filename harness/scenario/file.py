@@ -33,12 +33,12 @@ class NamedFile:
     """A file beside the scenario.
 
     Attributes:
-        written: The path as the scenario says it; the only part that results repeat, so that they do not
+        entry: The path as the scenario says it; the only part that results repeat, so that they do not
             depend on where the project lies.
         path: Where it is on this machine.
     """
 
-    written: str
+    entry: str
     path: Path
 
     def digest(self) -> str:
@@ -46,30 +46,30 @@ class NamedFile:
         return library_digest(library_of(self.path))
 
     @classmethod
-    def find(cls, written: object, info: ValidationInfo) -> "NamedFile":
+    def find(cls, entry: object, info: ValidationInfo) -> "NamedFile":
         """Resolve a text against the scenario's folder.
 
         Raises:
             PydanticCustomError: Not a path, or nothing is there.
         """
-        if isinstance(written, NamedFile):
-            return written
-        if not isinstance(written, str) or not written:
-            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(written)})
+        if isinstance(entry, NamedFile):
+            return entry
+        if not isinstance(entry, str) or not entry:
+            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(entry)})
         context = cast("dict[str, Path] | None", info.context) or {}
-        path = context.get(DIRECTORY, Path()) / written
+        path = context.get(DIRECTORY, Path()) / entry
         if not is_file(path):
             raise PydanticCustomError(
                 "file",
-                "names '{written}', but there is no file {path}; the path starts at the scenario's folder",
-                {"written": cut(written), "path": place(path)},
+                "names '{entry}', but there is no file {path}; the path starts at the scenario's folder",
+                {"entry": cut(entry), "path": place(path)},
             )
-        return cls(written=written, path=path)
+        return cls(entry=entry, path=path)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Read by `find`; serialise as written."""
         return core_schema.with_info_plain_validator_function(
             cls.find,
-            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.written),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.entry),
         )

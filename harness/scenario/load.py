@@ -41,9 +41,9 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
         ScenarioError: The file is missing, not TOML, or not a scenario; each problem in one sentence.
     """
     path = installed(path, "library")
-    written = read_toml(path)
-    demand_kind(written, "scenario", path)
-    table = merged(written, read_overrides(overrides))
+    table_of_file = read_toml(path)
+    demand_kind(table_of_file, "scenario", path)
+    table = merged(table_of_file, read_overrides(overrides))
     return scenario_of(table, directory=path.parent, origin=path.name)
 
 
@@ -53,26 +53,26 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: Missing, unreadable, or not TOML.
     """
-    shown = place(path)
+    name = place(path)
     try:
         with path.open("rb") as file:
             content = file.read(_LARGEST + 1)
         if len(content) > _LARGEST:
-            raise ScenarioError(f"{shown}: is larger than {_LARGEST / 1e6:g} MB, which no scenario or campaign is")
+            raise ScenarioError(f"{name}: is larger than {_LARGEST / 1e6:g} MB, which no scenario or campaign is")
         return parsed(content.decode("utf-8-sig").replace("\r\n", "\n"))
     except FileNotFoundError as problem:
         raise ScenarioError(
-            f"{shown}: there is no such file; name a scenario or campaign file (*.toml), or one of ours, such as "
+            f"{name}: there is no such file; name a scenario or campaign file (*.toml), or one of ours, such as "
             "trapezoid"
         ) from problem
     except OSError as problem:
-        raise ScenarioError(f"{shown}: cannot be read: {problem.strerror}") from problem
+        raise ScenarioError(f"{name}: cannot be read: {problem.strerror}") from problem
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise ScenarioError(f"{cut(path.name)}: is not TOML: {cut(str(problem))}") from problem
     except ValueError as problem:
         if isinstance(problem, ScenarioError):
             raise
-        raise ScenarioError(f"{shown}: cannot be read: {problem}") from problem  # a path with a null in it
+        raise ScenarioError(f"{name}: cannot be read: {problem}") from problem  # a path with a null in it
 
 
 def demand_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:
@@ -115,10 +115,10 @@ def validated(model: type[_Model], table: Mapping[str, Any], *, directory: Path,
 
 
 def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDetails) -> str:
-    path, known = _place(model, table, error["loc"])
+    path, keys = _place(model, table, error["loc"])
     kind, context = error["type"], error.get("ctx", {})
     if kind == "extra_forbidden":
-        return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), known)}"
+        return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), keys)}"
     if kind == "missing":
         whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
         problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
@@ -154,7 +154,7 @@ def _place(
     path: list[int | str] = []
     node: Any = table
     branches: list[type[BaseModel]] = [model]
-    known: list[str] = []
+    keys: list[str] = []
     for step in location:
         if step in (OURS, CUSTOM):
             continue
@@ -163,7 +163,7 @@ def _place(
             continue
         if not isinstance(node, Mapping | list | tuple):
             continue
-        known = sorted({name for branch in branches for name in branch.model_fields})
+        keys = sorted({name for branch in branches for name in branch.model_fields})
         annotations = [branch.model_fields[str(step)].annotation for branch in branches if step in branch.model_fields]
         branches = [table_model for annotation in annotations for table_model in _models(annotation)] or branches
         path.append(step)
@@ -171,7 +171,7 @@ def _place(
             node = node.get(step)
         elif isinstance(step, int) and step < len(node):
             node = node[step]
-    return path, known
+    return path, keys
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
@@ -195,10 +195,10 @@ def _table(path: Sequence[int | str]) -> str:
     return f"[{_dotted(path)}]" if path else "the top level"
 
 
-def _suggestion(written: str, known: Sequence[str]) -> str:
-    close = difflib.get_close_matches(written, known, n=1)
-    meant = f"did you mean '{close[0]}'? " if close else ""
-    return f"{meant}It has {', '.join(known)}." if meant else f"it has {', '.join(known)}."
+def _suggestion(name: str, choice: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name, choice, n=1)
+    guess = f"did you mean '{close[0]}'? " if close else ""
+    return f"{guess}It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
 
 
 def _listed(expected: str) -> str:

@@ -7,14 +7,14 @@ from pydantic import PlainValidator
 from railgrip.scenario.table import broken
 
 
-def _map_entry(written: Any) -> Any:
+def _map_entry(entry: Any) -> Any:
     """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
-    if isinstance(written, str | dict) or (
-        isinstance(written, list | tuple) and all(isinstance(element, str | dict) for element in written)
+    if isinstance(entry, str | dict) or (
+        isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
     ):
-        return written
+        return entry
     raise broken(
-        f"is {written!r}, but the name of an FMU variable is wanted, a list of them, "
+        f"is {entry!r}, but the name of an FMU variable is wanted, a list of them, "
         'or { variable = "…", unit = "…", scale = … }'
     )
 

@@ -96,6 +96,6 @@ def _toml_value(text: str) -> str:
     try:
         parsed(f"value = {text}")
     except tomllib.TOMLDecodeError:
-        escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
+        content = text.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{content}"'
     return text

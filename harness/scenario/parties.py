@@ -181,8 +181,8 @@ class Limits(Table):
 
     @field_validator("alpha_max", mode="before")
     @classmethod
-    def _preset(cls, written: Any) -> Any:
-        return _ADHESION_LIMITS.get(written, written) if isinstance(written, str) else written
+    def _preset(cls, entry: Any) -> Any:
+        return _ADHESION_LIMITS.get(entry, entry) if isinstance(entry, str) else entry
 
 
 class Periods(Table):

@@ -43,18 +43,18 @@ class Polach(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _name_or_numbers(cls, written: Any) -> Any:
+    def _name_or_numbers(cls, entry: Any) -> Any:
         """Replace the name of a set by its numbers."""
-        if not isinstance(written, str):
-            return written
+        if not isinstance(entry, str):
+            return entry
         sets = named_sets()
-        if written not in sets:
+        if entry not in sets:
             raise PydanticCustomError(
                 "polach",
                 "is '{found}', which is not a Polach set; there are {known}, or give k_A, k_S, A and B",
-                {"found": written, "known": ", ".join(sets)},
+                {"found": entry, "known": ", ".join(sets)},
             )
-        return {"name": written} | {key: value for key, value in sets[written].items() if key != "source"}
+        return {"name": entry} | {key: value for key, value in sets[entry].items() if key != "source"}
 
     def plant_parameters(self) -> dict[str, float]:
         """Return the same numbers under the names of the plant FMU's parameters."""

@@ -259,7 +259,7 @@ class FromTable(_Profile):
     def _readable(self) -> Self:
         curve = self.curve
         if curve.mu0.shape[1] > 1 and self.conditioning is not None:
-            raise broken(f"{self.file.written} gives mu0 for each wheelset, and conditioning makes it from the first's")
+            raise broken(f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's")
         return self
 
     @property
@@ -268,7 +268,7 @@ class FromTable(_Profile):
         try:
             return read_curve(self.file.path)
         except ValueError as problem:
-            raise broken(f"file {self.file.written}: {problem}") from problem
+            raise broken(f"file {self.file.entry}: {problem}") from problem
 
     @property
     def over(self) -> Over:

@@ -60,28 +60,28 @@ class Unit:
         """Read before pydantic does: what leaves here is a float in `unit`."""
         return core_schema.no_info_before_validator_function(self.read, handler(source))
 
-    def read(self, written: object) -> float:
+    def read(self, entry: object) -> float:
         """Return the SI value of what the file says.
 
         Raises:
             PydanticCustomError: Not a number, wrong dimension, or out of range.
         """
-        if isinstance(written, bool) or not isinstance(written, int | float | str):
-            raise _refusal(f"is {_spell(written)}, but a number in {self._name} is wanted")
+        if isinstance(entry, bool) or not isinstance(entry, int | float | str):
+            raise _refusal(f"is {_spell(entry)}, but a number in {self._name} is wanted")
         try:
-            value = to_si(written, self.unit) if isinstance(written, str) else float(written)
+            value = to_si(entry, self.unit) if isinstance(entry, str) else float(entry)
         except ValueError as problem:
             raise _refusal(str(problem)) from problem
         except OverflowError:  # an integer of more than 308 digits
             value = math.inf
         if not math.isfinite(value):
-            raise _refusal(f"is {_spell(written)}, but a finite number is wanted")
+            raise _refusal(f"is {_spell(entry)}, but a finite number is wanted")
         limit = self.range.broken(value)
         if limit is not None:
             # That a speed is above zero needs no reason.
             reason = "" if limit.endswith(" 0") else self.because
             suffix = "" if self.unit == "1" else f" {self.unit}"
-            raise _refusal(f"must be {limit}{suffix}, got {_spell(written)}{reason}")
+            raise _refusal(f"must be {limit}{suffix}, got {_spell(entry)}{reason}")
         return value
 
     @property
@@ -96,21 +96,21 @@ class Magnitude:
     `magnitude.si("Pa")`.
     """
 
-    __slots__ = ("written",)
+    __slots__ = ("entry",)
 
-    def __init__(self, written: float | str | bool) -> None:
+    def __init__(self, entry: float | str | bool) -> None:
         """Take what the file says.
 
         Raises:
             ValueError: A text that is not a number with a unit, or a number that is not finite.
         """
         try:
-            finite = math.isfinite(quantity(written)[0] if isinstance(written, str) else written)
+            finite = math.isfinite(quantity(entry)[0] if isinstance(entry, str) else entry)
         except OverflowError:
             finite = False
         if not finite:
-            raise ValueError(f"is {short(written)}, but a finite number is wanted")
-        self.written = written
+            raise ValueError(f"is {short(entry)}, but a finite number is wanted")
+        self.entry = entry
 
     def si(self, unit: str | units.Unit | None) -> float:
         """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio.
@@ -119,37 +119,37 @@ class Magnitude:
             ValueError: The file states a unit of another dimension, in words that follow the parameter's
             name.
         """
-        return to_si(self.written, unit or "1") if isinstance(self.written, str) else float(self.written)
+        return to_si(self.entry, unit or "1") if isinstance(self.entry, str) else float(self.entry)
 
     def __eq__(self, other: object) -> bool:
         """Say whether both were written alike."""
-        return isinstance(other, Magnitude) and self.written == other.written
+        return isinstance(other, Magnitude) and self.entry == other.entry
 
     def __hash__(self) -> int:
         """Hash what was written."""
-        return hash(self.written)
+        return hash(self.entry)
 
     def __repr__(self) -> str:
         """Show what was written."""
-        return f"Magnitude({self.written!r})"
+        return f"Magnitude({self.entry!r})"
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Accept a number, a truth value or a text with a unit; serialise as written."""
 
-        def read(written: object) -> "Magnitude":
-            if isinstance(written, Magnitude):
-                return written
-            if not isinstance(written, bool | int | float | str):
-                raise _refusal(f"is {_spell(written)}, but a number, true/false or '3.4 bar' is wanted")
+        def read(entry: object) -> "Magnitude":
+            if isinstance(entry, Magnitude):
+                return entry
+            if not isinstance(entry, bool | int | float | str):
+                raise _refusal(f"is {_spell(entry)}, but a number, true/false or '3.4 bar' is wanted")
             try:
-                return cls(written)
+                return cls(entry)
             except ValueError as problem:
                 raise _refusal(str(problem)) from problem
 
         return core_schema.no_info_plain_validator_function(
             read,
-            serialization=core_schema.plain_serializer_function_ser_schema(lambda magnitude: magnitude.written),
+            serialization=core_schema.plain_serializer_function_ser_schema(lambda magnitude: magnitude.entry),
         )
 
 
@@ -170,20 +170,20 @@ _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
 
 
 def in_units(
-    where: str, written: Mapping[str, Magnitude], expected: Mapping[str, str | units.Unit]
+    where: str, magnitudes: Mapping[str, Magnitude], expected: Mapping[str, str | units.Unit]
 ) -> dict[str, float]:
     """Return what a table of parameters says in the units of those who take it.
 
     Args:
         where: The table, and its file where several are at hand, to open sentences with.
-        written: By name.
+        magnitudes: By name.
         expected: Unit of every name that may be written.
 
     Raises:
         ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value.
     """
     values: dict[str, float] = {}
-    for name, magnitude in written.items():
+    for name, magnitude in magnitudes.items():
         if name not in expected:
             near = get_close_matches(name, expected, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(sorted(expected)) or 'none'}."
@@ -199,24 +199,24 @@ def in_units(
 def _demand_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:
     """Refuse a value that no vehicle has; what is measured in a unit of one's own is not judged."""
     try:
-        known = unit(unit_of_value) if isinstance(unit_of_value, str) else unit_of_value
+        expected_unit = unit(unit_of_value) if isinstance(unit_of_value, str) else unit_of_value
     except ValueError:
         return
     for name, (least, most, why) in _PLAUSIBLE.items():
-        if unit(name).exponents == known.exponents:
-            si = known.factor * value + known.offset
+        if unit(name).exponents == expected_unit.exponents:
+            si = expected_unit.factor * value + expected_unit.offset
             if not least <= si <= most:
                 raise ScenarioError(f"{who} must be between {least:g} and {most:g} {name}, got {si:g}; {why}.")
 
 
-def _spell(written: object) -> str:
-    if isinstance(written, bool):
-        return str(written).lower()
-    if isinstance(written, dict):
+def _spell(entry: object) -> str:
+    if isinstance(entry, bool):
+        return str(entry).lower()
+    if isinstance(entry, dict):
         return "a table"
-    if isinstance(written, list | tuple):
+    if isinstance(entry, list | tuple):
         return "a list"
-    return short(written)
+    return short(entry)
 
 
 def _refusal(words: str) -> PydanticCustomError:

@@ -79,8 +79,8 @@ class Scenario(Table):
                 f"[limits] horizon {self.limits.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
             )
-        driven = self.demand is not None and self.demand.has_traction
-        if self.limits.stop_speed >= self.start.speed and not driven:
+        has_traction = self.demand is not None and self.demand.has_traction
+        if self.limits.stop_speed >= self.start.speed and not has_traction:
             raise broken(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
                 f"{self.start.speed:g} m/s; a train that starts so slowly wants traction in [[demand.phases]]"
@@ -107,8 +107,16 @@ class Scenario(Table):
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
         prediction = self.estimator.library if isinstance(self.estimator, KalmanFilter) else None
         profile = self.demand.file if self.demand is not None else None
-        named = (self.vehicle.plant, self.vehicle.library, self.vehicle.train, *table, *controller, prediction, profile)
-        return tuple(file for file in named if isinstance(file, NamedFile))
+        entries = (
+            self.vehicle.plant,
+            self.vehicle.library,
+            self.vehicle.train,
+            *table,
+            *controller,
+            prediction,
+            profile,
+        )
+        return tuple(file for file in entries if isinstance(file, NamedFile))
 
     def resolved(self) -> dict[str, Any]:
         """Return the scenario as plain values in SI units with all defaults; it loads to the same one."""

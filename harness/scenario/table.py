@@ -32,12 +32,12 @@ ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z
 """Full name of a class."""
 
 
-def _scalars(written: Any) -> Any:
+def _scalars(entry: Any) -> Any:
     """Return a parameter table with `x = [1, 2]` made `"x[1]" = 1`, `"x[2]" = 2`, as FMI names them."""
-    if not isinstance(written, dict):
-        return written
+    if not isinstance(entry, dict):
+        return entry
     flat: dict[str, Any] = {}
-    for name, value in written.items():
+    for name, value in entry.items():
         if isinstance(value, list | tuple):
             flat.update({f"{name}[{index}]": element for index, element in enumerate(value, start=1)})
         else:
@@ -48,7 +48,7 @@ def _scalars(written: Any) -> Any:
 Parameters = Annotated[dict[str, Magnitude], BeforeValidator(_scalars)]
 
 
-ONE_OR_EACH = BeforeValidator(lambda written: written if isinstance(written, list | tuple) else (written,))
+ONE_OR_EACH = BeforeValidator(lambda entry: entry if isinstance(entry, list | tuple) else (entry,))
 """Annotation of a tuple that may be written as one value for all."""
 
 

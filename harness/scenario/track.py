@@ -83,11 +83,11 @@ class Plan(Table):
         if any(0 < abs(radius) < TIGHTEST_RADIUS for _, radius in self.course):
             raise broken(f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way")
         try:
-            laid = self.laid()
+            course = self.laid()
         except ValueError as problem:
             raise broken(f"grades: {problem}") from problem
-        if self.start > laid.length:
-            raise broken(f"start {self.start:g} m is beyond the end of the track, {laid.length:g} m")
+        if self.start > course.length:
+            raise broken(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
         return self
 
     def laid(self) -> "LaidTrack":
@@ -152,8 +152,8 @@ class Track(Table):
 def slope_of(track: Track) -> Callable[[float], float]:
     """Return the gradient tan β in the direction of travel as a function of the distance travelled [m]."""
     if (plan := track.plan) is not None:
-        laid = plan.laid()
-        return lambda distance: plan.way * float(laid.slope(plan.place(distance)))
+        course = plan.laid()
+        return lambda distance: plan.way * float(course.slope(plan.place(distance)))
     begins = [section.begin for section in track.gradient]
     slopes = [0.0, *(section.slope for section in track.gradient)]
     return lambda distance: slopes[bisect_right(begins, distance)]
@@ -203,13 +203,13 @@ def track_force_of(track: Track) -> TrackForce:
 
 
 def _along(track: Track, plan: Plan) -> TrackForce:
-    laid = plan.laid()
-    ends = sorted((plan.way * (0.0 - plan.start), plan.way * (laid.length - plan.start)))
-    kinks = plan.way * (np.concatenate([laid.curvature.at, laid.slope.at]) - plan.start)
+    course = plan.laid()
+    ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
+    kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
     begins = np.unique(np.concatenate([np.arange(*ends), kinks, ends]))
-    at = np.clip(plan.place(begins), 0.0, laid.length)
+    at = np.clip(plan.place(begins), 0.0, course.length)
     forces = track.force + force_along(
-        plan.way * laid.slope(at), laid.curvature(at), track.train_mass or 0.0, track.curve_law
+        plan.way * course.slope(at), course.curvature(at), track.train_mass or 0.0, track.curve_law
     )
     rates = np.append(np.diff(forces) / np.diff(begins), 0.0)
     return TrackForce(

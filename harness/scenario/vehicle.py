@@ -54,9 +54,9 @@ class Nudge(Table):
     seed: Annotated[StrictInt, Field(ge=0)]
 
 
-def _is_class(written: str) -> bool:
+def _is_class(entry: str) -> bool:
     """Say whether a text is module:Class, as Python writes it also for a class inside a function."""
-    module, colon, name = written.partition(":")
+    module, colon, name = entry.partition(":")
     return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
 
 
@@ -85,27 +85,27 @@ class Vehicle(Table):
 
     @field_validator("plant", mode="plain")
     @classmethod
-    def _recipe_or_file(cls, written: Any, info: ValidationInfo) -> str | NamedFile | None:
-        if written is None:
+    def _recipe_or_file(cls, entry: Any, info: ValidationInfo) -> str | NamedFile | None:
+        if entry is None:
             return None
-        if isinstance(written, NamedFile) or (isinstance(written, str) and written.endswith(".fmu")):
-            return NamedFile.find(written, info)
-        if not isinstance(written, str) or not (written.isidentifier() or _is_class(written)):
+        if isinstance(entry, NamedFile) or (isinstance(entry, str) and entry.endswith(".fmu")):
+            return NamedFile.find(entry, info)
+        if not isinstance(entry, str) or not (entry.isidentifier() or _is_class(entry)):
             raise broken(
-                f"is {written!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"
+                f"is {entry!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"
             )
-        return written
+        return entry
 
     @field_validator("train", mode="plain")
     @classmethod
-    def _named_or_file(cls, written: Any, info: ValidationInfo) -> NamedFile | None:
-        if isinstance(written, str) and (path := installed(Path(written), "trains")) != Path(written):
-            return NamedFile(written=written, path=path)
-        return None if written is None else NamedFile.find(written, info)
+    def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
+        if isinstance(entry, str) and (path := installed(Path(entry), "trains")) != Path(entry):
+            return NamedFile(entry=entry, path=path)
+        return None if entry is None else NamedFile.find(entry, info)
 
     @field_serializer("plant", "train")
     def _as_written(self, plant: str | NamedFile | None) -> str | None:
-        return plant.written if isinstance(plant, NamedFile) else plant
+        return plant.entry if isinstance(plant, NamedFile) else plant
 
     @model_validator(mode="after")
     def _one_plant(self) -> Self:

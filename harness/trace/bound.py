@@ -97,7 +97,7 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
 
-    derived = {
+    columns = {
         "peak_slip": ("group", peak_slip, "slip of the greatest adhesion"),
         "peak_adhesion": ("group", peak_adhesion, "greatest adhesion of the rail"),
         "brake_limit": ("group", limit, f"adhesion that {force} brake pressure draws"),
@@ -107,6 +107,6 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
     return trace.assign(
         {
             name: (("time", extent), values, {"units": "1", "long_name": meaning})
-            for name, (extent, values, meaning) in derived.items()
+            for name, (extent, values, meaning) in columns.items()
         }
     )

@@ -109,14 +109,14 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
     scale = np.maximum(nearby, max(float(np.median(bend)), _resolution(values)))
     # Two spikes with a sample between them leave that one where the others are.
     apart = np.abs(values - median_filter(values, _NEIGHBOURS, mode="mirror")) > deviations * scale
-    extended = np.pad(values, _BESIDE, mode="reflect")
-    steps = np.abs(np.diff(extended))
+    padding = np.pad(values, _BESIDE, mode="reflect")
+    steps = np.abs(np.diff(padding))
     period = float(np.median(np.diff(time)))
     for length in range(1, _LONGEST + 1):
         if length > 1 and length * period > 0.9 * _VALVE_PULSE:  # two of 10 ms are as long, whatever rounding says
             break
         first = np.arange(1, values.size - length)
-        before, after = extended[first + _BESIDE - 1], extended[first + _BESIDE + length]
+        before, after = padding[first + _BESIDE - 1], padding[first + _BESIDE + length]
         inside = first[:, None] + np.arange(length)
         line = before[:, None] + (after - before)[:, None] * np.arange(1, length + 1) / (length + 1)
         off = np.abs(values[inside] - line)

@@ -58,23 +58,23 @@ def input_on_grid(
     """
     spacing = float(np.median(np.diff(time)))
     longest = max(longest_gap, 1.5 * spacing)
-    interpolated = bridged(time, values, grid, longest)
+    samples = bridged(time, values, grid, longest)
     if spacing <= 0.5 * period:
         means = _averaged(time, values, grid, period)
-        interpolated = np.where(np.isfinite(means), means, interpolated)
-    return interpolated, [
+        samples = np.where(np.isfinite(means), means, samples)
+    return samples, [
         f for f in gaps_of(signal, time, grid, 1.5 * max(spacing, period), "bridged") if f.end - f.begin <= longest
     ]
 
 
 def bridged(time: Vector, values: Vector, grid: Vector, longest_gap: float) -> Vector:
     """Return a signal interpolated at every instant of `grid`; NaN in longer gaps and beyond the ends."""
-    interpolated = np.interp(grid, time, values, left=np.nan, right=np.nan)
+    samples = np.interp(grid, time, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(time, grid, side="left"), 1, time.size - 1)
     apart = time[after] - time[after - 1]
     # An instant that has a sample needs no bridge, however far the next one is.
     exact = (np.abs(time[after] - grid) < 1e-9) | (np.abs(time[after - 1] - grid) < 1e-9)
-    return np.where((apart > longest_gap) & ~exact, np.nan, interpolated)
+    return np.where((apart > longest_gap) & ~exact, np.nan, samples)
 
 
 def _averaged(time: Vector, values: Vector, grid: Vector, period: float) -> Vector:

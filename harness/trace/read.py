@@ -160,14 +160,14 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     return time[~again], values[~again]
 
 
-def _converted(path: Path, name: str, column: Column, stated: str | None, target: str) -> tuple[float, float]:
+def _converted(path: Path, name: str, column: Column, file_unit: str | None, target: str) -> tuple[float, float]:
     """Return gain and shift from a column's numbers to the model's unit.
 
     Raises:
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
     where = f"{path.name}: {name} (column {short(column.column)})"
-    text = column.unit if column.unit is not None else stated
+    text = column.unit if column.unit is not None else file_unit
     if text is None:
         raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{target}'.")
     try:
@@ -175,8 +175,8 @@ def _converted(path: Path, name: str, column: Column, stated: str | None, target
         gain, shift = conversion(unit_of_column, unit(target))
     except UnitError as problem:
         raise EstimationError(f"{where}: {problem}") from problem
-    if stated is not None and column.unit is not None and _contradict(stated, unit_of_column):
-        raise EstimationError(f"{where}: the file says it is in '{stated}', the map says '{text}'; correct the map.")
+    if file_unit is not None and column.unit is not None and _contradict(file_unit, unit_of_column):
+        raise EstimationError(f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map.")
     return gain * column.factor, gain * column.offset + shift
 
 

@@ -69,7 +69,7 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         for signal, block in blocks.items()
     }
     couplers = next((block.shape[1] for signal, block in blocks.items() if signal.extent == "coupler"), 0)
-    counted = {
+    numbers = {
         "group": (formation.groups, "group of wheelsets that turn as one"),
         "wheelset": (formation.wheelsets, "wheelset, lead to trail"),
     } | ({"coupler": (couplers, "coupler, lead to trail")} if couplers else {})
@@ -79,7 +79,7 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
     return xarray.Dataset(
         variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
         coords={"time": ("time", *time)}
-        | {name: (name, np.arange(1, number + 1), {"long_name": text}) for name, (number, text) in counted.items()},
+        | {name: (name, np.arange(1, number + 1), {"long_name": text}) for name, (number, text) in numbers.items()},
     )
 
 

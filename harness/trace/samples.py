@@ -121,8 +121,8 @@ def period_of(trace: xarray.Dataset) -> float:
 def _counted(time: Vector) -> float:
     """Return the period that instants were counted with, of which their differences have lost the last bits."""
     step = float(np.median(np.diff(time)))
-    rounded = float(f"{step:.7g}")
-    return rounded if abs(rounded - step) <= 4.0 * np.spacing(np.abs(time).max()) else step
+    short = float(f"{step:.7g}")
+    return short if abs(short - step) <= 4.0 * np.spacing(np.abs(time).max()) else step
 
 
 def samples(trace: xarray.Dataset, names: Sequence[str], units: Sequence[str | None] | None = None) -> Vector:

@@ -51,8 +51,8 @@ def longest_lock(trace: xarray.Dataset, *, above: float = -np.inf) -> tuple[floa
 def _longest(holds: NDArray[np.bool_], times: Array) -> float:
     """Return the longest time that a condition holds without a break."""
     turns = np.flatnonzero(np.diff(holds, prepend=False, append=False))
-    elapsed = np.concatenate([[0.0], np.cumsum(times)])
-    return float(np.max(elapsed[turns[1::2]] - elapsed[turns[::2]], initial=0.0))
+    instants = np.concatenate([[0.0], np.cumsum(times)])
+    return float(np.max(instants[turns[1::2]] - instants[turns[::2]], initial=0.0))
 
 
 def locked_distance(trace: xarray.Dataset) -> tuple[float, ...]:

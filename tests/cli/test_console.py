@@ -58,7 +58,7 @@ def imports_of(path: Path) -> set[str]:
 @pytest.mark.parametrize(
     ("settings", "line"),
     [
-        ({"total": 8, "counted": True}, "table1 :x:: drawing [a], 2 of 8, "),
+        ({"total": 8, "is_count": True}, "table1 :x:: drawing [a], 2 of 8, "),
         ({"total": 8}, "table1 :x:: drawing [a], 25%, "),
         ({}, "table1 :x:: drawing [a], "),
     ],
@@ -85,7 +85,7 @@ def test_what_is_done_before_the_first_line_leaves_none(capfd):
 WATCHED = """
 from railgrip import console
 from railgrip.report.table import Table
-with console.progress("stop :x:", 4, counted=True) as shown:
+with console.progress("stop :x:", 4, is_count=True) as shown:
     shown.advance("[red]drawing")
 with console.progress("endless") as shown:
     shown.update(doing="work")

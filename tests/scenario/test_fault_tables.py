@@ -31,7 +31,7 @@ def parts(scenario):
     vehicle = VehicleData(scenario)
     missing_teeth(scenario, vehicle.controlled)
     valves = scenario.actuation.kind == "pneumatic"
-    return faults_of(scenario, vehicle.layout, vehicle.controlled.brakes, shown=vehicle.shown, valves=valves)
+    return faults_of(scenario, vehicle.layout, vehicle.controlled.brakes, outputs=vehicle.shown, valves=valves)
 
 
 def plant_of(scenario):

@@ -137,13 +137,13 @@ def ride(run: Pass, *, rate: int = RATE) -> Ride:
         PlantFailed: The FMU failed.
         railgrip.errors.FmuError: It cannot be built.
     """
-    with car_of(run, rate=rate) as (car, inputs, skipped):
+    with car_of(run, rate=rate) as (car, inputs, lead_in):
         outputs = np.empty((len(inputs), OUTPUTS))
         outputs[0] = car.start(inputs[0])
         step = car.step
         for k in range(1, len(inputs)):
             outputs[k] = step(inputs[k])
-    outputs, friction = outputs[skipped:], inputs[skipped:, 16:]
+    outputs, friction = outputs[lead_in:], inputs[lead_in:, 16:]
     result = Ride(
         longitudinal=np.stack([outputs[:, 0:4], outputs[:, 4:8]], axis=-1),
         lateral=outputs[:, 8:12], offset=outputs[:, 12:16], creep=outputs[:, 16:20], speed=outputs[:, 20],
@@ -161,7 +161,7 @@ def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Arra
     forwards.
     """
     speed, surface = held_speed(run), _surface(run)
-    inputs, skipped = _inputs(run, speed, rate)
+    inputs, lead_in = _inputs(run, speed, rate)
     parameters = {
         "speed_set": speed,
         "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
@@ -170,7 +170,7 @@ def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Arra
     # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
     description, binding = _bound()
     with CoSimulation(description, binding, period=1 / rate, parameters=parameters) as car:
-        yield car, inputs, skipped
+        yield car, inputs, lead_in
 
 
 @cache

@@ -110,10 +110,10 @@ def in_fmu(
         outputs=tuple(Signal(name=name, unit="1", size=0, needed=True) for name in outputs),
         parameters=(), table={}, where=file.name,
     )  # fmt: skip
-    opened = open_plant(
+    context = open_plant(
         description, binding, period=1 / rate, parameters={}, trusted=trusted, tell=tell, table="[estimator]"
     )
-    with opened as model:
+    with context as model:
         has_begun = False
 
         def advance(sample: Vector) -> Vector:

@@ -79,10 +79,10 @@ def reduce(name: str, friction: float, readings: Readings) -> Run:
     boxes = readings.left, readings.right, readings.lateral
     raw = np.hstack([motions(*boxes, "longitudinal, lateral, yaw"), motions(*boxes, "left, right")])
     chain = Chain(rate=readings.rate, block=BLOCKS[group])
-    settled = Chain(rate=readings.rate, block=BLOCKS[group], start="first second")
+    steady = Chain(rate=readings.rate, block=BLOCKS[group], start="first second")
     return Run(
         name=name, group=group, speed=speed, friction=friction,
-        blocks=chain.process(raw), settled=settled.process(raw), slow=slow_signals(readings),
+        blocks=chain.process(raw), settled=steady.process(raw), slow=slow_signals(readings),
     )  # fmt: skip
 
 

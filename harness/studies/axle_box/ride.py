@@ -136,19 +136,19 @@ def ride_beside(
             estimator = in_casadi(trained.online())
         else:
             estimator = stack.enter_context(in_fmu(file, RATE, trusted=ride_file.estimator.trust, tell=tell))
-        car, inputs, skipped = stack.enter_context(car_of(run, rate=RATE))
-        count = len(inputs) - skipped
+        car, inputs, lead_in = stack.enter_context(car_of(run, rate=RATE))
+        count = len(inputs) - lead_in
         record = watch(
             plant=car,
             inputs=inputs,
             sensors=AxleBoxes(run, count),
             estimator=estimator,
             estimator_inputs=np.array([-1.0 if run.backwards else 1.0]),
-            lead_in=skipped,
+            lead_in=lead_in,
             progress=lambda sample: progress(sample / count),
         )
     apart = None if trained is None else difference(record, said_of(trained, record, run))
-    return RideResult(trace=_trace(ride_file, record, inputs[skipped:, 16:]), apart=apart)
+    return RideResult(trace=_trace(ride_file, record, inputs[lead_in:, 16:]), apart=apart)
 
 
 def said_of(trained: Trained, record: Watched, run: Pass) -> RunEstimates:

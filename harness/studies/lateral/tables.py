@@ -53,15 +53,15 @@ class Spread:
 
 def spread(values: Iterable[float | None]) -> Spread:
     """Return median and interval of values, one for each seed; None is infinity: not finite, or never settled."""
-    ordered = np.sort([math.inf if value is None else value for value in values])
-    low, confidence = _rank(len(ordered))
+    order = np.sort([math.inf if value is None else value for value in values])
+    low, confidence = _rank(len(order))
     with np.errstate(invalid="ignore"):
-        median = float(np.median(ordered))
+        median = float(np.median(order))
     # The mean of a number and infinity is infinity, of two infinities NaN in numpy's arithmetic.
     return Spread(
         median=math.inf if math.isnan(median) else median,
-        low=float(ordered[low]),
-        high=float(ordered[len(ordered) - 1 - low]),
+        low=float(order[low]),
+        high=float(order[len(order) - 1 - low]),
         confidence=confidence,
     )
 

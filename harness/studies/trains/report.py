@@ -46,7 +46,7 @@ def row_of(stop: DryStop) -> dict[str, object]:
 def write_report(
     stops: Sequence[DryStop],
     series: Sequence[DryStop],
-    protected: Sequence[ProtectedStop],
+    protected_stops: Sequence[ProtectedStop],
     trial: Trial,
     density: float,
     comparisons: Sequence[Comparison],
@@ -56,7 +56,7 @@ def write_report(
 
     Args:
         series: Of trains of one, two, four … equal cars.
-        protected: What the stop with estimator and valves costs.
+        protected_stops: What the stop with estimator and valves costs.
         density: Of sand, fitted [kg/m].
     """
     real_time = [
@@ -66,7 +66,7 @@ def write_report(
             "processor_s": one.processor,
             "times_real_time": one.times_real_time,
         }
-        for one in protected
+        for one in protected_stops
     ]
     write_json(
         directory / "trains.json",
@@ -80,7 +80,9 @@ def write_report(
     law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
     write_json(directory / "sanders.json", {"rows": rows, "law": law})
     figures = directory / "figures"
-    drawn = {one.train.name: image(style.save(drawing(one.train), figures / f"{one.train.name}.png")) for one in stops}
+    drawings = {
+        one.train.name: image(style.save(drawing(one.train), figures / f"{one.train.name}.png")) for one in stops
+    }
     return write_page(
         directory / "index.html",
         "studies/trains/trains.html.jinja",
@@ -89,13 +91,13 @@ def write_report(
         filling=_filling(stops),
         forces=_forces(stops),
         costs=_costs([*stops, *series]),
-        protected=table_of_protected(protected),
+        protected=table_of_protected(protected_stops),
         cost_figure=image(style.save(_cost_figure(series), figures / "cost.png")) if series else "",
         sanders=table_of_sanders(comparisons),
         sander_figure=image(style.save(_sander_figure(comparisons), figures / "sanders.png")),
         trial=trial,
         density=1e3 * density,
-        drawn=drawn,
+        drawings=drawings,
     )
 
 
@@ -115,7 +117,7 @@ def table_of(stops: Sequence[DryStop]) -> Table:
     return Table(rows, forms, ("train",))
 
 
-def table_of_protected(protected: Sequence[ProtectedStop]) -> Table:
+def table_of_protected(stops: Sequence[ProtectedStop]) -> Table:
     """Return how much faster than real time the stop with estimator and valves runs."""
     rows = [
         {
@@ -125,7 +127,7 @@ def table_of_protected(protected: Sequence[ProtectedStop]) -> Table:
             "times real time": one.times_real_time,
             "target": ">= 20",
         }
-        for one in protected
+        for one in stops
     ]
     forms = {"simulated": "{:.1f} s", "processor": "{:.2f} s", "times real time": "{:.1f}"}
     return Table(rows, forms, ("estimator every", "target"))
