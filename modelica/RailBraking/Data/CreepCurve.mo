@@ -13,14 +13,13 @@ record CreepCurve "Shape of the creep curve of a wheelset, which may change alon
         Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
-What <a href=\"modelica://RailBraking.Contact.polach\">Contact.polach</a> takes beside the friction. A vehicle has one for
-all of its wheelsets, of its parameters; one whose rail changes its curve from place to place binds <code>curve</code>
-to inputs, as in
-
+What <a href=\"modelica://RailBraking.Contact.polach\">Contact.polach</a> takes beside the friction. A vehicle has one
+for all of its wheelsets, of its parameters; one whose rail changes its curve from place to place binds
+<code>curve</code> to inputs, as in
+</p>
 <blockquote><pre>
 extends FMUs.TwoPartTrain(
   curve={Data.CreepCurve(k_A=k_A_in[i], k_S=k_S_in[i], A=A_in[i], B=B_in[i]) for i in 1:6});
 </pre></blockquote>
-</p>
 </html>"));
 end CreepCurve;
