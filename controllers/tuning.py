@@ -1,7 +1,8 @@
 """Named parameter sets of the control laws: one per kind of actuation, the same for every scenario.
 
-What `make tune-control` searches lies in a file for each law beside this one, with a table for each kind of actuation
-and each way to know the slip. What is not searched is physics, or a limit that somebody else set, and says so here.
+What `railgrip tune-control` searches lies in a file for each law beside this one, with a table for each kind of
+actuation and each way to know the slip; a law of `TWICE` has a second one, `<law>.type_test.toml`. What is not searched
+is physics, or a limit that somebody else set, and says so here.
 """
 
 import tomllib
@@ -17,10 +18,33 @@ SlipSource = Literal["read", "estimated"]
 """How a law knows the slip: from readings alone, or from an estimator."""
 
 
-def searched(law: str, actuation: str, slip: SlipSource) -> Mapping[str, float]:
-    """Return what was found for a law, on rails that no result is reported of."""
-    text = (files("railgrip.controllers") / f"{law}.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)[actuation][slip]
+TWICE = frozenset({"slip_three_state"})
+"""Laws searched on the campaign `training`, which the tables of the papers hang on, and once more on the training
+cases of the type test. The others have one set for valves, searched on those cases."""
+
+
+def file_of(law: str, *, type_test: bool) -> str:
+    """Return the name of the file with a law's parameters: for the type test, or for everything else."""
+    return f"{law}.type_test.toml" if type_test and law in TWICE else f"{law}.toml"
+
+
+def _sets(file: str) -> Mapping[str, Mapping[str, Mapping[str, float]]]:
+    return tomllib.loads((files("railgrip.controllers") / file).read_text(encoding="utf-8"))
+
+
+def searched(law: str, actuation: str, slip: SlipSource, *, type_test: bool = False) -> Mapping[str, float]:
+    """Return what was found for a law, on rails that no result is reported of.
+
+    Raises:
+        ValueError: The law was not searched for that, or not with this actuation and this way to know the slip.
+    """
+    if type_test and law not in TWICE:
+        raise ValueError(f"{law} has no set of its own for the type test; there is one of {', '.join(sorted(TWICE))}")
+    sets = _sets(file_of(law, type_test=type_test))
+    if slip not in sets.get(actuation, {}):
+        known = ", ".join(f"{one} actuation and {source} slip" for one, of_one in sets.items() for source in of_one)
+        raise ValueError(f"{law} has no set for {actuation} actuation and {slip} slip; there is {known}")
+    return sets[actuation][slip]
 
 
 FIXED: Mapping[str, Mapping[str, float]] = {
@@ -57,8 +81,7 @@ def of(law: str, actuation: str, slip: SlipSource) -> dict[str, float]:
 
     What its slip comes from matters to a law that looks at it; one with a single way to know it has a single set.
     """
-    text = (files("railgrip.controllers") / f"{law}.toml").read_text(encoding="utf-8")
-    sets = tomllib.loads(text)[actuation]
+    sets = _sets(f"{law}.toml")[actuation]
     return {**FIXED[law], **sets.get(slip, next(iter(sets.values())))}
 
 

@@ -123,6 +123,25 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     return [ca.Function(name, arguments, results, {"cse": True}) for name, arguments, results in definitions]
 
 
+def loud_discretes(system: System) -> list[int]:
+    """Return the places of the discretes whose change at an event calls for another pass over its equations.
+
+    The others keep their value while no clock ticks, and are then read by nothing but themselves: a second pass, in
+    which nothing ticks, would repeat the first. That takes that nothing else is clocked; a loop solved anew would move.
+    """
+    every, before = list(range(system.d.numel())), system.previous
+    if not system.clocks or system.loops.guesses:
+        return every
+    results = column([system.event_discretes, system.event_states, system.event_relations, system.event_conditions])
+    still = ca.substitute(results, system.ticks, SX.zeros(system.ticks.shape))
+    holds = {i for i in every if still[i].element_hash() == before[i].element_hash()}
+    if set(ca.jacobian_sparsity(results, system.ticks[:-1]).row()) - holds:
+        return every
+    rows, columns = ca.jacobian_sparsity(still, before).get_triplet()
+    readers = {j for i, j in zip(rows, columns, strict=True) if i != j}
+    return [i for i in every if i not in holds or i in readers]
+
+
 def _newton(loops: Loops) -> list[SX]:
     return [column([table[name] for name in loops.guesses]) for table in (loops.updates, loops.residuals)]
 
@@ -145,6 +164,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     elimination = eliminate(len(lay.states), list(zip(rows, columns, strict=True))) if solves else None
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
     texts = sum(isinstance(piece, SX) for a in system.assertions for piece in a.message)
+    loud = loud_discretes(system)
     by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
     sizes = {
         "NX": len(lay.states),
@@ -164,6 +184,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         "NA": len(system.assertions),
         "NM": texts,
         "NJ": len(rows),
+        "N_LOUD": len(loud),
         "NLU": elimination.entries if elimination else 0,
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
@@ -186,6 +207,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         table("char", "x_calculated", [int(c) for c in system.calculated]),
         table("double", "clock_phase", [phase for phase, _ in system.clocks]),
         table("double", "clock_period", [period for _, period in system.clocks]),
+        table("int", "loud", loud),
         table("int", "indicator_relation", system.indicator_relation),
         table("int", "jacobian_row", rows),
         table("int", "jacobian_column", columns),

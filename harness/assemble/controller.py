@@ -1,6 +1,6 @@
 """The controller of a scenario and what its commands go through: laws, valves, FMUs of one's own."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
@@ -28,7 +28,7 @@ from railgrip.fmu import Description
 from railgrip.loop.actuation import Direct
 from railgrip.loop.ports import Actuation, Controller, LawStates
 from railgrip.scenario.custom import Custom
-from railgrip.scenario.parties import ControllerFmu, KalmanFilter, SlipLaw
+from railgrip.scenario.parties import AdhesionLaw, ControllerFmu, KalmanFilter, SlipLaw
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import ServiceSensors
@@ -130,9 +130,9 @@ def _group_law(vehicle: VehicleData) -> Law:
     if isinstance(table, SlipLaw):
         values = in_units(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
         levels = replace(tuning.PAPER_LEVELS, hold=table.kind == "slip_three_state")
-        if table.tuning == "searched":
+        if table.tuning != "paper":
             slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
-            levels = replace(levels, **tuning.searched(table.kind, scenario.actuation.kind, slip))
+            levels = replace(levels, **_searched(scenario, table, slip))
         try:
             return SlipBased(groups, replace(levels, **values))
         except ValueError as problem:
@@ -145,6 +145,18 @@ def _group_law(vehicle: VehicleData) -> Law:
         raise ScenarioError(f"{where}: {problem}") from problem
 
 
+def _searched(scenario: Scenario, table: SlipLaw | AdhesionLaw, slip: tuning.SlipSource) -> Mapping[str, float]:
+    """Return the set of parameters that [controller] names.
+
+    Raises:
+        ScenarioError: The law was not searched for that, or not with this actuation.
+    """
+    try:
+        return tuning.searched(table.kind, scenario.actuation.kind, slip, type_test=table.tuning == "type_test")
+    except ValueError as problem:
+        raise ScenarioError(f"{scenario.name}: [controller] tuning '{table.tuning}': {problem}") from problem
+
+
 def _law_of(
     scenario: Scenario, kind: str
 ) -> tuple[Callable[[Sequence[BrakeGroup], Any], Law], Tuning, dict[str, float]]:
@@ -152,7 +164,10 @@ def _law_of(
     actuation, period = scenario.actuation.kind, {"period": scenario.periods.controller}
     if kind in ("adhesion_based", "adhesion_literal"):
         seeker = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
-        return seeker, tuning.PEAK_SEEKING[actuation], period | {"adhesion_max": scenario.limits.alpha_max}
+        base = tuning.PEAK_SEEKING[actuation]
+        if isinstance(scenario.controller, AdhesionLaw) and scenario.controller.tuning == "type_test":
+            base = replace(base, **_searched(scenario, scenario.controller, "estimated"))
+        return seeker, base, period | {"adhesion_max": scenario.limits.alpha_max}
     if kind == "slope_seeking":
         lag = scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0
         return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max, "pressure_lag": lag}

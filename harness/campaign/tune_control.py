@@ -3,7 +3,8 @@
 What the table of braking distances says of a controller is a prediction only if its parameters were not chosen by that
 table, and a comparison only if both sides were tuned as hard. So all are chosen here, adhesion-based control and the
 slip-based control that it is measured against, by differential evolution (Storn and Price, 1997) over the campaign
-`training`, whose rails differ from those of every other campaign in shape, level, speed and draw.
+`training`, whose rails differ from those of every other campaign in shape, level, speed and draw; or, for the type
+test, over cases of a set of their own.
 """
 
 import math
@@ -28,8 +29,11 @@ EDGES = {"ideal": "ideal", "pneumatic": "service"}
 
 Ranges = Mapping[str, tuple[float, float]]
 
-_LEVELS: Ranges = {"low": (3e-3, 0.2), "high_over_low": (1.1, 4.0)}
-"""From below all published peaks to beyond most; narrower bands than 10 % of a level are below what sensors tell."""
+_LEVELS: Ranges = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
+"""From below nearly all published peaks to beyond them; sensors do not tell narrower bands than 10 % of a level."""
+
+_HIGHEST = 0.9
+"""Slip above which no upper level is searched: a wheel that is nearly locked."""
 
 _SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
 
@@ -138,7 +142,7 @@ def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
     """
     values = {name: math.exp(value) for name, value in zip(names, point, strict=True)}
     if "high_over_low" in values:
-        values["high"] = values["low"] * values.pop("high_over_low")
+        values["high"] = min(_HIGHEST, values["low"] * values.pop("high_over_low"))
     return {name: float(f"{value:.2g}") for name, value in values.items()}
 
 
@@ -199,13 +203,14 @@ def search(
         tell: Called after each generation with its number and the best reduction against the reference.
         pool: To run stops in.
         rails: Campaign with the axes rail and edge.
-        rail_stops: Stops of this kind of actuation in place of its rails, each with the variant rail.
+        rail_stops: Stops of the type test in place of its rails, each with the variant rail, for the set of its own.
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
         budget: Sets to be tried in all, whatever is searched; None for `sets`.
     """
     from scipy.optimize import Bounds, differential_evolution
     from scipy.stats.qmc import Sobol
 
+    start = tuning.searched(law, actuation, slip, type_test=rail_stops is not None and law in tuning.TWICE)
     if rail_stops is None:
         rail_stops = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
     scenarios = [stop.scenario for stop in rail_stops]
@@ -234,7 +239,7 @@ def search(
     optimum = differential_evolution(
         objective,
         Bounds(*bounds),
-        x0=point_of(ranges, tuning.searched(law, actuation, slip)),
+        x0=point_of(ranges, start),
         init="sobol" if budget is None else bounds[0] + spread * (bounds[1] - bounds[0]),
         popsize=population // len(ranges),
         maxiter=generations,

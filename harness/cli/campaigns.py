@@ -230,18 +230,24 @@ def tune_control(
     ] = None,
     cases: Annotated[
         int | None,
-        typer.Option(min=1, max=1000, help="So many short cases like those of the type test in place of the rails."),
+        typer.Option(
+            min=1,
+            max=1000,
+            help="So many short training cases of the type test in place of the rails, for its own set.",
+        ),
     ] = None,
     workers: Workers = 2,
 ) -> None:
     """Search the parameters of the control laws on the training rails, and write a file for each law.
 
-    What is not searched of a law stays in its file as it is.
+    What is not searched of a law stays in its file as it is. What --cases finds of a law that the tables of the papers
+    hang on goes into a file of its own, `<law>.type_test.toml`.
     """
     from railgrip.atomic import write_text
     from railgrip.campaign.one_stop import make_folder
     from railgrip.campaign.tune_control import EDGES, RANGES, search, text_of
     from railgrip.campaign.workers import workers as processes
+    from railgrip.controllers.tuning import file_of
 
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:
@@ -272,7 +278,7 @@ def tune_control(
                     *(f"{name} {value}" for name, value in options.items() if value),
                 )
             )
-            path = out / f"{each}.toml"
+            path = out / file_of(each, type_test=cases is not None)
             text = text_of(each, optima, command if any(options.values()) else "make tune-control")
             write_text(path, text + _others(path, optima))
 

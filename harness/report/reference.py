@@ -38,7 +38,7 @@ _Stop = TypeVar("_Stop")
 def label(scenario: Mapping[str, Any]) -> str:
     """Return what the controller of a resolved scenario is called; one of slip-based control says its thresholds."""
     controller, kind = scenario["controller"], controller_of(scenario)
-    name = CONTROLLERS.get(kind, kind)
+    name = CONTROLLERS.get(kind, kind) + (", of the type test" if controller.get("tuning") == "type_test" else "")
     if kind not in _SLIP_BASED:
         return name
     return f"{name} {'/'.join(f'{100 * threshold:.3g}' for threshold in _thresholds(controller))} %"
@@ -88,7 +88,7 @@ def law_of(scenario: Mapping[str, Any]) -> str:
 
 
 def _is_searched(controller: Mapping[str, Any]) -> bool:
-    return controller.get("tuning") == "searched"
+    return controller["kind"] in _SLIP_BASED and controller.get("tuning", "paper") != "paper"
 
 
 def _thresholds(controller: Mapping[str, Any]) -> tuple[float, float]:

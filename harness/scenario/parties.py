@@ -91,7 +91,6 @@ class Law(_OverTheTrain):
         "wheel_reference",
         "constant_slip",
         "extremum_seeking",
-        "adhesion_based",
         "adhesion_literal",
         "slope_seeking",
         "ideal_bound",
@@ -104,10 +103,23 @@ class SlipLaw(_OverTheTrain):
     """Slip-based control, and what differs from its parameter set."""
 
     kind: Literal["slip_two_state", "slip_three_state"]
-    tuning: Literal["paper", "searched"] = Field(
+    tuning: Literal["paper", "searched", "type_test"] = Field(
         default="paper",
-        description="levels: the paper's 10 and 15 %, or those found on training rails for this actuation and for "
-        "slip as read, where the estimator is 'none', or else as estimated",
+        description="levels: the paper's 10 and 15 %, those found on training rails for this actuation, or on the "
+        "training cases of the type test, with valves; both for slip as read, where the estimator is 'none', or else "
+        "as estimated",
+    )
+    parameters: Parameters = Field(default={}, description="what differs from that set")
+
+
+class AdhesionLaw(_OverTheTrain):
+    """Adhesion-based control, and what differs from its parameter set."""
+
+    kind: Literal["adhesion_based"]
+    tuning: Literal["searched", "type_test"] = optional(
+        "parameters: those found on training rails for this actuation, or on the training cases of the type test, "
+        "with valves",
+        default="searched",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
 
@@ -136,10 +148,13 @@ class OwnLaw(Custom, _OverTheTrain):
 
 
 _LAWS = frozenset(
-    kind for table in (Law, SlipLaw, ControllerFmu) for kind in get_args(table.model_fields["kind"].annotation)
+    kind
+    for table in (Law, SlipLaw, AdhesionLaw, ControllerFmu)
+    for kind in get_args(table.model_fields["kind"].annotation)
 )
 Controller = Annotated[
-    Annotated[Law | SlipLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)] | Annotated[OwnLaw, Tag(CUSTOM)],
+    Annotated[Law | SlipLaw | AdhesionLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)]
+    | Annotated[OwnLaw, Tag(CUSTOM)],
     Discriminator(whose("controllers", _LAWS)),
 ]
 

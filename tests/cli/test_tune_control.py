@@ -1,23 +1,28 @@
 """The search for the parameters of brake control."""
 
 import tomllib
+from collections.abc import Iterable
 from dataclasses import fields
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
-from one_process import Here
+from one_process import Here, one_process
 
 from railgrip.assemble.controller import controller_of
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.campaign.tune_control import EDGES, RANGES, Optimum, parameters_of, search, text_of
+from railgrip.cli.main import main
 from railgrip.controllers.adhesion_based import PeakSeekingTuning
+from railgrip.controllers.law import Law
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
+from railgrip.controllers.tuning import TWICE, file_of
+from railgrip.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
-from railgrip.studies.type_test.entrants import entrants
+from railgrip.studies.type_test.entrants import entrants, training
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]
@@ -35,14 +40,25 @@ def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
     assert not {s.seed for s in trained} & {s.seed for s in other_rails}
 
 
-def committed(law: str):
-    return tomllib.loads(files("railgrip.controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8"))
+def text_with(law: str, type_test: bool) -> str:
+    return files("railgrip.controllers").joinpath(file_of(law, type_test=type_test)).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(("law", "actuation", "slip"), CASES)
-def test_what_was_found_lies_where_it_was_searched(law, actuation, slip):
+def committed(law: str, type_test: bool = False):
+    return tomllib.loads(text_with(law, type_test))
+
+
+SETS = [
+    *((*case, False) for case in CASES),
+    *((law, "pneumatic", slip, True) for law in sorted(TWICE) for slip in committed(law, True)["pneumatic"]),
+]
+"""Law, actuation, slip, and whether it is the set of the type test."""
+
+
+@pytest.mark.parametrize(("law", "actuation", "slip", "type_test"), SETS)
+def test_what_was_found_lies_where_it_was_searched(law, actuation, slip, type_test):
     """Within a rounding to two digits."""
-    values, ranges = dict(committed(law)[actuation][slip]), RANGES[law][actuation, slip]
+    values, ranges = dict(committed(law, type_test)[actuation][slip]), RANGES[law][actuation, slip]
     if "high" in values:
         values["high_over_low"] = values.pop("high") / values["low"]
     assert set(values) == set(ranges)
@@ -50,36 +66,98 @@ def test_what_was_found_lies_where_it_was_searched(law, actuation, slip):
         assert 0.9 * low <= values[name] <= 1.1 * high
 
 
-@pytest.mark.parametrize(("law", "actuation", "slip"), [case for case in CASES if case[0].startswith("slip_")])
-def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_slip(law, actuation, slip):
+def law_with(actuation: str, slip: str, **controller: str) -> Law:
+    """The law of a scenario on this actuation and with this way to know the slip."""
     edge = CAMPAIGNS.parent / "edges" / f"{EDGES[actuation]}.toml"
     table = merged(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(edge))
-    table = merged(table, {"controller": {"kind": law}})
+    table = merged(table, {"controller": controller})
     if slip == "read":
         table = merged(table, {"estimator": {"kind": "none"}})
+    law = controller_of(VehicleData(scenario_of(table, directory=CAMPAIGNS, origin="plain.toml")))
+    assert isinstance(law, Law)
+    return law
 
+
+def parameters_in(law: Law, names: Iterable[str]) -> dict[str, float]:
+    places = [quantity.name for quantity in law.formula.parameters]
+    return {name: law.parameters[places.index(name)] for name in names}
+
+
+@pytest.mark.parametrize(("law", "actuation", "slip"), [case for case in CASES if case[0].startswith("slip_")])
+def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_slip(law, actuation, slip):
     def levels(tuning: str):
-        variant = merged(table, {"controller": {"tuning": tuning}})
-        scenario = scenario_of(variant, directory=CAMPAIGNS, origin="plain.toml")
-        controller = controller_of(VehicleData(scenario))
+        controller = law_with(actuation, slip, kind=law, tuning=tuning)
         assert isinstance(controller, SlipBased)
-        names = [quantity.name for quantity in controller.formula.parameters]
-        return {name: controller.parameters[names.index(name)] for name in ("low", "high", "hold")}
+        return parameters_in(controller, ("low", "high", "hold"))
 
     hold = law == "slip_three_state"
     assert levels("searched") == committed(law)[actuation][slip] | {"hold": hold}
     assert levels("paper") == {"low": 0.10, "high": 0.15, "hold": hold}
 
 
+@pytest.mark.parametrize(("law", "actuation", "slip"), [one[:3] for one in SETS if one[3]])
+def test_a_scenario_takes_the_set_of_the_type_test(law, actuation, slip):
+    values = committed(law, type_test=True)[actuation][slip]
+    assert parameters_in(law_with(actuation, slip, kind=law, tuning="type_test"), values) == values
+    assert values != committed(law)[actuation][slip]  # or the rest of this test says nothing
+
+
+@pytest.mark.parametrize("law", sorted(TWICE))
+def test_the_set_of_the_type_test_is_for_valves(law):
+    with pytest.raises(ScenarioError, match=f"tuning 'type_test': {law} has no set for ideal .* there is pneumatic"):
+        law_with("ideal", "estimated", kind=law, tuning="type_test")
+
+
+def test_a_law_without_a_set_of_the_type_test_is_refused(monkeypatch):
+    monkeypatch.setattr("railgrip.controllers.tuning.TWICE", {"slip_three_state"})
+    with pytest.raises(ScenarioError, match="slip_two_state has no set of its own for the type test; there is"):
+        law_with("pneumatic", "read", kind="slip_two_state", tuning="type_test")
+
+
+def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_path, monkeypatch):
+    """A law with one set for both keeps it in one file."""
+
+    def found(law, actuation, slip, *_, planned, **__):
+        return Optimum(
+            values={"low": 0.05, "high": 0.2},
+            sets=5,
+            rails=tuple(stop.variants["rail"] for stop in planned),
+            distances=(90.0,),
+            reference=(100.0,),
+        )
+
+    monkeypatch.setattr("railgrip.campaign.tune_control.search", found)
+    options = ("--cases", "1", "--budget", "5", "--out", str(tmp_path))
+    with one_process(), pytest.raises(SystemExit) as end:
+        main(["tune-control", "--law", "slip_three_state", "--law", "wheel_reference", *options])
+    assert end.value.code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"slip_three_state.type_test.toml", "wheel_reference.toml"}
+    text = (tmp_path / "slip_three_state.type_test.toml").read_text(encoding="utf-8")
+    assert "`railgrip tune-control --law slip_three_state --cases 1 --budget 5`" in text
+    assert "#   1of1-2021, " in text
+    levels = {"low": 0.05, "high": 0.2}
+    assert tomllib.loads(text) == {"pneumatic": {"read": levels, "estimated": levels}}
+
+
 @pytest.mark.parametrize("law", list(RANGES))
 def test_the_committed_parameters_are_those_of_a_search(law):
     """With the distances they were found by, as `text_of` writes them."""
-    text = files("railgrip.controllers").joinpath(f"{law}.toml").read_text(encoding="utf-8")
+    text = text_with(law, type_test=False)
     if text.startswith(f"# Parameters of {law} before any search."):
         assert not entrants()[law].tuned  # so nobody is compared with it as with a tuned one
         return
     assert text.startswith(text_of(law, {}).partition(" `")[0])
     assert text.count("% against slip-based control, on:") == len(RANGES[law])
+
+
+@pytest.mark.parametrize("law", sorted(TWICE))
+def test_the_sets_of_the_type_test_were_found_on_training_cases(law):
+    text, valves = text_with(law, type_test=True), committed(law, type_test=True)["pneumatic"]
+    command = f"railgrip tune-control --law {law} --cases 16 --budget 32"
+    assert text.startswith(text_of(law, {}, command).rstrip())
+    assert text.count("# The best of 32 sets: ") == len(valves)
+    for case in training(16):
+        assert text.count(f"#   {case.variants['rail']}: ") == len(valves)
 
 
 def test_every_parameter_is_searched_on_its_logarithm():

@@ -4,6 +4,10 @@ import math
 
 import pytest
 
+from railgrip.fmus.native.code import loud_discretes
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.system import explicit
+
 
 def bounces(count, e=0.7, g=9.81, h=1.0):
     """Return the instants of a ball's first bounces and its speed just after each."""
@@ -71,3 +75,42 @@ def test_a_model_that_chatters_is_reported(modelica, run):
     with pytest.raises(Exception, match="fmi2DoStep"):
         instance.steps(1, 1.0)
     assert any("chatters" in m for m in instance.messages)
+
+
+COUNTER = """model M
+  Boolean odd(start=false, fixed=true);
+  discrete Real line[3](each start=0, each fixed=true);
+  Integer count(start=0, fixed=true);
+  Real x(start=0, fixed=true);
+equation
+  when sample(0.1, 0.1) then
+    odd = not pre(odd);
+    line = cat(1, {pre(line[1]) + 1}, pre(line[1:2]));
+  end when;
+  when pre(odd) then
+    count = pre(count) + 1;
+  end when;
+  der(x) = line[3];
+end M;
+"""
+
+
+def test_what_only_clocked_equations_read_asks_for_no_second_pass(tmp_path):
+    """The delay line is read by itself at ticks, and by a derivative; the flag also by another when clause."""
+    file = tmp_path / "M.mo"
+    file.write_text(COUNTER)
+    system = explicit(read("M", file))
+    assert [system.variables.discretes[i].name for i in loud_discretes(system)] == ["odd", "count"]
+
+
+def test_a_clause_acts_at_the_instant_of_the_tick_that_changes_what_it_reads(modelica, run):
+    """The flag rises at the ticks of 0.1, 0.3 and 0.5 s."""
+    instance = run(modelica(COUNTER))
+    counts = []
+    for k in range(55):
+        instance.steps(1, 0.01, first=k)
+        counts.append(instance.count("count"))
+    assert [counts[k] for k in (8, 10, 28, 30, 48, 50)] == [0, 1, 1, 2, 2, 3]
+    assert instance.get("line[1]", "line[2]", "line[3]") == [5.0, 4.0, 3.0]
+    # line[3] was 1 from 0.3 s, 2 from 0.4 s and 3 from 0.5 s on.
+    assert instance.get("x")[0] == pytest.approx(0.1 * 1 + 0.1 * 2 + 0.05 * 3, abs=1e-9)

@@ -120,10 +120,11 @@ REFUSALS = [
     (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
     (["name='a/b'"], "name is 'a/b'; string should match pattern"),
     (["controller.kind=abc"], "[controller] kind is 'abc'; there is full_brake, wheel_reference"),
-    (["controller.tuning=searched"], "[controller] has no key 'tuning'"),
+    (["controller.kind=slope_seeking", "controller.tuning=type_test"], "[controller] has no key 'tuning'"),
+    (["controller.kind=adhesion_based", "controller.tuning=paper"], "[controller] tuning is 'paper'; there is"),
     (
         ["controller.kind=slip_two_state", "controller.tuning=best"],
-        "[controller] tuning is 'best'; there is 'paper' or 'searched'",
+        "[controller] tuning is 'best'; there is 'paper', 'searched' or 'type_test'",
     ),
     ([SERVICE, "sensors.speed.scale_offset=1.5"], "[sensors.speed] scale_offset must be at most 0.5"),
     (

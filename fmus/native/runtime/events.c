@@ -15,7 +15,8 @@ static void event_pass(State *s, const double *tick, double *d, double *x, doubl
     f_event(a, out);
 }
 
-/* Repeat event passes until the remembered relations and the nonlinear loops agree with each other. */
+/* Repeat event passes until the remembered relations and the nonlinear loops agree with each other; `d` are the
+ * discretes of the state, into which each pass writes. */
 static int consistent(Instance *m, const double *tick, double *d, double *x, double *r, double *c) {
     State *s = &m->s;
     for (int k = 0; k < EVENT_ITERATIONS; k++) {
@@ -24,7 +25,6 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
         event_pass(s, tick, d, x, r, c);
         same = !NR || !memcmp(r, s->r, NR * sizeof *r);
         memcpy(s->r, r, NR * sizeof *r);
-        memcpy(s->v + D, d, ND * sizeof *d);
         if (NG) {
             memcpy(g, s->g, NG * sizeof *g);
             if (loops(m, s->v[TIME], s->v + X)) return 1;
@@ -36,10 +36,12 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
     return failure(m, "the relations do not settle at the event at time = %.9g s", s->v[TIME]);
 }
 
-/* Handle everything that happens now. `initial` suppresses edges of when clauses; `jumped` tells of reinit. */
+/* Handle everything that happens now. `initial` suppresses edges of when clauses; `jumped` tells of reinit.
+ *
+ * A change of the discretes that are not `loud`, which only clocked equations read, calls for no further iteration. */
 static int events(Instance *m, int initial, int *jumped) {
     State *s = &m->s;
-    double tick[NT + 1] = { 0 }, d[ND + 1], x[NX + 1], r[NR + 1], c[NC + 1], now = s->v[TIME];
+    double tick[NT + 1] = { 0 }, x[NX + 1], r[NR + 1], c[NC + 1], *d = s->v + D, now = s->v[TIME];
     *jumped = 0;
     s->inputs_set = 0;
     /* Clocks do not tick during initialisation; one whose first instant is the start ticks right after it. */
@@ -59,7 +61,7 @@ static int events(Instance *m, int initial, int *jumped) {
         return 0;
     }
     if (!initial) s->v[EVENTS]++;
-    memcpy(s->previous, s->v + D, ND * sizeof(double));
+    memcpy(s->previous, d, ND * sizeof *d);
     if (initial) {
         if (consistent(m, tick, d, x, r, c)) return 1;
         memcpy(s->last, c, NC * sizeof *c);
@@ -72,15 +74,15 @@ static int events(Instance *m, int initial, int *jumped) {
             *jumped = 1;
             memcpy(s->v + X, x, NX * sizeof *x);
         }
-        changed |= ND && memcmp(d, s->previous, ND * sizeof *d);
         changed |= NC && memcmp(c, s->last, NC * sizeof *c);
-        memcpy(s->previous, d, ND * sizeof *d);
-        memcpy(s->last, c, NC * sizeof *c);
-        memset(tick, 0, sizeof tick);
+        for (int i = 0; i < N_LOUD; i++) changed |= !!memcmp(d + loud[i], s->previous + loud[i], sizeof *d);
         if (!changed) {
             stale(s);
             return 0;
         }
+        memcpy(s->previous, d, ND * sizeof *d);
+        memcpy(s->last, c, NC * sizeof *c);
+        memset(tick, 0, sizeof tick);
     }
     return failure(m, "the event iteration does not end at time = %.9g s", now);
 }

@@ -3,7 +3,8 @@
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
  * outputs, NL other algebraic variables, ND discretes, NR remembered relations, NZ indicators, NC conditions, NT
  * clocks, NI instants, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
- * messages, NJ entries of the Jacobian), tables, and the functions f_*. */
+ * messages, NJ entries of the Jacobian, N_LOUD discretes whose change asks for another event pass), tables, and the
+ * functions f_*. */
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
