@@ -117,11 +117,11 @@ def test_a_law_without_a_set_of_the_type_test_is_refused(monkeypatch):
 def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_path, monkeypatch):
     """A law with one set for both keeps it in one file."""
 
-    def found(law, actuation, slip, *_, planned, **__):
+    def found(law, actuation, slip, *_, rail_stops, **__):
         return Optimum(
             values={"low": 0.05, "high": 0.2},
             sets=5,
-            rails=tuple(stop.variants["rail"] for stop in planned),
+            rails=tuple(stop.variants["rail"] for stop in rail_stops),
             distances=(90.0,),
             reference=(100.0,),
         )
