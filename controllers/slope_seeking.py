@@ -118,7 +118,7 @@ class SlopeSeeking(Law):
 
         x, y = Δ⟨ln s⟩, Δ ln⟨a⟩, filtered, less what is slower than `washout_time`
         e = E(xy)/(E(x²) + log_slip_noise²), its variance from the residual of the regression
-        w = spread²/(spread² + var e)                          how far e is believed: 1 known, 0 unknown
+        w = spread²/(spread² + var e)·E(x²)/(E(x²) + log_slip_noise²)      how far e is believed: 1 known, 0 unknown
         d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·ln(s_usual/s_set))
         s_usual = slip_usual + creep_usual/v
         s* = s_set·exp(±dither·sin φ)
@@ -154,8 +154,11 @@ _UNBRAKED = 0.9
 """Share of the spring's force that the piston may have while the pads are surely off."""
 
 _AVERAGED = 1.0  # s, over which the slip of a rolling wheel is averaged, where it rolls for so long
-_LEASH = 0.5
-"""How far ln(s_set) may be from ln(s): a set point that the brake cannot reach must not run away."""
+_LEASH, _LEASH_UP = 0.5, 1.2
+"""How far ln(s_set) may be below and above ln(s): a set point that the brake cannot reach must not run away.
+
+Left of the peak more slip wants more torque; half a unit of ln(s) asks for less more than the valves' band lets through,
+and a wheel stayed for good at a tenth of the slip that was sought."""
 
 _RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
 _SPEED_ERROR = 0.8  # of the train's speed after a radar has lied
@@ -350,9 +353,9 @@ def _slope(
     each = [changes(part) for part in parts]
     x, y = ca.vertsplit(each[0] if len(each) == 1 else 0.5 * (each[0] - each[1]))
     compared = choose(comparable, x, 0.0), choose(comparable, y, 0.0)
-    elasticity, variance = _regression(draft, t, compared, rolling)
+    elasticity, variance, excitation = _regression(draft, t, compared, rolling)
     spread = t["elasticity_spread"] ** 2
-    weight = spread / (spread + variance)
+    weight = excitation * spread / (spread + variance)
     draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
     draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight)
     return elasticity, weight
@@ -375,7 +378,7 @@ def _targets(
     least = t["slip_small"] + t["creep_small"] / speed
     forces = [each.group.brake["load"] * each.adhesion for each in train]
     present = _mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
-    near = within(moved, present - _LEASH, present + _LEASH)
+    near = within(moved, present - _LEASH, present + _LEASH_UP)
     set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
     draft.keep(previous, set_point)
     phase = draft.state("phase", "1", "periods of the dither since the start")
@@ -411,8 +414,8 @@ def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, peri
 
 def _regression(
     draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
-) -> tuple[Expression, Expression]:
-    """Return the elasticity d(ln α)/d(ln s), and its variance.
+) -> tuple[Expression, Expression, Expression]:
+    """Return the elasticity d(ln α)/d(ln s), its variance, and how much of what it rests on is no noise, from 0 to 1.
 
     Args:
         draft: Keeps the moments.
@@ -437,4 +440,4 @@ def _regression(
     residual = ca.fmax(yy - xy * xy / ca.fmax(xx, 1e-12), 0.0)
     independent = ca.fmax(t["window"] / t["correlation_time"], 1.0)
     variance = residual / (excited * independent)
-    return elasticity, variance
+    return elasticity, variance, xx / excited
