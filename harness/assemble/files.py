@@ -10,8 +10,6 @@ from railgrip.fmu import Description, describe
 from railgrip.fmus.build import build_class, choose, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.rolling_stock.files import load_train
-from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.schema import Scenario
@@ -42,6 +40,10 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 
 @cache
 def _train_file(path: Path, digest: str, pneumatic: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+    # Not with this module: the schema of a train file takes as long to load as numpy does, and few scenarios have one.
+    from railgrip.rolling_stock.files import load_train
+    from railgrip.rolling_stock.modelica import class_name, class_text
+
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic).encode()
     source = keep("modelica", sha256(text).hexdigest(), f"{name}.mo", text)
