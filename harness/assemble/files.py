@@ -11,8 +11,6 @@ from railgrip.fmus.build import build_class, choose, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.recipe import read_recipes
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.rolling_stock.files import load_train
-from railgrip.rolling_stock.modelica import class_name, class_text, curved_class
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.schema import Scenario
@@ -43,6 +41,10 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 
 @cache
 def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+    # Not with this module: the schema of a train file takes as long to load as numpy does, and few scenarios have one.
+    from railgrip.rolling_stock.files import load_train
+    from railgrip.rolling_stock.modelica import class_name, class_text, curved_class
+
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
     if curved:
@@ -57,6 +59,8 @@ def _curved_file(recipe: str) -> Path:
     own = read_recipes().recipes[recipe]
     if not own.curve:
         return recipe_file(recipe)
+    from railgrip.rolling_stock.modelica import curved_class
+
     wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
     return _built(*curved_class(own.class_name, wheelsets))
 

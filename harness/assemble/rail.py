@@ -9,7 +9,6 @@ from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.loop.driver import Driver
 from railgrip.loop.rail import Field, SandedRail, Sander, TabulatedRail
-from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.schema import Scenario
@@ -40,6 +39,8 @@ def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
     """Return the sanders of a scenario, or those of its train."""
     sanders = scenario.sanders
     if not sanders and scenario.vehicle.train is not None:
+        from railgrip.rolling_stock.files import load_train
+
         sanders = load_train(scenario.vehicle.train.path).sanders
     for number, sander in enumerate(sanders, start=1):
         if sander.wheelset > formation.wheelsets:
