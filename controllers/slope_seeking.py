@@ -157,7 +157,7 @@ _AVERAGED = 1.0  # s, over which the slip of a rolling wheel is averaged, where 
 _LEASH, _LEASH_UP = 0.5, 1.2
 """How far ln(s_set) may be below and above ln(s): a set point that the brake cannot reach must not run away.
 
-Left of the peak more slip wants more torque; half a unit of ln(s) asks for less more than the valves' band lets through,
+Left of the peak more slip wants more torque; what half a unit of ln(s) asks for is less than the band of the valves,
 and a wheel stayed for good at a tenth of the slip that was sought."""
 
 _RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
