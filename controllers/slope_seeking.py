@@ -118,8 +118,9 @@ class SlopeSeeking(Law):
 
         x, y = Δ⟨ln s⟩, Δ ln⟨a⟩, filtered, less what is slower than `washout_time`
         e = E(xy)/(E(x²) + log_slip_noise²), its variance from the residual of the regression
-        w = spread²/(spread² + var e)·E(x²)/(E(x²) + log_slip_noise²)      how far e is believed: 1 known, 0 unknown
-        d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·ln(s_usual/s_set))
+        w = spread²/(spread² + var e)                          how far e is believed: 1 known, 0 unknown
+        r = E(x²)/(E(x²) + log_slip_noise²)                    and how far slip has moved at all
+        d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·q + w (1 − r)·pull·max(q, 0)),  q = ln(s_usual/s_set)
         s_usual = slip_usual + creep_usual/v
         s* = s_set·exp(±dither·sin φ)
         T = a F_z r − J (1−s) v̇/r + (J v/r)(ṡ* + gain (s* − s))  leads s to s* at `gain`
@@ -329,8 +330,8 @@ def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expressi
 
 def _slope(
     draft: Draft, train: Sequence[_Wheels], signs: Sequence[float], t: Mapping[str, Expression], rolling: Expression
-) -> tuple[Expression, Expression]:
-    """Return the elasticity of adhesion over slip, and from 0 to 1 how far it is believed.
+) -> tuple[Expression, Expression, Expression]:
+    """Return the elasticity of adhesion over slip, and from 0 to 1 how well the rail fits it and how far slip moved.
 
     Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by what they hold;
     nothing changes while one of the two has none. Where all have one sign their mean stands for the difference.
@@ -355,10 +356,10 @@ def _slope(
     compared = choose(comparable, x, 0.0), choose(comparable, y, 0.0)
     elasticity, variance, excitation = _regression(draft, t, compared, rolling)
     spread = t["elasticity_spread"] ** 2
-    weight = excitation * spread / (spread + variance)
+    weight = spread / (spread + variance)
     draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
-    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight)
-    return elasticity, weight
+    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight * excitation)
+    return elasticity, weight, excitation
 
 
 def _targets(
@@ -368,12 +369,14 @@ def _targets(
     period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
     signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
-    elasticity, weight = _slope(draft, train, signs, t, rolling)
+    elasticity, weight, excitation = _slope(draft, train, signs, t, rolling)
 
     usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
     previous = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
     last = choose(previous < 0.0, previous, usual)
     expected = weight * (elasticity + t["elasticity_bias"]) + (1.0 - weight) * t["pull"] * (usual - last)
+    # A slip that nothing has moved fits any rail: below the usual slip that is no reason to stay.
+    expected += weight * (1.0 - excitation) * t["pull"] * ca.fmax(usual - last, 0.0)
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
     forces = [each.group.brake["load"] * each.adhesion for each in train]
