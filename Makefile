@@ -86,9 +86,9 @@ test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the 
 	@$(MAKE) --no-print-directory --jobs 2 check suite
 	$(RUN) -m railgrip regress
 
-# A file stays in one process: its tests share what they have built and run.
+# A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 suite: $(DEV)
-	$(RUN) -m pytest --numprocesses 2 --dist loadfile
+	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }

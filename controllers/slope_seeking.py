@@ -119,7 +119,8 @@ class SlopeSeeking(Law):
         x, y = Δ⟨ln s⟩, Δ ln⟨a⟩, filtered, less what is slower than `washout_time`
         e = E(xy)/(E(x²) + log_slip_noise²), its variance from the residual of the regression
         w = spread²/(spread² + var e)                          how far e is believed: 1 known, 0 unknown
-        d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·ln(s_usual/s_set))
+        r = E(x²)/(E(x²) + log_slip_noise²)                    and how far slip has moved at all
+        d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·q + w (1 − r)·pull·max(q, 0)),  q = ln(s_usual/s_set)
         s_usual = slip_usual + creep_usual/v
         s* = s_set·exp(±dither·sin φ)
         T = a F_z r − J (1−s) v̇/r + (J v/r)(ṡ* + gain (s* − s))  leads s to s* at `gain`
@@ -154,8 +155,11 @@ _UNBRAKED = 0.9
 """Share of the spring's force that the piston may have while the pads are surely off."""
 
 _AVERAGED = 1.0  # s, over which the slip of a rolling wheel is averaged, where it rolls for so long
-_LEASH = 0.5
-"""How far ln(s_set) may be from ln(s): a set point that the brake cannot reach must not run away."""
+_LEASH, _LEASH_UP = 0.5, 1.2
+"""How far ln(s_set) may be below and above ln(s): a set point that the brake cannot reach must not run away.
+
+Left of the peak more slip wants more torque; what half a unit of ln(s) asks for is less than the band of the valves,
+and a wheel stayed for good at a tenth of the slip that was sought."""
 
 _RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
 _SPEED_ERROR = 0.8  # of the train's speed after a radar has lied
@@ -326,8 +330,8 @@ def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expressi
 
 def _slope(
     draft: Draft, train: Sequence[_Wheels], signs: Sequence[float], t: Mapping[str, Expression], rolling: Expression
-) -> tuple[Expression, Expression]:
-    """Return the elasticity of adhesion over slip, and from 0 to 1 how far it is believed.
+) -> tuple[Expression, Expression, Expression]:
+    """Return the elasticity of adhesion over slip, and from 0 to 1 how well the rail fits it and how far slip moved.
 
     Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by what they hold;
     nothing changes while one of the two has none. Where all have one sign their mean stands for the difference.
@@ -350,12 +354,12 @@ def _slope(
     each = [changes(part) for part in parts]
     x, y = ca.vertsplit(each[0] if len(each) == 1 else 0.5 * (each[0] - each[1]))
     compared = choose(comparable, x, 0.0), choose(comparable, y, 0.0)
-    elasticity, variance = _regression(draft, t, compared, rolling)
+    elasticity, variance, excitation = _regression(draft, t, compared, rolling)
     spread = t["elasticity_spread"] ** 2
     weight = spread / (spread + variance)
     draft.show("elasticity", "1", "of adhesion over slip, as estimated", elasticity)
-    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight)
-    return elasticity, weight
+    draft.show("belief", "1", "how far that is believed: 0 not at all, 1 wholly", weight * excitation)
+    return elasticity, weight, excitation
 
 
 def _targets(
@@ -365,17 +369,19 @@ def _targets(
     period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
     signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
-    elasticity, weight = _slope(draft, train, signs, t, rolling)
+    elasticity, weight, excitation = _slope(draft, train, signs, t, rolling)
 
     usual = ca.log(ca.fmin(t["slip_usual"] + t["creep_usual"] / speed, t["slip_most"]))
     previous = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
     last = choose(previous < 0.0, previous, usual)
     expected = weight * (elasticity + t["elasticity_bias"]) + (1.0 - weight) * t["pull"] * (usual - last)
+    # A slip that nothing has moved fits any rail: below the usual slip that is no reason to stay.
+    expected += weight * (1.0 - excitation) * t["pull"] * ca.fmax(usual - last, 0.0)
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
     forces = [each.group.brake["load"] * each.adhesion for each in train]
     present = _mean([(each.sliding, ca.log(ca.fmax(each.filtered, least))) for each in train], forces)
-    near = within(moved, present - _LEASH, present + _LEASH)
+    near = within(moved, present - _LEASH, present + _LEASH_UP)
     set_point = choose(rolling, last, within(near, ca.log(least), ca.log(t["slip_most"]) - t["dither"]))
     draft.keep(previous, set_point)
     phase = draft.state("phase", "1", "periods of the dither since the start")
@@ -411,8 +417,8 @@ def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, peri
 
 def _regression(
     draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
-) -> tuple[Expression, Expression]:
-    """Return the elasticity d(ln α)/d(ln s), and its variance.
+) -> tuple[Expression, Expression, Expression]:
+    """Return the elasticity d(ln α)/d(ln s), its variance, and how much of what it rests on is no noise, from 0 to 1.
 
     Args:
         draft: Keeps the moments.
@@ -437,4 +443,4 @@ def _regression(
     residual = ca.fmax(yy - xy * xy / ca.fmax(xx, 1e-12), 0.0)
     independent = ca.fmax(t["window"] / t["correlation_time"], 1.0)
     variance = residual / (excited * independent)
-    return elasticity, variance
+    return elasticity, variance, xx / excited

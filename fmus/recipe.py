@@ -24,6 +24,7 @@ class Recipe(BaseModel):
         solver: Of co-simulation, in the built-in compiler.
         tolerance: Relative error of an internal step.
         step: Communication step the FMU suggests, s.
+        curve: The class has `curve`, which a rail with several creep curves binds to inputs.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -33,6 +34,7 @@ class Recipe(BaseModel):
     solver: Literal["rodas3", "rodas4"]
     tolerance: float = Field(gt=0, lt=1)
     step: float = Field(gt=0)
+    curve: bool = False
 
     @classmethod
     def own(cls, class_name: str, interface: Literal["me", "cs"]) -> "Recipe":

@@ -117,7 +117,8 @@ class Plant(Protocol):
 
         Args:
             inputs: pressure_command (groups,) [Pa], or valve_command [1] with pneumatic actuation; mu0 (wheelsets,)
-                [1], track_force () [N].
+                [1], track_force () [N]; curve_k_A, curve_k_S, curve_A [1] and curve_B [s/m] (wheelsets,) where the
+                rail has several creep curves.
 
         Returns:
             By the names of a trace's variables and in their units, the same at each step: distance, speed,

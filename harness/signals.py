@@ -86,6 +86,14 @@ SENT = (
 )
 """What the plant was given, in the order of its inputs."""
 
+CURVE = (
+    Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),
+    Signal("curve_k_S", "wheelset", "1", "Polach's k_S of the creep curve at the wheelset"),
+    Signal("curve_A", "wheelset", "1", "friction at infinite slip speed over maximum friction, at the wheelset"),
+    Signal("curve_B", "wheelset", "s/m", "decay of friction with slip speed, at the wheelset"),
+)
+"""Inputs that follow those of `SENT` where the creep curve is not one for the whole rail."""
+
 DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
 """What the controller decided; absent from the trace of a stop whose controller commands valves itself."""
 
@@ -107,15 +115,6 @@ DRIVEN = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that t
 
 TRACTION = (Signal("traction", "train", "N", "force of the traction, forward positive, a part of track_force"),)
 """Absent from the trace of a stop whose [demand] has none."""
-
-
-def sent(*, pneumatic: bool) -> tuple[Signal, ...]:
-    """Return the signals of `SENT`, with the unit that a command has: a valve's position, or else a pressure."""
-    if pneumatic:
-        command = replace(SENT[0], unit="1", meaning="command to the valves: -1 vent, 0 hold, 1 fill")
-    else:
-        command = replace(SENT[0], unit="Pa", meaning="commanded brake cylinder pressure")
-    return (command, *SENT[1:])
 
 
 READINGS = (
@@ -184,7 +183,8 @@ class Layout:
         formation: Of the vehicle.
         plant_signals: What the plant shows.
         reading_signals: What sensors show.
-        input: Places of what the plant is sent: the signals of `SENT`.
+        sent_signals: What the plant is sent.
+        input: Places of `sent_signals`.
         output: Places of `plant_signals`.
         reading: Places of `reading_signals`, without their prefix. An entry is NaN where a sensor has nothing new.
     """
@@ -192,6 +192,7 @@ class Layout:
     formation: Formation
     plant_signals: tuple[Signal, ...]
     reading_signals: tuple[Signal, ...]
+    sent_signals: tuple[Signal, ...]
     input: Mapping[str, slice]
     output: Mapping[str, slice]
     reading: Mapping[str, slice]
@@ -223,10 +224,23 @@ class Layout:
 
 @cache
 def layout_of(
-    formation: Formation, plant: tuple[Signal, ...] = PLANT, readings: tuple[Signal, ...] = READINGS
+    formation: Formation,
+    plant: tuple[Signal, ...] = PLANT,
+    readings: tuple[Signal, ...] = READINGS,
+    sent_signals: tuple[Signal, ...] = SENT,
 ) -> Layout:
-    """Return the layout for a formation, and a plant and sensors that show these signals."""
+    """Return the layout for a formation, a plant and sensors that show these signals, and what the plant is sent."""
     reading = {name.removeprefix("reading_"): place for name, place in places(readings, formation).items()}
     return Layout(
-        formation, plant, readings, places(SENT, formation), places(plant, formation), MappingProxyType(reading)
-    )
+        formation, plant, readings, sent_signals, places(sent_signals, formation), places(plant, formation),
+        MappingProxyType(reading),
+    )  # fmt: skip
+
+
+def sent(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
+    """Return what a plant is sent, with the unit that a command has: a valve's position, or else a pressure."""
+    if pneumatic:
+        command = replace(SENT[0], unit="1", meaning="command to the valves: -1 vent, 0 hold, 1 fill")
+    else:
+        command = replace(SENT[0], unit="Pa", meaning="commanded brake cylinder pressure")
+    return (command, *layout.sent_signals[1:])

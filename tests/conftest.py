@@ -12,6 +12,17 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
 
+LONGEST = {
+    "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
+    "test_train_fmus.py", "test_signals.py", "test_trains_study.py", "test_brake.py",
+}  # fmt: skip
+"""Files of half a minute and more."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest files: one that is left for the end runs while the other process has nothing to do."""
+    items.sort(key=lambda item: item.path.name not in LONGEST)
+
 
 @pytest.fixture
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

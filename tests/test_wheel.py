@@ -174,9 +174,11 @@ for number, cell in enumerate(c for c in json.load(open(sys.argv[1]))["cells"] i
 def test_the_page_about_python_runs_where_it_is_installed(environment, tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL)
     assert len(blocks) >= 2
-    where = "import railgrip; print(railgrip.__file__)"
-    printed = alone(environment, tmp_path, "-c", "\n".join((SHORTER, *blocks, where)))
-    assert printed.strip().startswith(str(environment[0]))
+    results = "print(mine.trace.sizes['time'], bench.stop.outcome.value, rg.__file__)"
+    printed = alone(environment, tmp_path, "-c", "\n".join((SHORTER, *blocks, results)))
+    samples, outcome, file = printed.splitlines()[-1].split(maxsplit=2)
+    assert (samples, outcome) == ("201", "horizon")
+    assert file.startswith(str(environment[0]))
 
 
 def test_the_notebook_of_own_parties_runs_where_it_is_installed(environment, tmp_path):

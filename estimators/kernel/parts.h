@@ -2,7 +2,8 @@
 
    shape.h is generated beside this file: sizes, tables, the layout of `block`, and by CasADi the equations of each kind
    of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) LENGTH; those beyond
-   what is used are zero. All sums run in the order written, so that two widths of vectors give the same bits. */
+   what is used are zero. All sums run in the order written, so that two widths of vectors give the same bits; those of
+   whole rows, nearly all the work, are kept in registers by `combine`. */
 
 #include <math.h>
 #include <string.h>
@@ -16,8 +17,11 @@ enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, NOT_DEFINITE = 2, MEAN_NOT_FINIT
 /* Columns of U: RANK that are kept, and three that a step adds. */
 enum { PULLED = RANK, PUSHED = RANK + 1, WEIGHED = RANK + 2, COLUMNS = RANK + 3 };
 
+typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(8), may_alias));
 typedef double row[WIDTH];
 typedef double mode[LENGTH];
+
+enum { LONGEST = WIDTH > LENGTH ? WIDTH : LENGTH };
 
 typedef struct {
     row spread[PARTS][WIDTH];        /* D: what is known of each part by itself */
@@ -25,6 +29,33 @@ typedef struct {
     mode common[LENGTH];             /* C: covariance of the common unknowns, may be negative */
     double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
 } Belief;
+
+/* sum = start + factor[0] rows[0] + factor[1] rows[1] + ..., `count` of them. Rows have `length` numbers, a constant;
+   `sum` may be `start`. */
+static inline void combine(int length, double *sum, const double *start, int count, const double *factor,
+                           const double *rows)
+{
+    const int lanes = length * 8 / LANE_BYTES;
+    lane total[LONGEST * 8 / LANE_BYTES];
+    for (int l = 0; l < lanes; l++)
+        total[l] = ((const lane *)start)[l];
+    for (int k = 0; k < count; k++) {
+        const lane *term = (const lane *)(rows + k * length);
+        const double times = factor[k];
+        for (int l = 0; l < lanes; l++)
+            total[l] += times * term[l];
+    }
+    for (int l = 0; l < lanes; l++)
+        ((lane *)sum)[l] = total[l];
+}
+
+static inline void divided(int length, double *quotient, const double *values, double by)
+{
+    for (int l = 0; l < length * 8 / LANE_BYTES; l++)
+        ((lane *)quotient)[l] = ((const lane *)values)[l] / by;
+}
+
+static const double ZERO[LONGEST];
 
 static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double **arguments,
                 double **results)
@@ -102,25 +133,32 @@ static void advance(double *block, Belief *b)
         b->mean[i] = x[i] + period / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
 }
 
+/* How many of n numbers to take into a sum: none when all are zero. */
+static inline int needed(int n, const double *factor)
+{
+    for (int j = 0; j < n; j++)
+        if (factor[j] != 0.0)
+            return n;
+    return 0;
+}
+
 /* phi = sum over k <= 4 of (T A)^k / k!, by Horner's scheme. */
 static void transition(double period, int n, const double *jacobian, row *phi)
 {
-    row last[WIDTH];
-    memset(phi, 0, WIDTH * sizeof *phi);
-    for (int i = 0; i < n; i++)
-        phi[i][i] = 1.0;
-    for (int k = 4; k >= 1; k--) {
-        memcpy(last, phi, sizeof last);
+    row other[WIDTH] = {{0}}, factor;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++)
+            other[i][j] = period / 4 * jacobian[i * n + j];
+        other[i][i] += 1.0;
+    }
+    for (int k = 3; k >= 1; k--) {
+        const row *last = (const row *)(k % 2 ? other : phi);
+        row *next = k % 2 ? phi : other;
         for (int i = 0; i < n; i++) {
-            for (int l = 0; l < WIDTH; l++)
-                phi[i][l] = 0.0;
-            for (int j = 0; j < n; j++) {
-                const double factor = period / k * jacobian[i * n + j];
-                if (factor != 0.0)
-                    for (int l = 0; l < WIDTH; l++)
-                        phi[i][l] += factor * last[j][l];
-            }
-            phi[i][i] += 1.0;
+            for (int j = 0; j < n; j++)
+                factor[j] = period / k * jacobian[i * n + j];
+            combine(WIDTH, next[i], ZERO, needed(n, factor), factor, last[0]);
+            next[i][i] += 1.0;
         }
     }
 }
@@ -128,37 +166,19 @@ static void transition(double period, int n, const double *jacobian, row *phi)
 /* phi D phi' of one part, and its rows of phi U. */
 static void propagate(int n, const row *phi, row *spread, mode *shared)
 {
-    row half[WIDTH], turned[WIDTH];
+    row turned[WIDTH] = {{0}}, half;
     mode moved[WIDTH];
     for (int i = 0; i < n; i++) {
-        for (int l = 0; l < WIDTH; l++)
-            half[i][l] = 0.0;
-        for (int l = 0; l < LENGTH; l++)
-            moved[i][l] = 0.0;
-        for (int j = 0; j < n; j++) {
-            const double factor = phi[i][j];
-            if (factor == 0.0)
-                continue;
-            for (int l = 0; l < WIDTH; l++)
-                half[i][l] += factor * spread[j][l];
-            for (int l = 0; l < LENGTH; l++)
-                moved[i][l] += factor * shared[j][l];
-        }
-    }
-    for (int i = 0; i < n; i++)
+        combine(WIDTH, half, ZERO, n, phi[i], spread[0]);
+        combine(LENGTH, moved[i], ZERO, n, phi[i], shared[0]);
         for (int j = 0; j < n; j++)
-            turned[j][i] = half[i][j];
-    memset(spread, 0, WIDTH * sizeof *spread);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            const double factor = phi[i][j];
-            if (factor != 0.0)
-                for (int l = 0; l < n; l++)
-                    spread[i][l] += factor * turned[j][l];
-        }
-    for (int i = 0; i < n; i++)
+            turned[j][i] = half[j];
+    }
+    for (int i = 0; i < n; i++) {
+        combine(WIDTH, spread[i], ZERO, n, phi[i], turned[0]);
         for (int j = 0; j < i; j++)
             spread[i][j] = spread[j][i];
+    }
     memcpy(shared, moved, n * sizeof *moved);
 }
 
@@ -173,39 +193,31 @@ static double dot(int count, const double *a, const double *b)
 /* C z, and z' C z as result. */
 static double through(const mode *common, const double *z, double *product)
 {
-    for (int l = 0; l < LENGTH; l++)
-        product[l] = 0.0;
-    for (int k = 0; k < COLUMNS; k++)
-        for (int l = 0; l < LENGTH; l++)
-            product[l] += z[k] * common[k][l];
+    combine(LENGTH, product, ZERO, COLUMNS, z, common[0]);
     return dot(COLUMNS, z, product);
 }
 
 /* C - k k' / by */
 static void learn(mode *common, const double *k, double by)
 {
-    for (int i = 0; i < COLUMNS; i++) {
-        const double factor = k[i] / by;
-        for (int l = 0; l < LENGTH; l++)
-            common[i][l] -= factor * k[l];
-    }
+    mode factor;
+    divided(LENGTH, factor, k, -by);
+    for (int i = 0; i < COLUMNS; i++)
+        combine(LENGTH, common[i], common[i], 1, factor + i, k);
 }
 
 /* D c by parts, and what c sees of the common unknowns; c' D c as result. */
 static double seen_by(const Belief *b, const double *c, double *product, double *z)
 {
     double total = 0.0;
-    for (int l = 0; l < LENGTH; l++)
-        z[l] = 0.0;
     for (int p = 0; p < PARTS; p++) {
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         for (int i = 0; i < n; i++) {
             product[first + i] = dot(n, b->spread[p][i], c + first);
             total += c[first + i] * product[first + i];
-            for (int l = 0; l < LENGTH; l++)
-                z[l] += c[first + i] * b->shared[first + i][l];
         }
     }
+    combine(LENGTH, z, ZERO, N, c, b->shared[0]);
     return total;
 }
 
@@ -265,7 +277,7 @@ static int condition(double *block, Belief *b, double *shift)
         if (p < 0 || isnan(block[SEEN + i]))
             continue;
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
-        row k;
+        row k, gain;
         memcpy(k, b->spread[p][state - first], sizeof k);
         memcpy(z, b->shared[state], sizeof z);
         const double alone = k[state - first] + block[READING_NOISE + i];
@@ -274,13 +286,11 @@ static int condition(double *block, Belief *b, double *shift)
             return NOT_DEFINITE;
         const double residual = block[SEEN + i] - b->mean[state] - shift[state];
         const double innovation = residual - dot(COLUMNS, z, eta);
+        divided(WIDTH, gain, k, -alone);
         for (int r = 0; r < n; r++) {
-            const double gain = k[r] / alone;
-            shift[first + r] += gain * residual;
-            for (int l = 0; l < WIDTH; l++)
-                b->spread[p][r][l] -= gain * k[l];
-            for (int l = 0; l < LENGTH; l++)
-                b->shared[first + r][l] -= gain * z[l];
+            shift[first + r] -= gain[r] * residual;
+            combine(WIDTH, b->spread[p][r], b->spread[p][r], 1, gain + r, k);
+            combine(LENGTH, b->shared[first + r], b->shared[first + r], 1, gain + r, z);
         }
         learn(b->common, product, all);
         for (int l = 0; l < COLUMNS; l++)
@@ -374,15 +384,15 @@ static void eigen(mode *matrix, mode *vector)
                 const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
                 const double at_p = matrix[p][p] - t * off, at_q = matrix[q][q] + t * off;
                 for (int l = 0; l < LENGTH; l++) {
-                    const double a = matrix[p][l], b = matrix[q][l], x = vector[p][l], y = vector[q][l];
-                    matrix[p][l] = c * a - s * b;
-                    matrix[q][l] = s * a + c * b;
+                    const double x = vector[p][l], y = vector[q][l];
                     vector[p][l] = c * x - s * y;
                     vector[q][l] = s * x + c * y;
                 }
+                /* number by number: vectors would wait for the numbers that the last rotation stored in them */
                 for (int l = 0; l < COLUMNS; l++) {
-                    matrix[l][p] = matrix[p][l];
-                    matrix[l][q] = matrix[q][l];
+                    const double a = matrix[p][l], b = matrix[q][l];
+                    matrix[p][l] = matrix[l][p] = c * a - s * b;
+                    matrix[q][l] = matrix[l][q] = s * a + c * b;
                 }
                 matrix[p][p] = at_p;
                 matrix[q][q] = at_q;
@@ -404,24 +414,33 @@ static int compress(double *block, Belief *b)
 
     for (int p = 0; p < PARTS; p++) {
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
-        row factor[WIDTH];
+        row across[WIDTH] = {{0}}, factor[WIDTH], sum, before;
         mode white[WIDTH];
-        for (int i = 0; i < n; i++) {
-            memcpy(white[i], b->shared[first + i], sizeof white[i]);
-            for (int j = 0; j < i; j++) {
-                factor[i][j] = (b->spread[p][i][j] - dot(j, factor[i], factor[j])) / factor[j][j];
-                for (int l = 0; l < LENGTH; l++)
-                    white[i][l] -= factor[i][j] * white[j][l];
-            }
-            const double left = b->spread[p][i][i] - dot(i, factor[i], factor[i]);
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < i; j++)
+                across[j][i] = b->spread[p][i][j];
+        /* D = L L', L by columns in the rows of `factor`; then L white = U */
+        for (int j = 0; j < n; j++) {
+            for (int k = 0; k < j; k++)
+                before[k] = factor[k][j];
+            combine(WIDTH, sum, ZERO, j, before, factor[0]);
+            const double left = b->spread[p][j][j] - sum[j];
             if (!(left > 0.0))
                 return NOT_DEFINITE;
-            factor[i][i] = sqrt(left);
-            for (int l = 0; l < LENGTH; l++)
-                white[i][l] /= factor[i][i];
-            for (int k = 0; k < COLUMNS; k++)
-                for (int l = k & ~3; l < LENGTH; l++) /* of a symmetric matrix, from a whole vector on */
-                    gram[k][l] += white[i][k] * white[i][l];
+            for (int i = 0; i < WIDTH; i++)
+                across[j][i] -= sum[i];
+            divided(WIDTH, factor[j], across[j], sqrt(left));
+            factor[j][j] = sqrt(left);
+            for (int k = 0; k < j; k++)
+                before[k] = -before[k];
+            combine(LENGTH, white[j], b->shared[first + j], j, before, white[0]);
+            divided(LENGTH, white[j], white[j], factor[j][j]);
+        }
+        for (int k = 0; k < COLUMNS; k++) {
+            row column;
+            for (int i = 0; i < n; i++)
+                column[i] = white[i][k];
+            combine(LENGTH, gram[k], gram[k], n, column, white[0]);
         }
     }
     /* gram = root' root; a column that others make up has no row in it */
@@ -472,11 +491,7 @@ static int compress(double *block, Belief *b)
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         mode turned[WIDTH];
         for (int i = 0; i < n; i++) {
-            for (int l = 0; l < LENGTH; l++)
-                turned[i][l] = 0.0;
-            for (int k = 0; k < COLUMNS; k++)
-                for (int l = 0; l < LENGTH; l++)
-                    turned[i][l] += b->shared[first + i][k] * weight[k][l];
+            combine(LENGTH, turned[i], ZERO, COLUMNS, b->shared[first + i], weight[0]);
         }
         for (int l = RANK; l < COLUMNS; l++) {
             const double excess = inner[order[l]][order[l]];

@@ -17,21 +17,30 @@ KERNEL = files("railgrip.assemble") / "kernel" / "contact.c"
 _ORDER = ("slip", "speed", "load", "mu0")
 
 
-def compiled_contact(model: Model, parameters: dict[str, float]) -> Contact:
+def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str, float]) -> Contact:
     """Return adhesion as a function of slip, speed [m/s], load [N] and mu0, element by element.
+
+    Its argument `curve`, if given, has Polach's four numbers of each element in the order of `shape`.
 
     Args:
         model: `RailBraking.FMUs.ContactPoint`: the physics is written once.
-        parameters: Of the creep curve, where they are not those of the class.
+        parameters: Of wheel and rail, where they are not those of the class.
+        shape: Of the creep curve, where `curve` is not given.
     """
-    values = {variable.name: variable.start for variable in model.parameters} | parameters
-    curve = np.array([values[variable.name] for variable in model.parameters])
+    names = [variable.name for variable in model.parameters]
+    values = {variable.name: variable.start for variable in model.parameters} | parameters | shape
+    own = np.array([values[name] for name in names])
+    places = np.array([names.index(name) for name in shape], dtype=np.longlong)
     run = _library(model)
 
-    def adhesion(slip: Array, speed: Array, load: Array, mu0: Array) -> Array:
+    def adhesion(slip: Array, speed: Array, load: Array, mu0: Array, curve: Array | None = None) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
-        result = np.empty(points[0].shape)
-        run(result.size, *(each.ctypes.data for each in points), curve.ctypes.data, result.ctypes.data)
+        result, parameter = np.empty(points[0].shape), own.copy()
+        each_curve = None if curve is None else np.ascontiguousarray(curve, dtype=np.float64)
+        run(
+            result.size, *(each.ctypes.data for each in points), parameter.ctypes.data,
+            None if each_curve is None else each_curve.ctypes.data, places.ctypes.data, result.ctypes.data,
+        )  # fmt: skip
         return result
 
     return adhesion
@@ -55,5 +64,5 @@ def _library(model: Model) -> Callable[..., None]:
     )
     sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
     run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
-    run.argtypes, run.restype = [ctypes.c_size_t] + [ctypes.c_void_p] * 6, None
+    run.argtypes, run.restype = [ctypes.c_size_t] + [ctypes.c_void_p] * 8, None
     return run

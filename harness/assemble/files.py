@@ -9,9 +9,8 @@ from railgrip.cache import keep
 from railgrip.fmu import Description, describe
 from railgrip.fmus.build import build_class, choose, fmu
 from railgrip.fmus.native import Model, lower
+from railgrip.fmus.recipe import read_recipes
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.rolling_stock.files import load_train
-from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.schema import Scenario
@@ -41,10 +40,33 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 
 
 @cache
-def _train_file(path: Path, digest: str, pneumatic: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+    # Not with this module: the schema of a train file takes as long to load as numpy does, and few scenarios have one.
+    from railgrip.rolling_stock.files import load_train
+    from railgrip.rolling_stock.modelica import class_name, class_text, curved_class
+
     train = load_train(path)
-    name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic).encode()
-    source = keep("modelica", sha256(text).hexdigest(), f"{name}.mo", text)
+    name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
+    if curved:
+        name, more = curved_class(name, len(train.axles))
+        text += more
+    return _built(name, text)
+
+
+@cache
+def _curved_file(recipe: str) -> Path:
+    """Return the FMU of a recipe's class with inputs for its creep curves; where it cannot have them, as it is."""
+    own = read_recipes().recipes[recipe]
+    if not own.curve:
+        return recipe_file(recipe)
+    from railgrip.rolling_stock.modelica import curved_class
+
+    wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
+    return _built(*curved_class(own.class_name, wheelsets))
+
+
+def _built(name: str, text: str) -> Path:
+    source = keep("modelica", sha256(text.encode()).hexdigest(), f"{name}.mo", text.encode())
     return build_class(name, source).path
 
 
@@ -69,12 +91,14 @@ def plant_description(scenario: Scenario) -> Description:
         )  # fmt: skip
     if vehicle.model is not None and vehicle.library is not None:
         return description_of(_class_file(vehicle.model, vehicle.library.path, vehicle.library.digest(), "cs"))
+    several = len(scenario.adhesion.curves) > 1
     if (train := vehicle.train) is not None:
-        return description_of(_train_file(train.path, train.digest(), scenario.actuation.kind == "pneumatic"))
+        pneumatic = scenario.actuation.kind == "pneumatic"
+        return description_of(_train_file(train.path, train.digest(), pneumatic, several))
     if isinstance(vehicle.plant, NamedFile):
         return description_of(vehicle.plant.path, scenario.limits.fmu.limits())
     assert vehicle.plant is not None  # or there is a model
-    return description_of(recipe_file(vehicle.plant))
+    return description_of((_curved_file if several else recipe_file)(vehicle.plant))
 
 
 def prediction_description(table: KalmanFilter) -> Description:

@@ -11,6 +11,7 @@ peak must be found first. What is integrated is the train as a point mass; the p
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from railgrip.loop.ending import Ending
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.schema import Scenario
-from railgrip.signals import PLANT, SENT
+from railgrip.signals import CURVE, PLANT
 from railgrip.trace.bound import with_bound
 from railgrip.trace.contact import peak
 from railgrip.trace.outcome import Outcome
@@ -77,7 +78,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario, formation), vehicle.track_force
     load = masses * GRAVITY
-    recorder = Recorder((*PLANT, *SENT), formation, count)
+    recorder = Recorder((*PLANT, *vehicle.layout.sent_signals), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
     for _ in range(_ROUNDS):
@@ -88,6 +89,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:, at["speed"]] = speed[:, None]
         rows[:, at["acceleration"]] = acceleration[:, None]
         rows[:, at["mu0"]] = profile.table(time, distance)
+        if (curves := profile.curves(time, distance)) is not None:
+            for number, signal in enumerate(CURVE):
+                rows[:, at[signal.name]] = vehicle.curves[curves, number]
         rows[:, at["wheelset_load"]] = load
         rows[:, at["pad_friction"]] = pad
         end = _end(speed, scenario.limits.stop_speed)
@@ -139,7 +143,7 @@ class _Tracking:
         """Control the stop that a recorder is written of."""
         scenario, self._formation = vehicle.scenario, vehicle.formation
         self._profile = profile_of(scenario, self._formation)
-        self._contact, self._brake = vehicle.contact, vehicle.brake
+        self._contact, self._brake, self._curves = vehicle.contact, vehicle.brake, vehicle.curves
         self._recorder, self._period = recorder, scenario.periods.communication
         self._limit, self._ahead = scenario.limits.alpha_max, 0.0
         if scenario.actuation.kind == "pneumatic":
@@ -171,10 +175,14 @@ class _Tracking:
         ahead = self._ahead
         times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
         friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
+        curves = self._profile.curves(times, places)
         slips: list[float] = []
         changes: list[float] = []
         for members in self._formation.members():
-            slip, each = peak(self._contact, speeds, loads[:, members], friction[:, members])
+            contact = self._contact
+            if curves is not None:
+                contact = partial(contact, curve=np.moveaxis(self._curves[curves[:, members]], -1, 0))
+            slip, each = peak(contact, speeds, loads[:, members], friction[:, members])
             now, then = np.sum(each * loads[:, members], axis=1)
             slips.append(float(slip[1]))
             changes.append(float(then / now))

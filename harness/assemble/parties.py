@@ -203,7 +203,7 @@ def assembled(
         law = law_states(controller)
         signals = (
             *layout.plant_signals,
-            *sent(pneumatic=pneumatic),
+            *sent(layout, pneumatic=pneumatic),
             *layout.reading_signals,
             *(() if commands_valves else DEMANDED),
             *(() if law is None else law.signals),

@@ -19,7 +19,7 @@ from railgrip.loop.ports import Edge, Plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST
 from railgrip.scenario.vehicle import Nudge
-from railgrip.signals import Layout
+from railgrip.signals import CURVE, Layout
 
 Vector = NDArray[np.float64]
 
@@ -43,6 +43,11 @@ def plant_signals(
         Signal(name=name, unit=unit, size=formation.groups, needed=True),
         Signal(name="mu0", unit="1", size=formation.wheelsets, needed=True),
         Signal(name="track_force", unit="N", size=0, needed=track_force),
+        *(
+            Signal(name=s.name, unit=s.unit, size=formation.wheelsets, needed=True)
+            for s in layout.sent_signals
+            if s in CURVE
+        ),
     )
     outputs = tuple(
         Signal(

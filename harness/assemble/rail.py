@@ -9,7 +9,6 @@ from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
 from railgrip.loop.driver import Driver
 from railgrip.loop.rail import Field, SandedRail, Sander, TabulatedRail
-from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.schema import Scenario
@@ -25,20 +24,23 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     adhesion, formation = scenario.adhesion, layout.formation
     field = None
     if adhesion.recovery is not None:
-        own = {key: vehicle.changes[f"{key}_falling"] for key in ("A", "B") if f"{key}_falling" in vehicle.changes}
         position_of(scenario, formation)
-        field = Field(formation, adhesion.recovery, adhesion.polach.model_copy(update=own), reach_of(scenario))
+        *_, share, decay = vehicle.curves[0].tolist()
+        falling = adhesion.polach.model_copy(update={"A": share, "B": decay})
+        field = Field(formation, adhesion.recovery, falling, reach_of(scenario))
     sand = None
     if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)
         sand = SandedRail(formation, sanders, reach_of(scenario), **dict(adhesion.sand))
-    return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand)
+    return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
 
 
 def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
     """Return the sanders of a scenario, or those of its train."""
     sanders = scenario.sanders
     if not sanders and scenario.vehicle.train is not None:
+        from railgrip.rolling_stock.files import load_train
+
         sanders = load_train(scenario.vehicle.train.path).sanders
     for number, sander in enumerate(sanders, start=1):
         if sander.wheelset > formation.wheelsets:

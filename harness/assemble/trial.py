@@ -17,6 +17,8 @@ Matrix = NDArray[np.float64]
 
 _COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 to 5 s (UIC 540)
 _GOOD_RAIL = 0.4
+_GOOD_CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
+"""Polach (2005), dry."""
 _WEAR = 0.08
 """A new wheel and a worn one differ by as much; one that differs by more looks like a wheel in slide."""
 _LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
@@ -77,6 +79,9 @@ def tried(
     command = layout.input["command"]
     inputs = np.zeros(layout.inputs)
     inputs[command], inputs[layout.input["mu0"]] = release, _GOOD_RAIL
+    for name, place in layout.input.items():
+        if name in _GOOD_CURVE:
+            inputs[place] = _GOOD_CURVE[name]
     rows = [plant.start(inputs)]
     coasting = max(round(_COAST / period), 2)
     rows += [plant.step(inputs) for _ in range(coasting)]

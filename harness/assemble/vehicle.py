@@ -30,7 +30,7 @@ from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import TrackForce, force_along, track_force_of
 from railgrip.scenario.vehicle import FormationTable
-from railgrip.signals import EXTRA, PLANT, Layout, layout_of
+from railgrip.signals import CURVE, EXTRA, PLANT, SENT, Layout, layout_of
 from railgrip.trace.bound import Brake
 from railgrip.trace.contact import Contact
 
@@ -254,18 +254,40 @@ class VehicleData:
             ScenarioError: The sensors are to read what the plant does not show.
         """
         extra = tuple(s for s in EXTRA if s.name in self.shown)
-        return layout_of(self.controlled, (*PLANT, *extra), readings_of(self.scenario, self.shown))
+        several = len(self.scenario.adhesion.curves) > 1
+        readings = readings_of(self.scenario, self.shown)
+        return layout_of(self.controlled, (*PLANT, *extra), readings, (*SENT, *CURVE) if several else SENT)
+
+    @cached_property
+    def curves(self) -> NDArray[np.float64]:
+        """Polach's k_A, k_S, A and B [s/m] of the rail's creep curves as they are, shape (curves, 4).
+
+        They are the scenario's, but for what [truth] says, and [vehicle.parameters] where there is one.
+
+        Raises:
+            ScenarioError: There are several, and [vehicle.parameters] gives another one for all of them.
+        """
+        curves = [curve.plant_parameters() for curve in self.scenario.adhesion.curves]
+        if len(curves) == 1:
+            return np.array([[self.changes.get(name, value) for name, value in curves[0].items()]])
+        for name in curves[0].keys() & self.scenario.vehicle.parameters.keys():
+            raise ScenarioError(
+                f"{self.scenario.name}: [vehicle.parameters] {name} is of one creep curve, [adhesion] lays several; "
+                "leave it out, or change all of them by [truth] creep"
+            )
+        factors = self.scenario.truth.factors()
+        return np.array([[value * factors.get(name, (1.0,))[0] for name, value in curve.items()] for curve in curves])
 
     @cached_property
     def contact(self) -> Contact:
-        """Adhesion as a function of slip, speed, load and mu0, with the creep curve that the plant has.
-
-        That is the scenario's, but for what [vehicle.parameters] says otherwise.
-        """
+        """Adhesion as a function of slip, speed, load and mu0, with the first of the creep curves or others."""
         model = lowered("RailBraking.FMUs.ContactPoint")
-        shape = self.scenario.adhesion.polach.plant_parameters() | self.changes
         names = {variable.name for variable in model.parameters}
-        return compiled_contact(model, {name: value for name, value in shape.items() if name in names})
+        return compiled_contact(
+            model,
+            {name: value for name, value in self.changes.items() if name in names},
+            dict(zip(self.scenario.adhesion.polach.plant_parameters(), self.curves[0].tolist(), strict=True)),
+        )
 
 
 def counts_of(parameters: Mapping[str, float]) -> tuple[int, ...]:

@@ -19,7 +19,7 @@ from railgrip.loop.ports import Edge, FilterInC, PlantInC
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, StateEstimator, complete
-from railgrip.signals import BELIEVED, INNOVATION, SENT, SPREAD, Layout, length, places
+from railgrip.signals import BELIEVED, INNOVATION, SPREAD, Layout, length, places
 
 Vector = NDArray[np.float64]
 
@@ -130,7 +130,7 @@ def run(parties: Parties, progress: Callable[[float], None] | None = None) -> En
     state_estimator, clock, recorder = parties.state_estimator, parties.clock, parties.recorder
     assert isinstance(plant, PlantInC)
     inputs = np.zeros(layout.inputs)
-    inputs[layout.input["mu0"]], inputs[layout.input["track_force"]] = rail.mu0, rail.force
+    rail.lay(inputs)
     truth = plant.start(inputs)
     rail.meet(truth)
     parts = _Parts(parties, plant.edge())
@@ -191,7 +191,7 @@ class _Parts:
             plausibility=ctypes.addressof(self.plausibility), period=clock.period, stop_speed=parties.stop_speed,
             sensors_every=clock.sensors, estimator_every=clock.estimator, controller_every=clock.controller,
             rows=self._at(recorder.rows), width=recorder.rows.shape[1],
-            true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(SENT).start,
+            true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(layout.sent_signals).start,
             read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
             driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
             traction_at=recorder.at.get("traction", -1), reference_at=recorder.at.get("reference_speed", -1),

@@ -20,7 +20,6 @@ from railgrip.loop.ending import (
 from railgrip.loop.parties import Parties
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.watch import watch_of
-from railgrip.signals import SENT
 
 
 def run(parties: Parties, progress: Callable[[float], None] | None = None) -> Ending:
@@ -66,16 +65,15 @@ def decisions(
     clock, stop_speed, recorder = parties.clock, parties.stop_speed, parties.recorder
     rows = recorder.rows
     truth_columns, input_columns, reading_columns = (
-        recorder.block(s) for s in (layout.plant_signals, SENT, layout.reading_signals)
+        recorder.block(s) for s in (layout.plant_signals, layout.sent_signals, layout.reading_signals)
     )
     period = clock.period
     report_every = max(round(0.25 / period), 1)
     at_speed, at_distance = layout.output["speed"].start, layout.output["distance"].start
-    sent_command, sent_friction = layout.input["command"], layout.input["mu0"]
-    sent_force = layout.input["track_force"].start
+    sent_command, sent_force = layout.input["command"], layout.input["track_force"].start
 
     inputs = np.zeros(layout.inputs)
-    inputs[sent_friction], inputs[sent_force] = rail.mu0, rail.force
+    rail.lay(inputs)
     truth = plant.start(inputs)
     rail.meet(truth)
     watch = watch_of(layout, parties.state_estimator, parties.wheel_radius, recorder, driver.pressure)
@@ -149,7 +147,7 @@ def decisions(
             if progress is not None and k % report_every == 0:
                 progress(speed)
             rail.roll(time, truth)
-            inputs[sent_friction], inputs[sent_force] = rail.mu0, rail.force
+            rail.lay(inputs)
             if driver_columns is not None:
                 inputs[sent_force] += driver.force
     finally:

@@ -203,14 +203,8 @@ class Actuation(Protocol):
 class Rail(Protocol):
     """What the track does to the train."""
 
-    @property
-    def mu0(self) -> Vector:
-        """The maximum friction at each wheelset, at first where the train starts."""
-        ...
-
-    @property
-    def force(self) -> float:
-        """Of gradient and curve on the train, forward positive [N]."""
+    def lay(self, inputs: Vector) -> None:
+        """Write what the plant is sent of it where the train was last, at first where it starts."""
         ...
 
     def meet(self, truth: Vector) -> None:
@@ -218,5 +212,5 @@ class Rail(Protocol):
         ...
 
     def roll(self, time: float, truth: Vector) -> None:
-        """Find `mu0` and `force` at a time with these outputs of the plant; times come in order."""
+        """Find what it is at a time with these outputs of the plant; times come in order."""
         ...

@@ -34,6 +34,11 @@ class Profile(Protocol):
         """Friction at its points, shape (n, wheelsets)."""
         ...
 
+    @property
+    def curve_at(self) -> NDArray[np.uint8] | None:
+        """Which creep curve lies there, shape (n, wheelsets); None where there is one."""
+        ...
+
 
 class Sections(Protocol):
     """A force that is constant or straight between places, as `railgrip.scenario.track.TrackForce`."""
@@ -93,8 +98,8 @@ def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Struct
         _fields_ = (
             *((name, ctypes.c_void_p) for name in ("energy", "position", "group")),
             *((name, ctypes.c_double) for name in ("origin", "length", "rate")),
-            *((name, ctypes.c_double) for name in ("clean", "clean_A", "clean_B", "A", "B")),
-            *((name, ctypes.c_double * wheelsets) for name in ("place", "loss", "met", "left")),
+            *((name, ctypes.c_double) for name in ("clean", "clean_A", "clean_B")),
+            *((name, ctypes.c_double * wheelsets) for name in ("A", "B", "place", "loss", "met", "left")),
             ("cell", ctypes.c_longlong * wheelsets),
             *((name, ctypes.c_longlong) for name in ("cells", "begun")),
         )
@@ -110,9 +115,10 @@ def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Struct
 
     class Rail(ctypes.Structure):
         _fields_ = (
-            *((name, ctypes.c_void_p) for name in ("friction", "begins", "forces", "rates")),
+            *((name, ctypes.c_void_p) for name in ("friction", "curves", "curve_at", "begins", "forces", "rates")),
             *((name, ctypes.c_double) for name in ("grid", "force")),
             ("mu0", ctypes.c_double * wheelsets),
+            ("curve", ctypes.c_double * (4 * wheelsets)),
             *((name, ctypes.c_longlong) for name in ("points", "over_time", "sections", "section")),
             *((name, ctypes.c_void_p) for name in ("recovery", "sand")),
         )
@@ -168,7 +174,7 @@ class Field:
         self.struct: Any = _structs(formation.wheelsets)[1](
             energy=self.energy.ctypes.data, position=self._keep[0].ctypes.data, group=self._keep[1].ctypes.data,
             origin=self.origin, length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
-            A=falling.A, B=falling.B, cells=self.energy.size,
+            A=(falling.A,) * formation.wheelsets, B=(falling.B,) * formation.wheelsets, cells=self.energy.size,
         )  # fmt: skip
 
 
@@ -235,6 +241,8 @@ class TabulatedRail:
         field: Of the energy that slip leaves; None leaves friction as it lies.
         sand: That sanders lay; None where there are none.
         mu0: Maximum friction at each wheelset, shape (wheelsets,), where the train was last.
+        curve: Polach's k_A, k_S, A and B [s/m] of the creep curve at each wheelset, shape (4, wheelsets); nothing where
+            there is one curve.
         struct: `Rail` of rail.h.
     """
 
@@ -245,8 +253,18 @@ class TabulatedRail:
         sections: Sections,
         field: Field | None = None,
         sand: SandedRail | None = None,
+        curves: Vector | None = None,
     ) -> None:
-        """Lay it under a vehicle of this layout, whose leading wheelset is at distance 0."""
+        """Lay it under a vehicle of this layout, whose leading wheelset is at distance 0.
+
+        Args:
+            layout: Of the vehicle.
+            friction: As it lies, and which creep curve lies where.
+            sections: Of the force.
+            field: Of the energy that slip leaves.
+            sand: That sanders lay.
+            curves: Polach's k_A, k_S, A and B [s/m] of each creep curve, shape (curves, 4), if there are several.
+        """
         self.friction, self.sections, self.field, self.sand = friction, sections, field, sand
         self._truth = np.empty(layout.outputs)
         self._roll = kernel(layout).roll
@@ -255,17 +273,29 @@ class TabulatedRail:
             np.ascontiguousarray(table, dtype=np.float64)
             for table in (friction.mu0_at, sections.begins, sections.forces, sections.rates)
         )
-        rail = _structs(layout.formation.wheelsets)[0]
+        rail, (lying, *force) = _structs(layout.formation.wheelsets)[0], (table.ctypes.data for table in self._keep)
         self.struct: Any = rail(
-            *(table.ctypes.data for table in self._keep), grid=friction.step, points=len(friction.mu0_at),
+            lying, None, None, *force, grid=friction.step, points=len(friction.mu0_at),
             over_time=friction.over_time, sections=len(sections.begins),
         )  # fmt: skip
         self.mu0: Vector = np.ctypeslib.as_array(self.struct.mu0)
+        self.curve: Vector = np.ctypeslib.as_array(self.struct.curve).reshape(4, -1)
+        if curves is not None and friction.curve_at is not None:
+            self._curves = np.ascontiguousarray(curves), np.ascontiguousarray(friction.curve_at)
+            self.struct.curves, self.struct.curve_at = (table.ctypes.data for table in self._curves)
+        self._sent = [layout.input[signal.name] for signal in layout.sent_signals[1:]]
         self.roll(0.0, np.zeros(layout.outputs))
         if field is not None:
             self.struct.recovery = ctypes.addressof(field.struct)
         if sand is not None:
             self.struct.sand = ctypes.addressof(sand.struct)
+
+    def lay(self, inputs: Vector) -> None:
+        """Write what the plant is sent of the rail where the train was last."""
+        friction, force, *curve = self._sent
+        inputs[friction], inputs[force] = self.mu0, self.force
+        for place, values in zip(curve, self.curve, strict=False):
+            inputs[place] = values
 
     @property
     def force(self) -> float:

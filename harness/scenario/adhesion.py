@@ -32,16 +32,25 @@ class Profile:
             wheelset since then [m].
         step: Of the grid, in the axis' unit.
         mu0_at: Friction at the grid points, shape (n, wheelsets), lead to trail.
+        curve_at: Which of the rail's creep curves lies there, shape (n, wheelsets); None where there is one.
     """
 
     over_time: bool
     step: float
     mu0_at: Array
+    curve_at: NDArray[np.uint8] | None = None
 
     def table(self, time: Array, distance: Array) -> Array:
         """Return the friction at each wheelset, (n, wheelsets), at times [s] and distances [m] since the demand."""
+        return self.mu0_at[self._nearest(time, distance)]
+
+    def curves(self, time: Array, distance: Array) -> NDArray[np.uint8] | None:
+        """Return which creep curve each wheelset finds there, likewise; None where there is one."""
+        return None if self.curve_at is None else self.curve_at[self._nearest(time, distance)]
+
+    def _nearest(self, time: Array, distance: Array) -> NDArray[np.int_]:
         nearest = ((time if self.over_time else distance) / self.step + 0.5).astype(int)
-        return self.mu0_at[np.clip(nearest, 0, len(self.mu0_at) - 1)]
+        return np.clip(nearest, 0, len(self.mu0_at) - 1)
 
 
 def profile_of(scenario: Scenario, formation: Formation) -> Profile:
@@ -109,7 +118,23 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
         )
     mu0.flags.writeable = False
-    return Profile(over_time=over_time, step=step, mu0_at=mu0)
+    return Profile(over_time=over_time, step=step, mu0_at=mu0, curve_at=_curves(scenario, places, mu0.shape))
+
+
+def _curves(scenario: Scenario, places: Array, shape: tuple[int, ...]) -> NDArray[np.uint8] | None:
+    """Return which creep curve lies where, an index of [adhesion] `curves`; None where there is one."""
+    adhesion = scenario.adhesion
+    if len(adhesion.curves) == 1:
+        return None
+    of_wheelset = adhesion.polach_of_wheelset or (adhesion.polach,)
+    _check_count(scenario, "[adhesion] polach_of_wheelset", len(of_wheelset), shape[1])
+    number = {curve: index for index, curve in enumerate(adhesion.curves)}
+    curves = np.array(np.broadcast_to([number[curve] for curve in of_wheelset], shape), dtype=np.uint8)
+    for patch in adhesion.patch:
+        if patch.polach is not None:
+            inside = _inside(patch, places)
+            curves[np.broadcast_to(inside >= (0.5 if patch.edge else 1.0), shape)] = number[patch.polach]
+    return curves
 
 
 def position_of(scenario: Scenario, formation: Formation) -> Array:

@@ -56,12 +56,17 @@ class Patch(Table):
         description="one number for the whole train, or one for each wheelset: the first ones may clean the rail"
     )
     edge: Length = Field(default=0.0, description="over which friction changes at either end, inside the patch")
+    polach: Polach | None = optional("creep curve of the place from the middle of its edges on; as around it without")
 
 
 class _Profile(Table):
     """What all profiles share."""
 
     polach: Polach
+    polach_of_wheelset: tuple[Polach, ...] = optional(
+        "creep curve that each wheelset meets outside of patches, in place of polach: the first may clean the rail",
+        default=(),
+    )
     level: Annotated[float, Unit("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
         default=1.0, description="factor on the first wheelset's friction"
     )
@@ -82,6 +87,12 @@ class _Profile(Table):
                 "which cleans it by their slip; keep one (conditioning.fraction = 0 does nothing)"
             )
         return self
+
+    @property
+    def curves(self) -> tuple[Polach, ...]:
+        """All creep curves of the rail, each once, that of `polach` first."""
+        of_places = (patch.polach for patch in self.patch if patch.polach is not None)
+        return tuple(dict.fromkeys((self.polach, *self.polach_of_wheelset, *of_places)))
 
     @property
     def factor(self) -> float:

@@ -5,11 +5,13 @@ brake pressure could have drawn, or that which the driver demanded, what the ope
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.signals import CURVE
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import formation_in
 
@@ -76,8 +78,10 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
     instants = np.unique(np.append(np.arange(0, len(time), max(1, round(_STRIDE / period))), len(time) - 1))
 
     peak_slip, peak_each = np.empty((len(time), formation.groups)), np.empty(load.shape)
+    curve = np.stack([trace[signal.name].values for signal in CURVE]) if CURVE[0].name in trace else None
     for group, members in enumerate(formation.members()):
-        slip, each = peak(contact, speed[instants], load[instants, members], mu0[instants, members])
+        here = contact if curve is None else partial(contact, curve=curve[:, instants, members])
+        slip, each = peak(here, speed[instants], load[instants, members], mu0[instants, members])
         peak_slip[:, group] = np.interp(time, time[instants], slip)
         for number, member in enumerate(range(members.start, members.stop)):
             peak_each[:, member] = np.interp(time, time[instants], each[:, number])

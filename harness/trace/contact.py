@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-Contact = Callable[[Array, Array, Array, Array], Array]
-"""contact(slip, speed [m/s], wheelset load [N], mu0) → adhesion; arrays of one shape, element by element."""
+Contact = Callable[..., Array]
+"""contact(slip, speed [m/s], wheelset load [N], mu0) → adhesion; arrays of one shape, element by element.
+
+One that can do so takes `curve` with Polach's k_A, k_S, A and B [s/m] of each element, shape (4, …)."""
 
 _SLIPS = np.geomspace(1e-4, 1.0, 33)  # the narrowest published curve peaks near 3e-3; 1 is a locked wheel
 _GOLDEN = (np.sqrt(5) - 1) / 2

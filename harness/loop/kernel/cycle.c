@@ -266,6 +266,9 @@ EXPORT int cycle(Cycle *c, long long until)
         roll(c->rail, (double)k * c->period, c->truth);
         copy(c->inputs + INPUT_MU0, c->rail->mu0, WHEELSETS);
         c->inputs[INPUT_TRACK_FORCE] = c->rail->force;
+#ifdef INPUT_CURVE_K_A
+        copy(c->inputs + INPUT_CURVE_K_A, c->rail->curve, 4 * WHEELSETS);
+#endif
         if (c->driver)
             c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
     }

@@ -47,7 +47,7 @@ static void recover(Recovery *its, const double *truth, double *mu0)
         }
         pass(its, w, place, loss);
         const double share = 1.0 - exp(-its->rate * (its->met[w] + loss));
-        const double slip_speed = slip * fmax(speed, 0.0), falls = falling(its->A, its->B, slip_speed);
+        const double slip_speed = slip * fmax(speed, 0.0), falls = falling(its->A[w], its->B[w], slip_speed);
         const double laid = mu0[w] * falls, clean = its->clean * falling(its->clean_A, its->clean_B, slip_speed);
         /* In terms of friction at no slip speed, which is what the plant's contact takes and lets fall by its own law. */
         mu0[w] = fmin((laid + share * (fmax(clean, laid) - laid)) / falls, 1.0);
@@ -81,6 +81,20 @@ static void strew(Sand *its, double time, const double *truth, double *mu0)
     its->begun = 1;
 }
 
+/* The creep curve at each wheelset, at a point of the grid. */
+static void lay_curves(Rail *its, long long point)
+{
+    for (int w = 0; w < WHEELSETS; w++) {
+        const double *curve = its->curves + 4 * its->curve_at[point * WHEELSETS + w];
+        for (int i = 0; i < 4; i++)
+            its->curve[i * WHEELSETS + w] = curve[i];
+        if (its->recovery) {
+            its->recovery->A[w] = curve[2];
+            its->recovery->B[w] = curve[3];
+        }
+    }
+}
+
 /* Friction and force at a time, with these outputs of the plant; times come in order. */
 EXPORT void roll(Rail *its, double time, const double *truth)
 {
@@ -91,6 +105,8 @@ EXPORT void roll(Rail *its, double time, const double *truth)
 
     for (int w = 0; w < WHEELSETS; w++)
         its->mu0[w] = nearest[w];
+    if (its->curve_at)
+        lay_curves(its, (long long)place);
     if (its->recovery)
         recover(its->recovery, truth, its->mu0);
     if (its->sand)

@@ -16,7 +16,8 @@ typedef struct {
     const long long *group;                      /* that it belongs to */
     double origin, length;                       /* where the first cell begins; of a cell */
     double rate;                                 /* of the recovery [m/J] */
-    double clean, clean_A, clean_B, A, B;        /* friction of the clean rail; how that and the one as laid fall with slip speed */
+    double clean, clean_A, clean_B;              /* friction of the clean rail, and how it falls with slip speed */
+    double A[WHEELSETS], B[WHEELSETS];           /* how that of the rail as laid does, at each wheelset */
     double place[WHEELSETS], loss[WHEELSETS];   /* at the last sample: where, and the energy of the slip [J/m] */
     double met[WHEELSETS], left[WHEELSETS];      /* in the present cell: left by those ahead [J/m], by the wheelset itself [J] */
     long long cell[WHEELSETS];
@@ -42,9 +43,12 @@ typedef struct {
 
 typedef struct {
     const double *friction;                      /* as it lies, on an even grid: points x WHEELSETS */
+    const double *curves;                        /* k_A, k_S, A, B of each creep curve */
+    const unsigned char *curve_at;               /* which of them lies there: points x WHEELSETS; null: the plant has its own */
     const double *begins, *forces, *rates;       /* of the force: straight in sections */
     double grid, force;
     double mu0[WHEELSETS];
+    double curve[4 * WHEELSETS];                 /* k_A of each wheelset, k_S, A, B */
     long long points, over_time, sections, section;   /* section: the last one */
     Recovery *recovery;                          /* null: slip leaves friction as it lies */
     Sand *sand;                                  /* null: nobody lays any */

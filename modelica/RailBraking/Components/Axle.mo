@@ -18,6 +18,9 @@ model Axle "Wheelset with its brake, or several that turn as one"
   parameter Data.Resistance resistance "Bearings and rolling";
   parameter Data.Pad pads "Pads";
   parameter Data.Disc discs "Discs";
+  input Data.CreepCurve curve[n] = {
+    Data.CreepCurve(k_A=creep.k_A, k_S=creep.k_S, A=creep.A, B=creep.B) for i in 1:n}
+    "Shape of the creep curve of each wheelset";
   Interfaces.TranslationalFlange box "Axle boxes, to the bogie frame"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
@@ -78,8 +81,8 @@ model Axle "Wheelset with its brake, or several that turn as one"
     annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
   Components.Wheelsets wheels(
     redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
-    curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, k_A=creep.k_A, k_S=creep.k_S, A=creep.A, B=creep.B,
-    v_small=creep.v_small, mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
+    curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, curve=curve, v_small=creep.v_small,
+    mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
     e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
   Components.GroupBrake brake(

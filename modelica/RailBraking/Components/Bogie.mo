@@ -28,6 +28,9 @@ model Bogie "Bogie of any number of axles, braked"
   parameter Data.Resistance resistance "Bearings and rolling";
   parameter Data.Pad pads "Pads";
   parameter Data.Disc discs "Discs";
+  input Data.CreepCurve curve[n] = {
+    Data.CreepCurve(k_A=creep.k_A, k_S=creep.k_S, A=creep.A, B=creep.B) for i in 1:n}
+    "Shape of the creep curve of each wheelset";
   Interfaces.TranslationalFlange pivot "Traction rod, to the body of a car"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Interfaces.RotationalFlange shaft[groups] "To drives or electrodynamic brakes; nothing when they are left open"
@@ -96,6 +99,7 @@ model Bogie "Bogie of any number of axles, braked"
     redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
     each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
     mu_b_start=mu_b_start, T_disc_start=T_disc_start, each v_start=v_start, each tau_small=tau_small, each creep=creep,
+    curve={{curve[size_of_group*(g - 1) + i] for i in 1:size_of_group} for g in 1:groups},
     each resistance=resistance, each pads=pads, each discs=discs) "Wheelsets with their brakes"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
   Components.BogieFrame frame(

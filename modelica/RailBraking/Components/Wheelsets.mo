@@ -8,10 +8,6 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
     "Curvature of the rail along the track: none, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
-  parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";
-  parameter Types.Ratio k_S(start=0.1) "Reduction of the creep stiffness in the area of slip";
-  parameter Types.Ratio A(start=0.4) "Friction at infinite slip speed over maximum friction";
-  parameter Types.InverseVelocity B(start=0.2) "Rate at which friction falls with slip speed";
   parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
   parameter Types.Ratio mu_bearing = 0.0018 "Friction coefficient of the axle bearings";
   parameter Types.Length r_bearing = 0.065 "Radius of the axle bearings";
@@ -19,6 +15,7 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   parameter Types.Torque tau_small = 10 "Torque by which the track must exceed the brake to turn a locked group";
   parameter Types.AngularVelocity w_start(start=50) "Angular velocity at the start";
   final parameter Types.Ratio f_bearing = bearingFriction(mu_bearing, r_bearing, r) "Bearing resistance over load";
+  input Data.CreepCurve curve[n] "Shape of the creep curve of each wheelset";
   Interfaces.RealInput v(final unit="m/s") "Speed along the track"
     annotation(Placement(transformation(extent={{-120, 70}, {-100, 90}})));
   Interfaces.RealInput load[n](each final unit="N") "Load of each wheelset"
@@ -46,7 +43,7 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
   replaceable Contact.WheelsetContact contact[n](
     each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
-    each k_A=k_A, each k_S=k_S, each A=A, each B=B, each v_small=v_small)
+    curve=curve, each v_small=v_small)
     constrainedby Interfaces.PartialContact "Contacts of each wheelset"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected

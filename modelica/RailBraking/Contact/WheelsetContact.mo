@@ -9,7 +9,7 @@ protected
 equation
   slip = (v - r*w)/sqrt(v^2 + v_small^2);
   load_positive = (load + sqrt(load^2 + F_small^2))/2;
-  alpha = polach(slip, v - r*w, load_positive/2, mu0, factor, k_A, k_S, A, B);
+  alpha = polach(slip, v - r*w, load_positive/2, mu0, factor, curve.k_A, curve.k_S, curve.A, curve.B);
   F = alpha*load_positive;
   heat_flow = F*(v - r*w);
   annotation (

@@ -7,7 +7,8 @@ model BrakedWheelset "One braked wheelset under a mass, put together from compon
     annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
   Components.GroupBrake brake(n_units=2, r_friction=0.22) "Two brake units"
     annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));
-  Components.Wheelsets wheelset(J=209, r=0.38, k_A=wet.k_A, k_S=wet.k_S, A=wet.A, B=wet.B, w_start=20/0.38) "Wheelset"
+  Components.Wheelsets wheelset(
+    J=209, r=0.38, curve={Data.CreepCurve(k_A=wet.k_A, k_S=wet.k_S, A=wet.A, B=wet.B)}, w_start=20/0.38) "Wheelset"
     annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
   Components.TrainBody body(m=m, c_drag=0, v_start=20) "Mass along the track"
     annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));

@@ -6,10 +6,7 @@ partial block PartialContact "What carries the force between a wheelset and its 
     "Curvature of the rail along the track: none, or that of a roller";
   parameter Types.Modulus E = 2.1e11 "Young's modulus of wheel and rail";
   parameter Types.Ratio nu = 0.28 "Poisson's ratio of wheel and rail";
-  parameter Types.Ratio k_A(start=0.3) "Reduction of the creep stiffness in the area of adhesion";
-  parameter Types.Ratio k_S(start=0.1) "Reduction of the creep stiffness in the area of slip";
-  parameter Types.Ratio A(start=0.4) "Friction at infinite slip speed over maximum friction";
-  parameter Types.InverseVelocity B(start=0.2) "Rate at which friction falls with slip speed";
+  input Data.CreepCurve curve "Shape of the creep curve";
   parameter Types.Velocity v_small = 0.1 "Speed below which slip is regularised";
   RealInput v(final unit="m/s") "Speed of the wheelset along the track"
     annotation(Placement(transformation(extent={{-120, 65}, {-100, 85}})));

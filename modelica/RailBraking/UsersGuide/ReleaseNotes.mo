@@ -14,6 +14,8 @@ class ReleaseNotes "Release notes"
 valve;
 electropneumatic command, electrodynamic brake with blending, magnetic track brake,
 isolation and parking of one unit.</li>
+<li><code>curve</code> of axles, bogies, cars, trains and the wagon: the shape of the creep curve at each wheelset,
+which may be bound to inputs; <code>Data.CreepCurve</code>.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));

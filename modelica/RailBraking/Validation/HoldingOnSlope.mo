@@ -10,7 +10,8 @@ model HoldingOnSlope "Brakes hold a train on a slope until the slope is too stro
   final parameter Types.Force F_exact = brake_torque/r "Force that the brake can hold";
   Components.TrainBody body(m=m, c_drag=0, v_start=0) "Masses along the track";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=r, k_A=1, k_S=0.4, A=0.4, B=0.6, w_start=0, mu_bearing=1e-9, e_rolling=0) "Braked wheelsets";
+    final n=2, J=222, r=r, curve={Data.CreepCurve(k_A=1, k_S=0.4, A=0.4, B=0.6) for i in 1:2},
+    w_start=0, mu_bearing=1e-9, e_rolling=0) "Braked wheelsets";
   Types.Force pull "Force of the slope, growing";
 equation
   pull = 1000*time;

@@ -8,7 +8,8 @@ model LockedWheel "Locked wheels stop the train in v^2/(2 mu g)"
   final parameter Types.Length s_exact = v_start^2/(2*mu0*g) "Closed-form braking distance";
   Components.TrainBody body(m=m, c_drag=0, v_start=v_start) "Masses along the track";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=0.38, k_A=1, k_S=1, A=1, B=0, w_start=0, mu_bearing=1e-9, e_rolling=0) "Locked wheelsets";
+    final n=2, J=222, r=0.38, curve={Data.CreepCurve(k_A=1, k_S=1, A=1, B=0) for i in 1:2},
+    w_start=0, mu_bearing=1e-9, e_rolling=0) "Locked wheelsets";
 equation
   wheels.v = body.v;
   wheels.load = {m*g/2, m*g/2};

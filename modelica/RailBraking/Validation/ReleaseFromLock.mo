@@ -7,7 +7,8 @@ model ReleaseFromLock "A locked group turns again as soon as the track is strong
   constant Types.Length r = 0.38 "Radius of the wheels";
   constant Types.AngularVelocity w_unit = 1 "What turning backwards is counted in";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=r, k_A=0.3, k_S=0.1, A=1, B=0, w_start=20/r, mu_bearing=1e-9, e_rolling=0)
+    final n=2, J=222, r=r, curve={Data.CreepCurve(k_A=0.3, k_S=0.1, A=1, B=0) for i in 1:2},
+    w_start=20/r, mu_bearing=1e-9, e_rolling=0)
     "Braked wheelsets";
   final parameter Types.Torque tau_track = r*m*g
     *Contact.polach(v/sqrt(v^2 + 0.01), v, m*g/4, 0.1, Contact.creepFactor(r, 0.30, 2.1e11, 0.28), 0.3, 0.1, 1, 0)

@@ -5,7 +5,8 @@ model RollingOut "Bearing and rolling resistance slow a train at a constant rate
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
   Components.TrainBody body(m=m, c_drag=0, v_start=2) "Masses along the track";
   Components.Wheelsets wheels(
-    final n=2, J=222, r=0.38, k_A=1, k_S=0.4, A=0.4, B=0.6, w_start=2/0.38) "Free wheelsets";
+    final n=2, J=222, r=0.38, curve={Data.CreepCurve(k_A=1, k_S=0.4, A=0.4, B=0.6) for i in 1:2},
+    w_start=2/0.38) "Free wheelsets";
   final parameter Types.Acceleration a_exact = (0.0018*0.065/0.38 + 0.0004/0.38)*m*g/(m + 222/0.38^2)
     "Closed-form deceleration";
   Types.Velocity v_exact "Speed without creep";

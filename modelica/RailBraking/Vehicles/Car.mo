@@ -35,6 +35,9 @@ model Car "Car body on equal bogies"
   parameter Data.Resistance resistance "Bearings and rolling";
   parameter Data.Pad pads "Pads";
   parameter Data.Disc discs "Discs";
+  input Data.CreepCurve curve[bogies*axles] = {
+    Data.CreepCurve(k_A=creep.k_A, k_S=creep.k_S, A=creep.A, B=creep.B) for i in 1:bogies*axles}
+    "Shape of the creep curve of each wheelset";
   Interfaces.TranslationalFlange front "Front end"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.TranslationalFlange rear "Rear end"
@@ -128,7 +131,8 @@ model Car "Car body on equal bogies"
     mu_b_nominal={{mu_b_nominal[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
     mu_b_start={{mu_b_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
     T_disc_start={{T_disc_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies}, each v_start=v_start,
-    each tau_small=tau_small, each suspension=suspension, each creep=creep, each resistance=resistance,
+    each tau_small=tau_small, each suspension=suspension, each creep=creep,
+    curve={{curve[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies}, each resistance=resistance,
     each pads=pads, each discs=discs) "Bogies"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
 equation

@@ -164,6 +164,9 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
 protected
   final parameter Data.Creep creep = Data.Creep(
     k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
+  Data.CreepCurve curve[wheelsets] = {
+    Data.CreepCurve(k_A=k_A, k_S=k_S, A=A_falling, B=B_falling) for i in 1:wheelsets}
+    "Shape of the creep curve at each wheelset";
   final parameter Data.Resistance resistance = Data.Resistance(
     mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling) "Bearings and rolling";
   final parameter Data.Disc discs = Data.Disc(

@@ -103,6 +103,8 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
 protected
   final parameter Data.Creep creep = Data.Creep(
     k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
+  Data.CreepCurve curve[2] = {Data.CreepCurve(k_A=k_A, k_S=k_S, A=A_falling, B=B_falling) for i in 1:2}
+    "Shape of the creep curve at each wheelset";
   final parameter Data.Resistance resistance = Data.Resistance(
     mu_bearing=mu_bearing, r_bearing=r_bearing, e_rolling=e_rolling) "Bearings and rolling";
   final parameter Data.Pad pads = Data.Pad(
@@ -115,13 +117,13 @@ protected
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle front(
     final n=1, J=J[1], r_wheel=r_wheel[1], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[1],
-    mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, resistance=resistance,
-    pads=pads) "Front wheelset"
+    mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, curve=curve[1:1],
+    resistance=resistance, pads=pads) "Front wheelset"
     annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
   Components.Axle rear(
     final n=1, J=J[2], r_wheel=r_wheel[2], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[2],
-    mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, resistance=resistance,
-    pads=pads) "Rear wheelset"
+    mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, curve=curve[2:2],
+    resistance=resistance, pads=pads) "Rear wheelset"
     annotation(Placement(transformation(extent={{40, -20}, {80, 20}})));
   Types.Length s(start=0, fixed=true) "Distance travelled";
   Types.Force transfer(start=0, fixed=true) "Load that has moved from the rear to the front wheelset";

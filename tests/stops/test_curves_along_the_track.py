@@ -1,0 +1,155 @@
+"""A rail whose creep curve changes from place to place, and from wheelset to wheelset."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railgrip.assemble import run_stop
+from railgrip.assemble.vehicle import VehicleData
+from railgrip.engine import Engine
+from railgrip.errors import RailgripError, ScenarioError
+from railgrip.scenario.load import load, scenario_of
+from railgrip.signals import CURVE
+from railgrip.trace.outcome import Outcome
+
+LEAF = "{ begin = '20 m', length = '30 m', mu0 = 0.07, polach = 'leaf' }"
+PATCH = f"adhesion.patch=[{LEAF}]"
+WITHOUT = ("estimator.kind=none", "controller.kind=slip_two_state")
+ALL_LEAF = f"adhesion.polach_of_wheelset={['leaf'] * 6}"
+
+
+def scenario(*overrides):
+    return load(Path("plain"), ["start.speed=60 km/h", *overrides])
+
+
+def assert_same(question):
+    """Both engines, to the last bit."""
+    one, other = (run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    assert (one.outcome, one.reason) == (other.outcome, other.reason)
+    assert list(one.trace.data_vars) == list(other.trace.data_vars)
+    for name, values in one.trace.data_vars.items():
+        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
+    return one
+
+
+def test_a_curve_that_is_sent_is_the_curve_that_is_a_parameter():
+    """The two are different FMUs; their internal steps are alike to rounding, which slides double some ten times."""
+    sent, parameter = (run_stop(scenario(*WITHOUT, *lying)).trace for lying in ((ALL_LEAF,), ("adhesion.polach=leaf",)))
+    assert np.allclose(sent["adhesion"].values, parameter["adhesion"].values, rtol=0, atol=1e-9)
+    assert sent["distance"].values[-1] == pytest.approx(parameter["distance"].values[-1], rel=1e-9)
+    assert np.allclose(sent["peak_adhesion"].values, parameter["peak_adhesion"].values, rtol=0, atol=1e-9)
+    assert "curve_k_A" not in parameter
+
+
+def test_each_wheelset_finds_the_curve_of_its_place():
+    """The adhesion that the train shows is that of Polach's law, of the curve that lies where the wheelset is."""
+    question = scenario(*WITHOUT, PATCH)
+    trace, vehicle = run_stop(question).trace, VehicleData(question)
+    distance, position = trace["distance"].values[:, None], vehicle.formation.position
+    # Laid for the place that a train had a communication step before, of 17 mm at most.
+    into = distance - position - 20.0
+    sure = np.minimum(np.abs(into), np.abs(into - 30.0)) > 0.02
+    on_leaf = (into > 0) & (into < 30.0)
+    dry, leaf = question.adhesion.curves
+    for signal, key in zip(CURVE, ("k_A", "k_S", "A", "B"), strict=True):
+        expected = np.where(on_leaf, getattr(leaf, key), getattr(dry, key))
+        assert np.array_equal(trace[signal.name].values[sure], expected[sure]), signal.name
+    slip, speed = trace["slip"].values[:, vehicle.formation.group_of_wheelset], trace["speed"].values[:, None]
+    for curve, there in ((dry, ~on_leaf), (leaf, on_leaf)):
+        alone = VehicleData(scenario(f"adhesion.polach={curve.name}")).contact
+        law = alone(slip, np.broadcast_to(speed, slip.shape), trace["wheelset_load"].values, trace["mu0"].values)
+        rolling = sure & there & (speed > 2.0)  # the plant rounds slip below its v_small of 0.1 m/s
+        assert rolling.sum() > 1000
+        # By (0.1/v)²/2 of the slip even above: 1.3e-3 at 2 m/s, which the steepest part of a curve makes 2e-4 of.
+        assert np.allclose(trace["adhesion"].values[rolling], law[rolling], rtol=0, atol=2e-4)
+
+
+def test_the_curve_changes_in_the_middle_of_the_edges_and_friction_over_them():
+    edged = "{ begin = '20 m', length = '30 m', mu0 = 0.07, polach = 'leaf', edge = '4 m' }"
+    trace = run_stop(scenario(*WITHOUT, f"adhesion.patch=[{edged}]")).trace
+    place, first = trace["distance"].values, trace["curve_k_A"].values[:, 0]
+    assert place[np.argmax(first < 1.0)] == pytest.approx(22.0, abs=0.04)  # two communication steps
+    back = np.argmax(first < 1.0) + np.argmax(first[np.argmax(first < 1.0) :] == 1.0)
+    assert place[back] == pytest.approx(48.0, abs=0.04)
+
+
+@pytest.mark.parametrize(
+    "rail",
+    [
+        (PATCH,),
+        (PATCH, "adhesion.polach_of_wheelset=['soap', 'soap', 'wet', 'wet', 'dry', 'dry']"),
+        (PATCH, "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"),
+    ],
+)
+def test_both_engines_with_an_estimator(rail):
+    stop = assert_same(scenario(*rail, "limits.horizon=6 s"))
+    assert set(np.unique(stop.trace["curve_k_A"].values)) >= {0.04, 1.0}
+
+
+def test_valves_service_sensors_and_a_train_file():
+    parts = ("actuation.kind=pneumatic", "vehicle.plant=TwoPartTrainPneumatic", "sensors.kind=white")
+    assert_same(scenario(*WITHOUT, *parts, PATCH, "limits.horizon=6 s"))
+    table = scenario(*WITHOUT, PATCH, "limits.horizon=4 s").resolved() | {"vehicle": {"train": "tram"}}
+    assert assert_same(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
+
+
+def test_slip_cleans_what_lies_there_by_the_law_of_that_curve():
+    """A clean rail as the leaf lies: on the patch nothing changes, on the rail around it friction falls less."""
+    clean = "adhesion.recovery={mu0=0.07, A=0.5, B=0.1, rate='1 m/J'}"
+    trace = run_stop(scenario(*WITHOUT, PATCH, clean)).trace
+    on_leaf = trace["curve_k_A"].values == 0.04
+    assert trace["mu0"].values[on_leaf] == pytest.approx(0.07, rel=1e-12)
+    assert trace["mu0"].values[~on_leaf].max() > 0.09
+
+
+def test_the_best_stop_is_that_of_the_curves_that_lie_there():
+    ideal = ("controller.kind=ideal_bound", "estimator.kind=none")
+    half = f"adhesion.polach_of_wheelset={['leaf'] * 3 + ['dry'] * 3}"
+    lying = ("adhesion.polach=leaf", ALL_LEAF, "adhesion.polach=dry", half)
+    leaf, sent, dry, mixed = (run_stop(scenario(*ideal, one)).metrics.distance for one in lying)
+    assert sent == pytest.approx(leaf, rel=1e-12)
+    assert min(leaf, dry) < mixed < max(leaf, dry)
+
+
+def test_control_that_is_shown_the_truth_is_shown_the_curves():
+    mixed = (PATCH, "adhesion.polach_of_wheelset=['leaf', 'leaf', 'dry', 'dry', 'dry', 'dry']")
+    kinds = ("ideal_tracking", "ideal_bound")
+    control, bound = (run_stop(scenario(f"controller.kind={kind}", "estimator.kind=none", *mixed)) for kind in kinds)
+    assert control.outcome is Outcome.STANDSTILL
+    assert 1.0 < control.metrics.distance / bound.metrics.distance < 1.05
+
+
+def test_what_the_train_is_that_nobody_was_told_scales_all_curves():
+    vehicle = VehicleData(scenario(PATCH, "truth.creep={k_A=0.5}"))
+    assert vehicle.curves.tolist() == [[0.5, 0.4, 0.4, 0.6], [0.02, 0.015, 0.5, 0.1]]
+    trace = run_stop(scenario(*WITHOUT, PATCH, "truth.creep={k_A=0.5}", "limits.horizon=3 s")).trace
+    assert set(np.unique(trace["curve_k_A"].values)) == {0.5, 0.02}
+
+
+@pytest.mark.parametrize(
+    ("overrides", "sentence"),
+    [
+        (
+            ("adhesion.polach_of_wheelset=['leaf', 'dry']",),
+            r"\[adhesion\] polach_of_wheelset is for 2 wheelsets, the vehicle has 6",
+        ),
+        (
+            (PATCH, "vehicle.parameters={k_A=0.5}"),
+            r"\[vehicle.parameters\] k_A is of one creep curve, \[adhesion\] lays several; leave it out",
+        ),
+        (
+            ("adhesion.patch=[{ begin = '20 m', length = '8 m', mu0 = 0.03, polach = 'leafs' }]",),
+            "polach is 'leafs', which is not a Polach set",
+        ),
+    ],
+)
+def test_what_cannot_be_is_said(overrides, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        run_stop(scenario(*overrides))
+
+
+def test_a_plant_that_has_no_such_inputs_is_refused():
+    question = load(Path("foreign_train"), [f"adhesion.polach_of_wheelset={['leaf'] * 3}"])
+    with pytest.raises(RailgripError, match=r"(?s)curve_k_A"):
+        run_stop(question)
