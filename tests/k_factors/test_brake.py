@@ -75,7 +75,7 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
     for kind in np.flatnonzero(trains):
         available = [int(units) for units in np.unravel_index(kind, tuple(places))]
         for first in range(0, trains[kind], chunk):
-            standard = random.standard_normal((min(chunk, trains[kind] - first), brake.dimension), np.float32)
+            standard = random.standard_normal((min(chunk, trains[kind] - first), brake.dimension))
             ratios = brake.ratios(available, standard)[:, 0]
             lowest.append(ratios[ratios < 0.95])
     assert trains.sum() == count
