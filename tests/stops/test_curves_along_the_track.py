@@ -138,7 +138,7 @@ def test_what_the_train_is_that_nobody_was_told_scales_all_curves():
     ("overrides", "sentence"),
     [
         (
-            ("adhesion.polach_of_wheelset=['leaf', 'dry']",),
+            ("adhesion.polach_of_wheelset=['dry', 'dry']",),
             r"\[adhesion\] polach_of_wheelset is for 2 wheelsets, the vehicle has 6",
         ),
         (
