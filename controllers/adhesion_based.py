@@ -15,8 +15,7 @@ Two forms:
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import BrakeGroup, pressure_for
 from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
@@ -27,62 +26,27 @@ from railgrip.controllers.sampled import Draft, Expression, Formula, choose, eit
 class PeakSeekingTuning(Tuning):
     """Parameters of the peak seeker; one set serves every scenario.
 
-    Attributes:
-        period: Between two decisions [s].
-        filter_time: Time constant of the filters that differentiate slip and adhesion [s].
-        margin: Elasticity d(ln α)/d(ln s) at which the peak counts as reached [1]. Zero is the peak itself; a small
-            positive value keeps a rise of adhesion along the track from being taken for an effect of the slip.
-        rise: Share of the equivalent torque added while seeking upwards [1].
-        fall: Share taken away while seeking downwards [1].
-        slip_rate_max: Largest relative slip rate |ṡ|/s the added or missing torque may cause [1/s].
-        slip_rate_min: Relative slip rate below which ṡ·α̇ says nothing and the seeker goes upwards [1/s].
-        dwell: Shortest time between two changes of direction [s].
-        slip_small: Slip below which the wheel counts as rolling and there is no peak to seek, at high speed [1].
-        creep_small: Creep speed s·v that adds to it [m/s]: a train speed read or estimated too high looks like slip,
-            by its scale error at any speed and by the rest of its error over v.
-        slip_vent: Slip above which the brake is released, whatever the adhesion [1].
-        adhesion_small: Estimated adhesion below which there is no peak to seek [1].
-        adhesion_max: Highest adhesion that may be used (TSI: 0.15; 0.13 for short fixed formations) [1].
-        adhesion_guard: Distance below `adhesion_max` at which the torque is capped [1].
-        speed_min: Train speed below which the brake is simply applied [m/s].
+    A `margin` of zero is the peak itself; a small positive one keeps a rise of adhesion along the track from being
+    taken for an effect of the slip. `adhesion_max` is 0.15 in the TSI, 0.13 for short fixed formations.
     """
 
-    period: float
-    filter_time: float
-    margin: float
-    rise: float
-    fall: float
-    slip_rate_max: float
-    slip_rate_min: float
-    dwell: float
-    slip_small: float
-    creep_small: float
-    slip_vent: float
-    adhesion_small: float
-    adhesion_max: float
-    adhesion_guard: float
-    speed_min: float
+    period: Annotated[float, "s", "between two decisions"]
+    filter_time: Annotated[float, "s", "time constant of the filters that differentiate slip and adhesion"]
+    margin: Annotated[float, "1", "elasticity of adhesion over slip at which the peak counts as reached"]
+    rise: Annotated[float, "1", "share of the equivalent torque added while seeking upwards"]
+    fall: Annotated[float, "1", "share of it taken away while seeking downwards"]
+    slip_rate_max: Annotated[float, "1/s", "largest relative slip rate that a torque may cause"]
+    slip_rate_min: Annotated[float, "1/s", "relative slip rate below which the seeker goes upwards"]
+    dwell: Annotated[float, "s", "shortest time between two changes of direction"]
+    slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"]
+    creep_small: Annotated[float, "m/s", "creep speed that adds to it: errors of the train speed that are no scale"]
+    slip_vent: Annotated[float, "1", "slip above which the brake is released"]
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no peak to seek"]
+    adhesion_max: Annotated[float, "1", "highest adhesion that may be used"]
+    adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"]
 
     LAW: ClassVar[str] = "AdhesionBased"
-    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
-        {
-            "period": ("s", "between two decisions"),
-            "filter_time": ("s", "time constant of the filters that differentiate slip and adhesion"),
-            "margin": ("1", "elasticity of adhesion over slip at which the peak counts as reached"),
-            "rise": ("1", "share of the equivalent torque added while seeking upwards"),
-            "fall": ("1", "share of it taken away while seeking downwards"),
-            "slip_rate_max": ("1/s", "largest relative slip rate that a torque may cause"),
-            "slip_rate_min": ("1/s", "relative slip rate below which the seeker goes upwards"),
-            "dwell": ("s", "shortest time between two changes of direction"),
-            "slip_small": ("1", "slip below which the wheel counts as rolling, at high speed"),
-            "creep_small": ("m/s", "creep speed that adds to it: errors of the train speed that are no scale"),
-            "slip_vent": ("1", "slip above which the brake is released"),
-            "adhesion_small": ("1", "estimated adhesion below which there is no peak to seek"),
-            "adhesion_max": ("1", "highest adhesion that may be used"),
-            "adhesion_guard": ("1", "distance below adhesion_max at which the torque is capped"),
-            "speed_min": ("m/s", "train speed below which the brake is simply applied"),
-        }
-    )
     FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
 
 
@@ -135,7 +99,7 @@ def adhesion_based(groups: int) -> Formula:
     """Return the formula of `AdhesionBased` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, PeakSeekingTuning.MEANINGS)
+        tuning = parameters(draft, PeakSeekingTuning.meanings())
         filters = _Derivatives(draft, tuning)
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:
@@ -180,7 +144,7 @@ def literal_adhesion_based(groups: int) -> Formula:
     """Return the formula of `LiteralAdhesionBased` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, {name: PeakSeekingTuning.MEANINGS[name] for name in _LITERAL})
+        tuning = parameters(draft, {name: PeakSeekingTuning.meanings()[name] for name in _LITERAL})
         filters = _Derivatives(draft, tuning)
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:

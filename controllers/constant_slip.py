@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters, within
@@ -13,24 +12,15 @@ from railgrip.controllers.sampled import Draft, Expression, Formula, choose
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantSlipTuning(Tuning):
-    """Parameters of control to a set slip; units and meanings are in `MEANINGS`."""
+    """Parameters of control to a set slip."""
 
-    period: float
-    slip: float
-    gain: float
-    integral_time: float
-    speed_min: float
+    period: Annotated[float, "s", "between two decisions"]
+    slip: Annotated[float, "1", "set slip"]
+    gain: Annotated[float, "1", "share of the full pressure for a slip off by the set one"]
+    integral_time: Annotated[float, "s", "after which the integral has done as much as the gain"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"]
 
     LAW: ClassVar[str] = "ConstantSlip"
-    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
-        {
-            "period": ("s", "between two decisions"),
-            "slip": ("1", "set slip"),
-            "gain": ("1", "share of the full pressure for a slip off by the set one"),
-            "integral_time": ("s", "after which the integral has done as much as the gain"),
-            "speed_min": ("m/s", "train speed below which the brake is applied"),
-        }
-    )
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
 
     def __post_init__(self) -> None:
@@ -65,7 +55,7 @@ def constant_slip(groups: int) -> Formula:
     """Return the formula of `ConstantSlip` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, ConstantSlipTuning.MEANINGS)
+        tuning = parameters(draft, ConstantSlipTuning.meanings())
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:
             return slip_control(draft, group, tuning, tuning["slip"])

@@ -1,10 +1,9 @@
 """Extremum seeking of the literature: the set slip is wiggled, and goes where adhesion answers in step."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import casadi as ca
 
@@ -16,38 +15,22 @@ from railgrip.controllers.sampled import Draft, Expression, Formula, choose
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExtremumSeekingTuning(Tuning):
-    """Parameters of extremum seeking; units and meanings are in `MEANINGS`."""
+    """Parameters of extremum seeking."""
 
-    period: float
-    slip_start: float
-    slip_least: float
-    slip_most: float
-    dither: float
-    frequency: float
-    washout_time: float
-    climb: float
-    gain: float
-    integral_time: float
-    adhesion_small: float
-    speed_min: float
+    period: Annotated[float, "s", "between two decisions"]
+    slip_start: Annotated[float, "1", "set slip to begin with"]
+    slip_least: Annotated[float, "1", "least set slip"]
+    slip_most: Annotated[float, "1", "largest set slip"]
+    dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
+    frequency: Annotated[float, "Hz", "of the dither"]
+    washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
+    climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
+    gain: Annotated[float, "1", "share of the full pressure for a slip off by the set one"]
+    integral_time: Annotated[float, "s", "after which the integral has done as much as the gain"]
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no gradient to follow"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"]
 
     LAW: ClassVar[str] = "ExtremumSeeking"
-    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
-        {
-            "period": ("s", "between two decisions"),
-            "slip_start": ("1", "set slip to begin with"),
-            "slip_least": ("1", "least set slip"),
-            "slip_most": ("1", "largest set slip"),
-            "dither": ("1", "amplitude of the dither over the set slip"),
-            "frequency": ("Hz", "of the dither"),
-            "washout_time": ("s", "time constant of the high-pass over the adhesion"),
-            "climb": ("1/s", "relative rate of the set slip for an elasticity of 1"),
-            "gain": ("1", "share of the full pressure for a slip off by the set one"),
-            "integral_time": ("s", "after which the integral has done as much as the gain"),
-            "adhesion_small": ("1", "estimated adhesion below which there is no gradient to follow"),
-            "speed_min": ("m/s", "train speed below which the brake is applied"),
-        }
-    )
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_start", "slip_least", "dither", "frequency", "integral_time", "adhesion_small"}
     )
@@ -101,7 +84,7 @@ def extremum_seeking(groups: int) -> Formula:
     """Return the formula of `ExtremumSeeking` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, ExtremumSeekingTuning.MEANINGS)
+        tuning = parameters(draft, ExtremumSeekingTuning.meanings())
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
         onwards = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))

@@ -1,10 +1,10 @@
 """What control laws share: what they see, what they give, and the groups' brakes among their parameters."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cache
 from math import isfinite
-from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, get_type_hints
 
 from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
 from railgrip.controllers.observation import Observation
@@ -15,17 +15,15 @@ NOT_SEEN = float("nan")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tuning:
-    """Parameters of a law: finite numbers that are not negative, those of a subclass in its `MEANINGS`.
+    """Parameters of a law: finite numbers that are not negative, each with its unit and meaning beside its type.
 
     Attributes:
         LAW: Name of the law in a sentence.
-        MEANINGS: Name → unit and meaning in short.
         POSITIVE: Names of those that must not be zero, either.
         FIXED: Names of those that the scenario sets by other tables.
     """
 
     LAW: ClassVar[str] = ""
-    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period"})
     FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
 
@@ -35,16 +33,23 @@ class Tuning:
         Raises:
             ValueError: A value is negative or not a finite number, or zero where it must not be.
         """
-        for name, (unit, _) in self.MEANINGS.items():
+        for name, (unit, _) in self.meanings().items():
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(f"{self.LAW}: {name} must be finite and {kind}, got {value} {unit}.")
 
     @classmethod
+    @cache
+    def meanings(cls) -> Mapping[str, tuple[str, str]]:
+        """Return the unit and the meaning of each parameter, by name."""
+        types = get_type_hints(cls, include_extras=True)
+        return {field.name: types[field.name].__metadata__ for field in fields(cls)}
+
+    @classmethod
     def units(cls) -> dict[str, str]:
         """Return the unit of each parameter that a user may change."""
-        return {name: unit for name, (unit, _) in cls.MEANINGS.items() if name not in cls.FIXED}
+        return {name: unit for name, (unit, _) in cls.meanings().items() if name not in cls.FIXED}
 
 
 def parameters(draft: Draft, meanings: Mapping[str, tuple[str, str]]) -> dict[str, Expression]:

@@ -15,8 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from math import pi
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import casadi as ca
 
@@ -27,71 +26,40 @@ from railgrip.controllers.sampled import Draft, Expression, Formula, choose, eit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopeTuning(Tuning):
-    """Parameters of `SlopeSeeking`; units and meanings are in `MEANINGS`."""
+    """Parameters of `SlopeSeeking`."""
 
-    period: float
-    filter_time: float
-    pressure_lag: float
-    washout_time: float
-    window: float
-    correlation_time: float
-    log_slip_noise: float
-    elasticity_spread: float
-    elasticity_bias: float
-    pull: float
-    climb_rate: float
-    rise_rate: float
-    fall_rate: float
-    slip_usual: float
-    creep_usual: float
-    slip_most: float
-    dither: float
-    dither_time: float
-    gain: float
-    share_added: float
-    slip_small: float
-    creep_small: float
-    slip_vent: float
-    adhesion_max: float
-    adhesion_guard: float
-    speed_min: float
+    period: Annotated[float, "s", "between two decisions"]
+    filter_time: Annotated[float, "s", "time constant of the filters of slip and adhesion"]
+    pressure_lag: Annotated[float, "s", "of the reading of the pressure"]
+    washout_time: Annotated[float, "s", "time constant beyond which changes count as the rail's, not the slip's"]
+    window: Annotated[float, "s", "time constant of forgetting in the regression"]
+    correlation_time: Annotated[float, "s", "between two residuals of the regression that are independent"]
+    log_slip_noise: Annotated[float, "1", "standard deviation of ln(slip) that is noise, which excites nothing"]
+    elasticity_spread: Annotated[
+        float, "1", "standard deviation of elasticities that are met: what an estimate is weighed by"
+    ]
+    elasticity_bias: Annotated[float, "1", "added to the elasticity: more slip costs less than less slip"]
+    pull: Annotated[float, "1", "elasticity expected where nothing is known, a unit of ln(slip) below the usual slip"]
+    climb_rate: Annotated[float, "1/s", "rate of ln(slip) for each unit of elasticity"]
+    rise_rate: Annotated[float, "1/s", "highest rate of ln(slip) upwards"]
+    fall_rate: Annotated[float, "1/s", "highest rate of ln(slip) downwards"]
+    slip_usual: Annotated[float, "1", "slip that is sought where nothing is known, at high speed"]
+    creep_usual: Annotated[float, "m/s", "creep speed that adds to it: peaks move to larger slip as a train slows"]
+    slip_most: Annotated[float, "1", "largest slip that is sought, dither included"]
+    dither: Annotated[float, "1", "amplitude of the excitation of ln(slip)"]
+    dither_time: Annotated[float, "s", "its period"]
+    gain: Annotated[float, "1/s", "rate at which slip is led to its set point"]
+    share_added: Annotated[float, "1", "largest share of the equivalent torque added"]
+    slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"]
+    creep_small: Annotated[float, "m/s", "creep speed that adds to it: errors of the train speed that are no scale"]
+    slip_vent: Annotated[float, "1", "slip above which the brake is released"]
+    adhesion_max: Annotated[float, "1", "highest adhesion that may be used"]
+    adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"]
 
     LAW: ClassVar[str] = "SlopeSeeking"
-    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
-        {
-            "period": ("s", "between two decisions"),
-            "filter_time": ("s", "time constant of the filters of slip and adhesion"),
-            "pressure_lag": ("s", "of the reading of the pressure"),
-            "washout_time": ("s", "time constant beyond which changes count as the rail's, not the slip's"),
-            "window": ("s", "time constant of forgetting in the regression"),
-            "correlation_time": ("s", "between two residuals of the regression that are independent"),
-            "log_slip_noise": ("1", "standard deviation of ln(slip) that is noise, which excites nothing"),
-            "elasticity_spread": (
-                "1",
-                "standard deviation of elasticities that are met: what an estimate is weighed by",
-            ),
-            "elasticity_bias": ("1", "added to the elasticity: more slip costs less than less slip"),
-            "pull": ("1", "elasticity expected where nothing is known, a unit of ln(slip) below the usual slip"),
-            "climb_rate": ("1/s", "rate of ln(slip) for each unit of elasticity"),
-            "rise_rate": ("1/s", "highest rate of ln(slip) upwards"),
-            "fall_rate": ("1/s", "highest rate of ln(slip) downwards"),
-            "slip_usual": ("1", "slip that is sought where nothing is known, at high speed"),
-            "creep_usual": ("m/s", "creep speed that adds to it: peaks move to larger slip as a train slows"),
-            "slip_most": ("1", "largest slip that is sought, dither included"),
-            "dither": ("1", "amplitude of the excitation of ln(slip)"),
-            "dither_time": ("s", "its period"),
-            "gain": ("1/s", "rate at which slip is led to its set point"),
-            "share_added": ("1", "largest share of the equivalent torque added"),
-            "slip_small": ("1", "slip below which the wheel counts as rolling, at high speed"),
-            "creep_small": ("m/s", "creep speed that adds to it: errors of the train speed that are no scale"),
-            "slip_vent": ("1", "slip above which the brake is released"),
-            "adhesion_max": ("1", "highest adhesion that may be used"),
-            "adhesion_guard": ("1", "distance below adhesion_max at which the torque is capped"),
-            "speed_min": ("m/s", "train speed below which the brake is simply applied"),
-        }
-    )
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
-        name for name, (unit, _) in MEANINGS.items() if unit == "s" and name != "pressure_lag"
+        {"period", "filter_time", "washout_time", "window", "correlation_time", "dither_time"}
     )
     FIXED: ClassVar[frozenset[str]] = frozenset({"period", "pressure_lag", "adhesion_max"})
 
@@ -213,7 +181,7 @@ def slope_seeking(groups: int) -> Formula:
     """Return the formula of `SlopeSeeking` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        t = parameters(draft, SlopeTuning.MEANINGS)
+        t = parameters(draft, SlopeTuning.meanings())
         started = draft.state("started", "1", "1 once there is a sample before this one")
         draft.keep(started, 1.0)
         train: list[_Wheels] = []

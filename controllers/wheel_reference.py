@@ -1,10 +1,9 @@
 """State of practice: no speed over ground; a reference from the wheels alone, criteria of slip and of deceleration."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from types import MappingProxyType
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
@@ -13,38 +12,22 @@ from railgrip.controllers.sampled import Draft, Expression, Formula, choose, eit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WheelReferenceTuning(Tuning):
-    """Parameters of the state of practice; units and meanings are in `MEANINGS`."""
+    """Parameters of the state of practice."""
 
-    period: float
-    filter_time: float
-    slip_low: float
-    slip_high: float
-    deceleration: float
-    deceleration_max: float
-    rise: float
-    test_after: float
-    test_time: float
-    vent_max: float
-    apply_time: float
-    speed_min: float
+    period: Annotated[float, "s", "between two decisions"]
+    filter_time: Annotated[float, "s", "time constant of the filter that differentiates wheel speeds"]
+    slip_low: Annotated[float, "1", "slip against the reference above which pressure is held"]
+    slip_high: Annotated[float, "1", "slip against the reference above which it is vented"]
+    deceleration: Annotated[float, "m/s2", "of a wheel above which it is vented as well"]
+    deceleration_max: Annotated[float, "m/s2", "largest that a train is thought to have: the reference falls no faster"]
+    rise: Annotated[float, "1/s", "rate at which pressure comes back after a slide, over the full pressure"]
+    test_after: Annotated[float, "s", "of sliding after which the last group is released, to see how fast the train is"]
+    test_time: Annotated[float, "s", "that a test release lasts"]
+    vent_max: Annotated[float, "s", "longest venting of a group, after which it is braked whatever its wheels do"]
+    apply_time: Annotated[float, "s", "that this lasts"]
+    speed_min: Annotated[float, "m/s", "reference speed below which protection is off"]
 
     LAW: ClassVar[str] = "WheelReference"
-    MEANINGS: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
-        {
-            "period": ("s", "between two decisions"),
-            "filter_time": ("s", "time constant of the filter that differentiates wheel speeds"),
-            "slip_low": ("1", "slip against the reference above which pressure is held"),
-            "slip_high": ("1", "slip against the reference above which it is vented"),
-            "deceleration": ("m/s2", "of a wheel above which it is vented as well"),
-            "deceleration_max": ("m/s2", "largest that a train is thought to have: the reference falls no faster"),
-            "rise": ("1/s", "rate at which pressure comes back after a slide, over the full pressure"),
-            "test_after": ("s", "of sliding after which the last group is released, to see how fast the train is"),
-            "test_time": ("s", "that a test release lasts"),
-            "vent_max": ("s", "longest venting of a group, after which it is braked whatever its wheels do"),
-            "apply_time": ("s", "that this lasts"),
-            "speed_min": ("m/s", "reference speed below which protection is off"),
-        }
-    )
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
         {"period", "slip_low", "deceleration", "deceleration_max", "rise", "vent_max"}
     )
@@ -88,7 +71,7 @@ def wheel_reference(groups: int) -> Formula:
     """Return the formula of `WheelReference` for so many groups."""
 
     def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, WheelReferenceTuning.MEANINGS)
+        tuning = parameters(draft, WheelReferenceTuning.meanings())
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
         started = draft.state("started", "1", "1 once there is a sample before this one")

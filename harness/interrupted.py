@@ -35,13 +35,13 @@ def stop_listening() -> None:
         signal.signal(number, signal.SIG_DFL)
 
 
-_held: list[list[int]] = []
+_queues: list[list[int]] = []
 """Signals of those `deaf_children` that are open, the innermost last."""
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    if _held:
-        _held[-1].append(number)
+    if _queues:
+        _queues[-1].append(number)
     else:
         raise Interrupted(number)
 
@@ -57,11 +57,11 @@ def deaf_children() -> Generator[None]:
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    _held.append([])
+    _queues.append([])
     try:
         yield
     finally:
-        numbers = _held.pop()
+        numbers = _queues.pop()
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for number in numbers[:1]:
             _interrupt(number, None)

@@ -6,11 +6,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 # Before NumPy is loaded: matrices here are small, and threads that wait for each other on a busy machine take minutes
 # over what one does in a second.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parent))
+
+# An example is not wrong because the machine is busy or a registry of units is loaded with the first one.
+settings.register_profile("busy", deadline=None)
+settings.load_profile("busy")
 
 LONGEST = {
     "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",

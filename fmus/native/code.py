@@ -17,7 +17,7 @@ from railgrip.fmus.native.variables import Scalar, vector
 
 RUNTIME = Path(__file__).parent / "runtime"
 SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")
-PARTS = {"me": ("modelexchange.c",), "cs": ("elimination.c", "rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
+PARTS = {"me": ("modelexchange.c",), "cs": ("rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
 """What each interface needs besides `SHARED`."""
 
 RARE = {

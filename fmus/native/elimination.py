@@ -1,21 +1,24 @@
 """Sparse elimination fixed when the FMU is built: (I·c − J) = LU without pivoting.
 
 The pivots of I·c − J of a Rosenbrock method are its diagonal; the order in which they are taken is chosen once, for
-least fill-in. `runtime/elimination.c` factors along tables of it; solving, done several times as often, is written out.
-A tiny pivot is reported, and the caller pivots densely.
+least fill-in, and both factoring and solving are written out. A tiny pivot is reported, and the caller pivots densely.
 Source: Sandu et al., Atmospheric Environment 31 (1997) 3459 (the approach of KPP).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
-from railgrip.fmus.native.ctext import in_parts, table
+from railgrip.fmus.native.ctext import in_parts
 
-MOST_ENTRIES = 10_000
-"""Entries of LU above which solving takes too long to compile; then elimination is dense."""
+MOST_ENTRIES, MOST_PRODUCTS = 10_000, 10_000
+"""Entries of LU, and products that factoring takes, above which they compile too long; then elimination is dense."""
 
 LONGEST = 100
-"""Lines of one part of the solution; a line of the backward substitution may hold many entries."""
+"""Lines of one part; a line may hold many entries."""
+
+SMALLEST_PIVOT = 1e-7
+"""In units of c: below it the diagonal has cancelled, and half the digits may be lost."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +26,7 @@ class Elimination:
     """The elimination of one sparsity pattern.
 
     Attributes:
-        code: C tables for `runtime/elimination.c`, and `sparse_solve(a, b)`.
+        code: C of `int sparse_factor(jacobian, c, a)`, 1 when a pivot is tiny, and `sparse_solve(a, b)`.
         entries: Length of `a`; 0 when elimination is dense.
     """
 
@@ -44,31 +47,46 @@ def eliminate(n: int, pattern: list[tuple[int, int]]) -> Elimination:
     for k in order:
         for place in ((k, k), *((k, j) for j in right[k]), *((i, k) for i in below[k])):
             at[place] = len(at)
-    tables = {
-        "lu_jacobian": [at[place] for place in pattern],
-        "lu_diagonal": [at[i, i] for i in range(n)],
-        "lu_right": [len(right[k]) for k in order],
-        "lu_below": [len(below[k]) for k in order],
-        "lu_target": [at[i, j] for k in order for i in below[k] for j in right[k]],
-    }
+    if len(at) > MOST_ENTRIES or sum(len(below[k]) * len(right[k]) for k in order) > MOST_PRODUCTS:
+        order, at, pattern = [], {}, []
+    sums = {(i, j): "c" if i == j else "0" for i, j in at}
+    for m, place in enumerate(pattern):
+        sums[place] += f" - jacobian[{m}]"
+    for k in order:
+        for i, j in product(below[k], right[k]):
+            sums[i, j] += f" - a[{at[i, k]}] * a[{at[k, j]}]"
+    factors: list[str] = []
+    for (i, j), value in sums.items():
+        to = f"a[{at[i, j]}]"
+        if i == j:
+            factors.append(f"{to} = {value}; *tiny |= !(fabs({to}) > {SMALLEST_PIVOT} * c); {to} = 1 / {to};")
+        else:
+            factors.append(f"{to} = ({value}) * a[{at[j, j]}];" if position[i] > position[j] else f"{to} = {value};")
     solution = [f"b[{i}] -= a[{at[i, k]}] * b[{k}];" for k in order for i in below[k]]
     for i in reversed(order):
         terms = "".join(f" - a[{at[i, j]}] * b[{j}]" for j in right[i])
         solution.append(f"b[{i}] = (b[{i}]{terms}) * a[{at[i, i]}];")
-    if len(at) > MOST_ENTRIES:
-        at, tables, solution = {}, {name: [] for name in tables}, []
-    lines = [*(table("int", name, values) for name, values in tables.items()), *_solve(solution)]
+    lines = [
+        *in_parts(
+            "factor",
+            "const double *restrict jacobian, double c, double *restrict a, int *restrict tiny",
+            _parts(factors),
+        ),
+        "static int sparse_factor(const double *jacobian, double c, double *a) {",
+        f"    int tiny = {int(not at)};",
+        f"    for (int k = 0; k < {len(_parts(factors))}; k++) factor_parts[k](jacobian, c, a, &tiny);",
+        "    return tiny;",
+        "}",
+        *in_parts("solve", "const double *restrict a, double *restrict b", _parts(solution)),
+        "static void sparse_solve(const double *a, double *b) {",
+        f"    for (int k = 0; k < {len(_parts(solution))}; k++) solve_parts[k](a, b);",
+        "}",
+    ]
     return Elimination(code="\n".join(lines), entries=len(at))
 
 
-def _solve(lines: Sequence[str]) -> list[str]:
-    parts = [lines[k : k + LONGEST] for k in range(0, len(lines), LONGEST)]
-    return [
-        *in_parts("solve", "const double *restrict a, double *restrict b", parts),
-        "static void sparse_solve(const double *a, double *b) {",
-        f"    for (int k = 0; k < {len(parts)}; k++) solve_parts[k](a, b);",
-        "}",
-    ]
+def _parts(lines: Sequence[str]) -> list[Sequence[str]]:
+    return [lines[k : k + LONGEST] for k in range(0, len(lines), LONGEST)]
 
 
 def _order(n: int, pattern: list[tuple[int, int]]) -> tuple[list[int], list[set[int]]]:

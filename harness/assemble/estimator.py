@@ -207,11 +207,11 @@ def _outlier_limits(table: KalmanFilter, outputs: Sequence[str]) -> list[float]:
     Raises:
         ScenarioError: The filter has no such reading.
     """
-    read = [name.partition("[")[0] for name in outputs]
-    if other := sorted(table.outlier_limit.keys() - read):
-        choice = ", ".join(dict.fromkeys(read))
+    readings = [name.partition("[")[0] for name in outputs]
+    if other := sorted(table.outlier_limit.keys() - readings):
+        choice = ", ".join(dict.fromkeys(readings))
         raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {choice}")
-    return [table.outlier_limit.get(name, inf) for name in read]
+    return [table.outlier_limit.get(name, inf) for name in readings]
 
 
 def _element(name: str) -> int:

@@ -85,7 +85,7 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
     Raises:
         ScenarioError: The plant has no such parameter or fewer units, or units are isolated for a while only.
     """
-    left: dict[str, float] = {}
+    counts: dict[str, float] = {}
     for where, fault in _named(scenario):
         if fault.kind != "isolated" or fault.value is None:
             continue
@@ -98,13 +98,13 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
             name = f"n_units[{group + 1}]"
             if name not in units:
                 raise ScenarioError(f"{where} isolates units of a group, but the plant has no parameter {name}")
-            left[name] = left.get(name, units[name]) - fault.amount("1", where)
-            if left[name] <= 0.0:
+            counts[name] = counts.get(name, units[name]) - fault.amount("1", where)
+            if counts[name] <= 0.0:
                 raise ScenarioError(
                     f"{where} isolates all units of group {group + 1}, which has {units[name]:g}, or more; leave out "
                     "value to isolate the group"
                 )
-    return left
+    return counts
 
 
 def isolated_groups(scenario: Scenario, formation: Formation) -> list[int]:

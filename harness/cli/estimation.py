@@ -145,7 +145,7 @@ def _print_errors(recording: "xarray.Dataset", estimates: "xarray.Dataset") -> N
             "bias": judgement.bias,
             "largest": judgement.largest,
             "NEES": judgement.nees,
-            "within 2 sd": judgement.covered,
+            "within 2 sd": judgement.coverage,
         }
         for state in states
         for judgement in (judge(recording, estimates, state),)

@@ -22,7 +22,7 @@ class Judgement:
         bias: Mean.
         largest: Largest magnitude.
         nees: Mean of (error/sd)²: 1 for a filter that knows its error, above it believes too much.
-        covered: Share of samples within two standard deviations: 0.954 for a filter that knows its error.
+        coverage: Share of samples within two standard deviations: 0.954 for a filter that knows its error.
         sd: Median of the standard deviation that the filter claims.
     """
 
@@ -32,7 +32,7 @@ class Judgement:
     bias: float
     largest: float
     nees: float
-    covered: float
+    coverage: float
     sd: float
 
 
@@ -71,6 +71,6 @@ def judge(
         bias=float(np.mean(e)),
         largest=float(np.max(np.abs(e))),
         nees=float(np.mean((e / s) ** 2)),
-        covered=float(np.mean(np.abs(e) <= 2.0 * s)),
+        coverage=float(np.mean(np.abs(e) <= 2.0 * s)),
         sd=float(np.median(s)),
     )

@@ -48,21 +48,21 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
         str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()
     }
     deviations = in_units(f"{question.name}: [source.noise]", noise, unit_of_signal)
-    read: dict[str, tuple[Vector, str]] = {}
+    columns: dict[str, tuple[Vector, str]] = {}
     for name, deviation in deviations.items():
         for key, (values, unit) in _elements(trace, name, name).items():
             # A stream for each: what else is read changes no reading.
             white = generator(question.seed, f"instruments.{key}").standard_normal(values.size)
-            read[key] = values + deviation * white, unit
-    read |= _elements(trace, "track_force", "track_force")
+            columns[key] = values + deviation * white, unit
+    columns |= _elements(trace, "track_force", "track_force")
     if "resistance_torque" in unit_of_signal:
         torques = _elements(trace, "resistance_torque", "wheel_torque")
-        read |= {key: (-values, unit) for key, (values, unit) in torques.items()}
+        columns |= {key: (-values, unit) for key, (values, unit) in torques.items()}
     loads, forces = trace["wheelset_load"].values, (trace["adhesion"] * trace["wheelset_load"]).values
     truth = {"alpha": (forces.sum(axis=1) / loads.sum(axis=1), "1")}
     for name, state in (("speed", "v"), ("wheelset_speed", "w"), ("pad_friction", "mu_b")):
         truth |= _elements(trace, name, state)
-    return recording_of(read, period=question.periods.trace, truth=truth, name=question.name)
+    return recording_of(columns, period=question.periods.trace, truth=truth, name=question.name)
 
 
 def _elements(trace: xarray.Dataset, name: str, other: str) -> dict[str, tuple[Vector, str]]:

@@ -191,7 +191,10 @@ def _estimator(result: Result) -> str:
 
 
 def _polach(result: Result) -> str:
-    return result.record.scenario["adhesion"]["polach"]["name"]
+    adhesion = result.record.scenario["adhesion"]
+    of_places = (patch["polach"] for patch in adhesion.get("patch", ()) if patch.get("polach"))
+    curves = (adhesion["polach"], *adhesion.get("polach_of_wheelset", ()), *of_places)
+    return ", ".join(dict.fromkeys(curve["name"] for curve in curves))
 
 
 def _distance(result: Result) -> float | None:

@@ -335,18 +335,18 @@ class Train(Table):
     @model_validator(mode="after")
     def _joined(self) -> Self:
         for kind, brake in self.brakes.items():
-            _known("pads", [brake.pads], self.pads, f"[brakes.{kind}] pads")
+            _require_names("pads", [brake.pads], self.pads, f"[brakes.{kind}] pads")
         for kind, bogie in self.bogies.items():
-            _known("brakes", [bogie.brake], self.brakes, f"[bogies.{kind}] brake")
+            _require_names("brakes", [bogie.brake], self.brakes, f"[bogies.{kind}] brake")
             magnets = [bogie.track_brake] if bogie.track_brake else []
-            _known("track_brakes", magnets, self.track_brakes, f"[bogies.{kind}] track_brake")
+            _require_names("track_brakes", magnets, self.track_brakes, f"[bogies.{kind}] track_brake")
         for number, car in enumerate(self.cars, start=1):
             where = f"[cars[{number}]]"
-            _known("bogies", [mount.kind for mount in car.bogies], self.bogies, f"{where} bogies")
-            _known("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
+            _require_names("bogies", [mount.kind for mount in car.bogies], self.bogies, f"{where} bogies")
+            _require_names("couplers", [car.coupler] if car.coupler else [], self.couplers, f"{where} coupler")
             for key, table in (("distributor", self.distributors), ("accelerator", self.accelerators)):
                 name = getattr(car, key)
-                _known(f"{key}s", [name] if name else [], table, f"{where} {key}")
+                _require_names(f"{key}s", [name] if name else [], table, f"{where} {key}")
                 if name and not isinstance(self.command, BrakePipe):
                     raise broken(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
             count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
@@ -483,7 +483,7 @@ class Train(Table):
         return car.axle_masses or [car.mass / max(count, 1)] * count
 
 
-def _known(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
+def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
     for name in names:
         if name not in choice:
             raise broken(f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}")

@@ -124,10 +124,10 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
 def _curves(scenario: Scenario, places: Array, shape: tuple[int, ...]) -> NDArray[np.uint8] | None:
     """Return which creep curve lies where, an index of [adhesion] `curves`; None where there is one."""
     adhesion = scenario.adhesion
-    if len(adhesion.curves) == 1:
-        return None
     of_wheelset = adhesion.polach_of_wheelset or (adhesion.polach,)
     _check_count(scenario, "[adhesion] polach_of_wheelset", len(of_wheelset), shape[1])
+    if len(adhesion.curves) == 1:
+        return None
     number = {curve: index for index, curve in enumerate(adhesion.curves)}
     curves = np.array(np.broadcast_to([number[curve] for curve in of_wheelset], shape), dtype=np.uint8)
     for patch in adhesion.patch:

@@ -145,7 +145,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{DRAW}', [draws] is that axis")
     for key, values in campaign.sweep.items():
         axes[key] = {_spelled(value): read_overrides([f"{key}={json.dumps(value)}"]) for value in values}
-    _demand_known(path, campaign, axes)
+    _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
     stops = tuple(_stops(path, campaign, axes, last))
     names = [stop.name for stop in stops]
@@ -221,7 +221,7 @@ def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, 
     )
 
 
-def _demand_known(path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
+def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
     """Refuse a match that names an axis or variant that is not there: it would never be one."""
     matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
         "exclude": campaign.exclude,

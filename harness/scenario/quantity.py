@@ -186,7 +186,8 @@ def in_units(
     for name, magnitude in magnitudes.items():
         if name not in expected:
             near = get_close_matches(name, expected, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(sorted(expected)) or 'none'}."
+            arrays = sorted({one.partition("[")[0] for one in expected})  # a long train has hundreds of elements
+            hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(arrays) or 'none'}."
             raise ScenarioError(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
         try:
             values[name] = magnitude.si(expected[name])

@@ -176,15 +176,15 @@ def _numbers(path: Path, name: str, raw: Any, table: DataTable) -> Vector:
         raise EstimationError(f"{path.name}: column '{name}' wants one real number a sample.")
     if values.dtype.kind in "fiub":
         return values.astype(np.float64)
-    read: Any = pd.to_numeric(pd.Series(raw), errors="coerce")
-    wrong = read.isna().to_numpy() & ~pd.isna(pd.Series(raw)).to_numpy()
+    numbers: Any = pd.to_numeric(pd.Series(raw), errors="coerce")
+    wrong = numbers.isna().to_numpy() & ~pd.isna(pd.Series(raw)).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
         why = " Is its decimal sign another one?" if "," in str(raw[row]) and table.decimal == "." else ""
         raise EstimationError(
             f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is {short(raw[row])}.{why}"
         )
-    return np.asarray(read, dtype=np.float64)
+    return np.asarray(numbers, dtype=np.float64)
 
 
 def _instants(path: Path, values: Any, table: DataTable) -> Vector:

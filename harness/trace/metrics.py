@@ -123,11 +123,11 @@ class Metrics:
             TypeError: A figure is missing or unknown.
         """
         hints = get_type_hints(cls)
-        read: dict[str, Any] = {
+        figures: dict[str, Any] = {
             name: None if value is None and hints.get(name) is not float else _tupled(value)
             for name, value in plain.items()
         }
-        return cls(**read)
+        return cls(**figures)
 
 
 def meanings() -> dict[str, tuple[str, str]]:

@@ -63,10 +63,10 @@ def recorded(
         EstimationError: What no estimate can be made of, in a sentence.
     """
     all_signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
-    _known_signals(path, table, all_signals, inputs)
+    _require_signals(path, table, all_signals, inputs)
     series = read_series(path, table)
     flags: list[Flag] = []
-    left: dict[str, tuple[Vector, Vector]] = {}
+    sources: dict[str, tuple[Vector, Vector]] = {}
     units_of_source: dict[str, Vector] = {}
     for name, column in table.columns.items():
         if column.column is None:
@@ -86,9 +86,9 @@ def recorded(
             raise EstimationError(
                 f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
             )
-        left[name] = time, values
+        sources[name] = time, values
     grid = _grid(
-        path, table, {n: t for n, (t, _) in left.items() if n in inputs} or {n: t for n, (t, _) in left.items()}
+        path, table, {n: t for n, (t, _) in sources.items() if n in inputs} or {n: t for n, (t, _) in sources.items()}
     )
     signals: dict[str, tuple[Vector, str]] = {}
     for name, column in table.columns.items():
@@ -96,7 +96,7 @@ def recorded(
         if column.value is not None:
             signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, target)), target
             continue
-        time, values = left[name]
+        time, values = sources[name]
         if name in inputs:
             values_on_grid, changes = input_on_grid(name, time, values, grid, table.period, table.longest_gap)
             _refuse_gaps(path, name, column, values_on_grid, grid, table)
@@ -122,7 +122,7 @@ def recorded(
     return FileRecording(recording=recording, flags=tuple(flags))
 
 
-def _known_signals(path: Path, table: DataTable, signals: Sequence[str], inputs: Sequence[str]) -> None:
+def _require_signals(path: Path, table: DataTable, signals: Sequence[str], inputs: Sequence[str]) -> None:
     for name in table.columns:
         if name not in signals:
             near = get_close_matches(name, signals, n=1)

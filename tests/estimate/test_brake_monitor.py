@@ -107,7 +107,7 @@ def test_without_testing_the_groups_cannot_be_told_apart_and_the_evidence_says_s
     assert (weights > 0.05).all()
     assert np.sqrt(variances[0]) * np.linalg.norm(weights) < 0.05
     history = watch([evidence] * 50, DESIGN)
-    assert history.charted == 0
+    assert history.chart_points == 0
     assert not history.alarms
 
 

@@ -44,7 +44,7 @@ def test_it_keeps_the_contract_of_a_prediction(name):
 
 @pytest.mark.parametrize("name", list(CASES))
 @given(data=st.data())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_jacobians_are_slopes_everywhere(name, data):
     prediction, middle, held = CASES[name]
     factor = st.floats(0.3, 1.7)

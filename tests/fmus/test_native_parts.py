@@ -12,7 +12,7 @@ from small_fmus import FEATURES
 from railgrip.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import equations, lower, toolchain
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.elimination import MOST_ENTRIES, eliminate
+from railgrip.fmus.native.elimination import MOST_ENTRIES, MOST_PRODUCTS, eliminate
 from railgrip.fmus.native.straight import LONGEST, straight
 from railgrip.fmus.native.tape import interpreter, tape
 from railgrip.fmus.native.units import BASE, parse
@@ -66,7 +66,6 @@ def elimination_library(n, pattern):
             "#include <string.h>",
             *(f"#define {name} {value}" for name, value in sizes.items()),
             elimination.code,
-            (RUNTIME / "elimination.c").read_text(),
             f"{EXPORTED} int factor(const double *j, double c, double *a) {{ return sparse_factor(j, c, a); }}",
             f"{EXPORTED} void solve(const double *a, double *b) {{ sparse_solve(a, b); }}",
         ]
@@ -77,14 +76,14 @@ def elimination_library(n, pattern):
     return library, np.zeros(elimination.entries)
 
 
-@pytest.mark.parametrize(("seed", "n"), [(0, 17), (1, 17), (2, 17), (3, 60)])
-def test_sparse_elimination_solves_what_numpy_solves(seed, n):
+@pytest.mark.parametrize(("seed", "n", "density"), [(0, 17, 0.15), (1, 17, 0.15), (2, 17, 0.15), (3, 60, 0.08)])
+def test_sparse_elimination_solves_what_numpy_solves(seed, n, density):
     """Random sparse J, shifted so far that no pivot is needed; condition below 100, so 1e-11 is ample.
 
-    With 60 unknowns the solution has more lines than one part of it holds.
+    With 60 unknowns factors and solution have more lines than one part of them holds.
     """
     rng = np.random.default_rng(seed)
-    dense = np.where(rng.random((n, n)) < 0.15, rng.normal(size=(n, n)), 0.0)
+    dense = np.where(rng.random((n, n)) < density, rng.normal(size=(n, n)), 0.0)
     columns, rows = np.nonzero(dense.T)
     pattern = list(zip(rows.tolist(), columns.tolist(), strict=True))
     library, factors = elimination_library(n, pattern)
@@ -103,8 +102,9 @@ def test_a_cancelled_pivot_is_reported():
     assert library.factor(at(jacobian), 6.0, at(factors)) == 0
 
 
-def test_elimination_with_too_many_entries_is_left_to_pivoting():
-    n = math.isqrt(MOST_ENTRIES) + 1
+@pytest.mark.parametrize("n", [math.isqrt(MOST_ENTRIES) + 1, round((3 * MOST_PRODUCTS) ** (1 / 3)) + 2])
+def test_elimination_with_too_many_entries_or_products_is_left_to_pivoting(n):
+    """A full matrix of n unknowns has n² entries, and takes (n − 1) n (2 n − 1) / 6 products."""
     library, factors = elimination_library(n, [(i, j) for j in range(n) for i in range(n)])
     assert factors.size == 0
     assert library.factor(at(np.zeros(n * n)), 1.0, at(factors)) == 1

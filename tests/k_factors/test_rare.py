@@ -109,7 +109,7 @@ def test_weights_average_to_one_and_the_sampled_moments_are_those_of_the_normal_
 numbers = st.lists(st.floats(-10, 10), min_size=1, max_size=60)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(values=numbers, probability=st.floats(1e-6, 1.0))
 def test_the_quantile_of_equal_weights_is_that_of_the_empirical_distribution(values, probability):
     result = Sample(np.array(values), np.full(len(values), 1 / len(values))).quantile(probability)
@@ -118,7 +118,7 @@ def test_the_quantile_of_equal_weights_is_that_of_the_empirical_distribution(val
     assert upto >= probability - 1e-12
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(first=numbers, second=numbers, share=st.floats(0.0, 1.0), probability=st.floats(0.01, 0.99))
 def test_the_quantile_of_a_mixture_lies_between_those_of_its_parts(first, second, share, probability):
     parts = [Sample(np.array(v), np.full(len(v), 1 / len(v))) for v in (first, second)]

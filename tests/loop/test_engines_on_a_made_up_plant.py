@@ -368,7 +368,7 @@ broken_brakes = st.builds(
 )  # fmt: skip
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     broken=st.tuples(st.lists(broken_sensors, max_size=5), st.lists(broken_brakes, max_size=4)),
     sensors=st.sampled_from(["ideal", "white", "service"]),
@@ -406,7 +406,7 @@ def driven(draw):
     return phases
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(phases=driven(), every=st.sampled_from([(1, 1), (2, 3)]))
 def test_what_is_sent_is_never_more_than_the_driver_demands(phases, every):
     """Whatever the phases; and both engines ask the same, to the last bit."""
@@ -481,7 +481,6 @@ def test_a_plant_that_starts_with_another_speed_than_it_was_asked():
     assert "At 0.000 s the plant shows speed = 20 m/s, but [start] speed asks for 71.26 to 72.74 m/s" in reason
 
 
-@settings(deadline=None)
 @given(
     speed=st.floats(0.2, 80.0),
     slowing=st.floats(-2.0, 11.7),
@@ -507,7 +506,7 @@ def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, roundi
         assert plausibility.holds(LAYOUT, k, truth, inputs), plausibility.reason(1e-3 * k)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(scale=st.floats(-1e3, 1e3).filter(lambda scale: abs(scale - 1) > 0.004), offset=st.floats(-20, 20))
 def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
     """A stop of 25 m from 20 m/s, of which 0.1 %, one sample of travel and a centimetre are 5.5 cm."""

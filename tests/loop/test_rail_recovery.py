@@ -87,7 +87,7 @@ def test_the_product_of_shares_is_the_sum_of_energies():
     assert track.mu0 == pytest.approx(expected, rel=1e-9)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0)), min_size=2, max_size=60))
 def test_the_rail_keeps_all_the_energy(moves):
     """Of every wheel the integral of F s over its way, in strides from nothing to thirty cells."""

@@ -68,6 +68,20 @@ abc = {{ controller.kind = "adhesion_based" }}
         assert row.reduction_vs_sbc == pytest.approx(expected, abs=4e-3)
 
 
+def test_all_creep_curves_of_a_rail_are_named(tmp_path, write_campaign):
+    library = Path(railgrip.scenario.__file__).parent / "library"
+    file = tmp_path / "leaves.toml"
+    file.write_text(f'''
+name = "leaves"
+scenarios = ["{(library / "plain.toml").as_posix()}"]
+[axes.rail.leaves]
+adhesion.patch = [{{ begin = "20 m", length = "8 m", mu0 = 0.03, polach = "leaf" }}]
+adhesion.polach_of_wheelset = ["dry", "dry", "dry", "soap", "dry", "dry"]
+''')
+    write_campaign(tmp_path, lambda _: True, file=file)
+    assert [row.polach for row in rows_of(read_results(tmp_path))] == ["dry, soap, leaf"]
+
+
 def test_json_has_the_rows_that_were_asked_for(folder):
     as_json, as_markdown = write_table(read_results(folder), folder)
     content = json.loads(as_json.read_text(encoding="utf-8"))

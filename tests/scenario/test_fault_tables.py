@@ -101,7 +101,7 @@ tables = st.fixed_dictionaries(
 )  # fmt: skip
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(faults=st.lists(tables, min_size=1, max_size=2), edge=st.sampled_from(["ideal", "service"]))
 def test_any_table_of_faults_is_taken_or_refused_in_a_sentence(faults, edge):
     try:

@@ -132,7 +132,7 @@ def test_conditioning_raises_minima_from_front_to_rear_and_leaves_maxima(by):
 
 
 @given(level=st.floats(0.2, 3.0))
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 def test_level_scales_the_first_wheelset(level):
     base, scaled = profile("sine_sweep"), profile("sine_sweep", f"adhesion.level={level!r}")
     assert scaled.mu0_at[:, 0] == pytest.approx(level * base.mu0_at[:, 0])
@@ -147,7 +147,7 @@ def test_a_level_beyond_all_friction_is_refused():
     name=st.sampled_from(["trapezoid", "sine_sweep", "random"]),
     times=st.lists(st.floats(0, 200), min_size=1, max_size=20),
 )
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_one_look_up_and_many_are_the_same(name, times):
     found = profile(name, "limits.horizon=30 s")
     times = np.array(times)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from railgrip.errors import ScenarioError
 from railgrip.scenario.merge import merged, read_overrides
-from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.units import to_si
 
 # Factors to SI from the definitions of the units (BIPM brochure; bar, hour and foot are exact).
@@ -37,6 +37,12 @@ def test_a_quantity_is_its_number_times_its_unit(unit, si, factor, value):
 
 def test_a_temperature_has_an_offset():
     assert to_si("20 degC", "K") == pytest.approx(293.15)
+
+
+def test_an_unknown_parameter_is_answered_with_each_array_once():
+    names = {f"J[{i}]": "kg.m2" for i in range(1, 65)} | {"m": "kg"}
+    with pytest.raises(ScenarioError, match=r"^\[vehicle\.parameters\] has no parameter 'friction'; there is J, m\.$"):
+        in_units("[vehicle.parameters]", {"friction": Magnitude(0.3)}, names)
 
 
 @given(text=st.text(max_size=30))

@@ -28,7 +28,7 @@ from railgrip.trace.stop import Stop, read_stop, write_stop
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"
 FREIGHT = str(ROOT / "docs" / "examples" / "freight_train.toml")
-SPEED = 15  # km/h
+SPEED = 10  # km/h
 SLOW = (f"start.speed={SPEED} km/h",)
 
 TROLLEY = """

@@ -94,6 +94,13 @@ def test_valves_service_sensors_and_a_train_file():
     assert assert_same(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
 
 
+def test_wheelsets_of_a_wagon():
+    trace = run_stop(load(Path("wagon_stop"), ["adhesion.polach_of_wheelset=['leaf', 'dry']"])).trace
+    assert trace["curve_k_A"].values[0].tolist() == [0.04, 1.0]
+    # Braked alike, so that the one on the flatter curve slips more.
+    assert trace["slip"].values[1000, 0] > 5 * trace["slip"].values[1000, 1] > 0
+
+
 def test_slip_cleans_what_lies_there_by_the_law_of_that_curve():
     """A clean rail as the leaf lies: on the patch nothing changes, on the rail around it friction falls less."""
     clean = "adhesion.recovery={mu0=0.07, A=0.5, B=0.1, rate='1 m/J'}"
@@ -131,7 +138,7 @@ def test_what_the_train_is_that_nobody_was_told_scales_all_curves():
     ("overrides", "sentence"),
     [
         (
-            ("adhesion.polach_of_wheelset=['leaf', 'dry']",),
+            ("adhesion.polach_of_wheelset=['dry', 'dry']",),
             r"\[adhesion\] polach_of_wheelset is for 2 wheelsets, the vehicle has 6",
         ),
         (

@@ -30,7 +30,7 @@ SETS = st.sampled_from(
 
 @given(shape=SETS, speed=st.floats(0.5, 60), mu0=st.floats(0.02, 0.6), other=st.floats(0.5, 1.0))
 @example(shape=(0.04, 0.015, 0.5, 0.1), speed=55.0, mu0=0.59375, other=0.75)  # rises again towards the lock
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_peak_is_that_of_a_dense_grid(shape, speed, mu0, other):
     def contact(slip, v, load, friction):
         return polach(slip, v, load, friction, *shape)

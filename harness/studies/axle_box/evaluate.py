@@ -162,10 +162,10 @@ def exchanged(runs: Sequence[Run]) -> dict[str, float]:
 def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
     """Leave one run out at a time and judge on it."""
     scores: list[Score] = []
-    for left in runs:
-        training = [_labelled(recipe.blocks(run), run.friction) for run in runs if run is not left]
-        new = [_labelled(recipe.blocks(left), left.friction)]
-        scores.append(score(recipe.fit(training, f"without.{left.name}"), training, new))
+    for test_run in runs:
+        training = [_labelled(recipe.blocks(run), run.friction) for run in runs if run is not test_run]
+        new = [_labelled(recipe.blocks(test_run), test_run.friction)]
+        scores.append(score(recipe.fit(training, f"without.{test_run.name}"), training, new))
     return average(scores)
 
 

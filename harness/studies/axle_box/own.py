@@ -40,18 +40,18 @@ def judge_own(
     several = _classes(runs)
     with processes(workers) as pool:
         whole = pool.submit(general, runs, members)
-        split = {g: pool.submit(within_runs, own, recipe) for g, own in several.items()}
+        within = {g: pool.submit(within_runs, own, recipe) for g, own in several.items()}
         without_one = {g: pool.submit(without_each, own, recipe) for g, own in several.items()}
         networks = {g: pool.submit(best_of, own, recipe) for g, own in several.items()}
         each = [pool.submit(_without, runs, k, members) for k in range(len(runs))]
-        for future in (whole, *split.values(), *without_one.values(), *networks.values(), *each):
+        for future in (whole, *within.values(), *without_one.values(), *networks.values(), *each):
             future.result()
             tell("training and judging")
     ensemble: Ensemble = whole.result()[0]
     text = own_report(
         len(runs),
         recipe,
-        {g: one.result() for g, one in split.items()},
+        {g: one.result() for g, one in within.items()},
         {g: one.result() for g, one in without_one.items()},
         over_speeds(dict(enumerate(one.result() for one in each))),
         remarks,
@@ -74,7 +74,7 @@ def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
     return {g: own for g, own in groups.items() if len(own) > 1}
 
 
-def _without(runs: Sequence[Run], left: int, members: int) -> Score:
+def _without(runs: Sequence[Run], place: int, members: int) -> Score:
     """Judge the estimator for all speeds on one run that it has not seen."""
-    estimator, mean = general([run for k, run in enumerate(runs) if k != left], members)
-    return judge(estimator, mean, [runs[left]])
+    estimator, mean = general([run for k, run in enumerate(runs) if k != place], members)
+    return judge(estimator, mean, [runs[place]])

@@ -76,8 +76,8 @@ def load_noise(path: Path) -> Noise:
     Raises:
         ScenarioError: No such file, or one of the twelve is missing or no positive number.
     """
-    read = read_toml(path)
-    table = validated(NoiseTable, read.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
+    content = read_toml(path)
+    table = validated(NoiseTable, content.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
     if table.kind != "density":
         raise EstimationError(f"{path}: [noise] kind is '{table.kind}'; the field test's noises are densities.")
     readings = by_name(f"{path.name}: readings", table.readings, READINGS)

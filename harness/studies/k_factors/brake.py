@@ -178,7 +178,7 @@ class QuasiStaticBrake:
         drag = 0.5 * of["rho_air"] * of["c_drag"] * of["A_drag"]
         force = torque / radius
         share = force / np.maximum(force.sum(axis=1, keepdims=True), 1e-9)
-        start, left = self.speeds[0], 1.0 - of["pad_share"]
+        start, disc_share = self.speeds[0], 1.0 - of["pad_share"]
         steps: list[Array] = []
         distance = np.zeros(len(mass))
         for high, low in pairwise(self.speeds):
@@ -190,7 +190,7 @@ class QuasiStaticBrake:
                 # What heats the bulk of a disc is what was braked, less what is still in its surface.
                 energy = 0.5 * inertial[:, None] * (start**2 - square) * share / count
                 surface = of["m_disc_surface"] * of["c_disc"] * force / count * speed / of["G_disc"]
-                warmth = np.maximum(energy - surface, 0.0) * left / (of["m_disc"] * of["c_disc"])
+                warmth = np.maximum(energy - surface, 0.0) * disc_share / (of["m_disc"] * of["c_disc"])
                 heat = (self._temperature + warmth - of["temperature_nominal"]) / of["temperature_range"]
                 pad_speed = speed * brake.r_friction / radius / of["pad_speed_nominal"]
                 steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturated(heat))

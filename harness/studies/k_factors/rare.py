@@ -51,14 +51,17 @@ def states_of(
     """
     groups = [
         [
-            (left, (1 - stuck) * comb(n, left) * isolated ** (n - left) * (1 - isolated) ** left + stuck * (left == 0))
-            for left in range(n + 1)
+            (
+                count,
+                (1 - stuck) * comb(n, count) * isolated ** (n - count) * (1 - isolated) ** count + stuck * (count == 0),
+            )
+            for count in range(n + 1)
         ]
         for n in units
     ]
     states, rest = [State((), 1.0)], 0.0
     for group in groups:
-        candidates = [State((*one.available, left), one.probability * p) for one in states for left, p in group]
+        candidates = [State((*one.available, count), one.probability * p) for one in states for count, p in group]
         candidates.sort(key=lambda state: (-state.probability, state.available))
         # Summed from the least likely on, for one minus the others has no digits left.
         tail = np.cumsum([state.probability for state in reversed(candidates)])

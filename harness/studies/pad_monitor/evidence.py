@@ -228,9 +228,9 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
         return 0.0
     complete = np.where(finite, acceleration, np.nanmean(acceleration))
     distance = np.concatenate([[0.0], np.cumsum(0.5 * (complete[1:] + complete[:-1]) * period)])
-    read = np.isfinite(speed)
+    present = np.isfinite(speed)
     time = np.arange(speed.size) * period
-    return -float(np.polyfit(time[read], speed[read] - distance[read], 1)[0])
+    return -float(np.polyfit(time[present], speed[present] - distance[present], 1)[0])
 
 
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:

@@ -35,14 +35,14 @@ def health_table(history: History, names: Sequence[str]) -> Table:
 def verdict_on(history: History, design: Design) -> str:
     """Return a sentence on what the stops could tell, and what more is wanted."""
     count = len(history.index)
-    opening = f"{count} stops, {history.charted} of which told the groups apart"
-    if history.charted == 0:
+    opening = f"{count} stops, {history.chart_points} of which told the groups apart"
+    if history.chart_points == 0:
         return (
             f"{opening}: their pressures never moved apart enough, so that only the brakes as a whole are judged; make "
             "testing stops that release one group after the other for two seconds, or stops with wheel-slide "
             "protection at work."
         )
-    if history.charted <= design.reference:
+    if history.chart_points <= design.reference:
         return f"{opening}; alarms need more than {design.reference}, the reference."
     return f"{opening}; the first {design.reference} of those are the reference."
 

@@ -85,7 +85,7 @@ class History:
         trend: Change of the index over the last stops, share a stop, shape (4,).
         trend_sd: Its standard deviation.
         alarms: In the order of stops.
-        charted: Stops that told the groups apart.
+        chart_points: Stops that told the groups apart.
     """
 
     evidence: Matrix
@@ -97,7 +97,7 @@ class History:
     trend: Vector
     trend_sd: Vector
     alarms: tuple[Alarm, ...]
-    charted: int
+    chart_points: int
 
 
 def watch(stops: Sequence[Evidence], design: Design) -> History:
@@ -141,7 +141,7 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
         trend=trend,
         trend_sd=trend_sd,
         alarms=tuple(alarms),
-        charted=int(apart.sum()),
+        chart_points=int(apart.sum()),
     )
 
 

@@ -169,8 +169,8 @@ _ALL = {
     "alpha_largest": "excursions.largest", "alpha_outside": "excursions.largest_outside",
     "samples_outside": "excursions.outside",
     "excursions": "excursions.count", "longest": "excursions.longest", "kept": "excursions.kept",
-    **{f"mu_b_{name}": f"mu_b.{name}" for name in ("rmse", "bias", "largest", "nees", "covered", "sd")},
-    "ended": "ended",
+    **{f"mu_b_{name}": f"mu_b.{name}" for name in ("rmse", "bias", "largest", "nees")},
+    "mu_b_covered": "mu_b.coverage", "mu_b_sd": "mu_b.sd", "ended": "ended",
 }  # fmt: skip
 """Column of the files → attribute of a row."""
 

@@ -34,8 +34,8 @@ partial block PartialContact "What carries the force between a wheelset and its 
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-One contact stands for both wheels. The parameters are those of Polach's law; another law may leave them alone and bring
-its own.
+One contact stands for both wheels. <code>curve</code> is that of Polach's law, an input so that it may change along the
+track; another law may leave it alone and bring its own.
 </p>
 </html>"));
 end PartialContact;
