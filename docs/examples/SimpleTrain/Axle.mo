@@ -31,8 +31,8 @@ model Axle "A wheelset on the rail with its brake units and their cylinders"
   output Real pad_friction(final unit="1") = brake.pad.mu "Friction of the pads";
 protected
   RailBraking.Components.Wheelsets wheels(
-    final n=1, J=J, r=r_wheel, k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, w_start=speed_start/r_wheel)
-    "Wheelset on the rail";
+    final n=1, J=J, r=r_wheel, curve={RailBraking.Data.CreepCurve(k_A=k_A, k_S=k_S, A=A_falling, B=B_falling)},
+    w_start=speed_start/r_wheel) "Wheelset on the rail";
   RailBraking.Components.GroupBrake brake(n_units=n_units, r_friction=r_friction) "Brake units";
   RailBraking.Pneumatics.IdealCylinder cylinder(T=T_pressure, p_max=p_max) "Cylinders";
 equation
