@@ -47,6 +47,9 @@ class Block:
 class Rail:
     mu0, force = np.full(6, 0.1), 5.0
 
+    def lay(self, inputs):
+        inputs[LAYOUT.input["mu0"]], inputs[LAYOUT.input["track_force"]] = self.mu0, self.force
+
     def meet(self, truth):
         pass
 
