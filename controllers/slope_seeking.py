@@ -127,7 +127,8 @@ _LEASH, _LEASH_UP = 0.5, 1.2
 """How far ln(s_set) may be below and above ln(s): a set point that the brake cannot reach must not run away.
 
 Left of the peak more slip wants more torque; what half a unit of ln(s) asks for is less than the band of the valves,
-and a wheel stayed for good at a tenth of the slip that was sought."""
+and a wheel stayed for good at a tenth of the slip that was sought. Where a wheel draws a small part of what the rail
+gives, 1.2 are still within that band: `share_added` of little is little, and slip waits for the rail to change."""
 
 _RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
 _SPEED_ERROR = 0.8  # of the train's speed after a radar has lied

@@ -14,6 +14,7 @@ from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.schema import Scenario
+from railgrip.signals import CURVE
 from railgrip.units import Unit
 
 
@@ -43,12 +44,12 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
     # Not with this module: the schema of a train file takes as long to load as numpy does, and few scenarios have one.
     from railgrip.rolling_stock.files import load_train
-    from railgrip.rolling_stock.modelica import class_name, class_text, curved_class
+    from railgrip.rolling_stock.modelica import class_name, class_text
 
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
     if curved:
-        name, more = curved_class(name, len(train.axles))
+        name, more = _curved_class(name, len(train.axles))
         text += more
     return _built(name, text)
 
@@ -59,10 +60,24 @@ def _curved_file(recipe: str) -> Path:
     own = read_recipes().recipes[recipe]
     if not own.curve:
         return recipe_file(recipe)
-    from railgrip.rolling_stock.modelica import curved_class
-
     wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
-    return _built(*curved_class(own.class_name, wheelsets))
+    return _built(*_curved_class(own.class_name, wheelsets))
+
+
+def _curved_class(name: str, wheelsets: int) -> tuple[str, str]:
+    """Return name and Modelica text of a train's class that takes the creep curve at each wheelset from inputs."""
+    own = f"{name.rpartition('.')[2]}_on_curves"
+    shape = ", ".join(f"{signal.name.removeprefix('curve_')}={signal.name}[i]" for signal in CURVE)
+    inputs = "".join(
+        f"  RailBraking.Interfaces.RealInput {signal.name}[{wheelsets}]"
+        f'(each final unit="{signal.unit}", each start=0) "{signal.meaning}";\n'
+        for signal in CURVE
+    )
+    return own, (
+        f'block {own} "{name} with the creep curve at each wheelset as an input"\n'
+        f"  extends {name}(curve={{RailBraking.Data.CreepCurve({shape}) for i in 1:{wheelsets}}});\n"
+        f"{inputs}end {own};\n"
+    )
 
 
 def _built(name: str, text: str) -> Path:

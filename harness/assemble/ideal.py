@@ -89,9 +89,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:, at["speed"]] = speed[:, None]
         rows[:, at["acceleration"]] = acceleration[:, None]
         rows[:, at["mu0"]] = profile.table(time, distance)
-        if (curves := profile.curves(time, distance)) is not None:
-            for number, signal in enumerate(CURVE):
-                rows[:, at[signal.name]] = vehicle.curves[curves, number]
+        if (curve_numbers := profile.curve_numbers(time, distance)) is not None:
+            for i, signal in enumerate(CURVE):
+                rows[:, at[signal.name]] = vehicle.curves[curve_numbers, i]
         rows[:, at["wheelset_load"]] = load
         rows[:, at["pad_friction"]] = pad
         end = _end(speed, scenario.limits.stop_speed)
@@ -175,13 +175,13 @@ class _Tracking:
         ahead = self._ahead
         times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
         friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
-        curves = self._profile.curves(times, places)
+        numbers = self._profile.curve_numbers(times, places)
         slips: list[float] = []
         changes: list[float] = []
         for members in self._formation.members():
             contact = self._contact
-            if curves is not None:
-                contact = partial(contact, curve=np.moveaxis(self._curves[curves[:, members]], -1, 0))
+            if numbers is not None:
+                contact = partial(contact, curve=np.moveaxis(self._curves[numbers[:, members]], -1, 0))
             slip, each = peak(contact, speeds, loads[:, members], friction[:, members])
             now, then = np.sum(each * loads[:, members], axis=1)
             slips.append(float(slip[1]))

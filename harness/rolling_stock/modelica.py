@@ -11,34 +11,10 @@ from railgrip.rolling_stock.schema import Train
 _CELLS_OF_A_CAR = 4
 """Of the brake pipe where it has accelerators: one cell to a car smears a front so far that its foot opens the next."""
 
-_CURVE = {
-    "k_A": ("1", 0.3, "Reduction of the creep stiffness in the area of adhesion"),
-    "k_S": ("1", 0.1, "Reduction of the creep stiffness in the area of slip"),
-    "A": ("1", 0.4, "Friction at infinite slip speed over maximum friction"),
-    "B": ("s/m", 0.2, "Rate at which friction falls with slip speed"),
-}
-"""Inputs of a class whose rail has several creep curves: unit, start and meaning."""
-
 
 def class_name(train: Train, *, pneumatic: bool) -> str:
     """Return the name of a train's class: its own as an identifier."""
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
-
-
-def curved_class(name: str, wheelsets: int) -> tuple[str, str]:
-    """Return name and Modelica text of a train's class that takes the creep curve at each wheelset from inputs."""
-    own = f"{name.rpartition('.')[2]}_on_curves"
-    shape = ", ".join(f"{key}=curve_{key}[i]" for key in _CURVE)
-    inputs = "".join(
-        f'  RailBraking.Interfaces.RealInput curve_{key}[{wheelsets}](each final unit="{unit}", each start={start})\n'
-        f'    "{meaning}";\n'
-        for key, (unit, start, meaning) in _CURVE.items()
-    )
-    return own, (
-        f'block {own} "{name} with the creep curve at each wheelset as an input"\n'
-        f"  extends {name}(curve={{RailBraking.Data.CreepCurve({shape}) for i in 1:{wheelsets}}});\n"
-        f"{inputs}end {own};\n"
-    )
 
 
 def class_text(train: Train, *, pneumatic: bool) -> str:

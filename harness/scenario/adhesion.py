@@ -44,8 +44,8 @@ class Profile:
         """Return the friction at each wheelset, (n, wheelsets), at times [s] and distances [m] since the demand."""
         return self.mu0_at[self._nearest(time, distance)]
 
-    def curves(self, time: Array, distance: Array) -> NDArray[np.uint8] | None:
-        """Return which creep curve each wheelset finds there, likewise; None where there is one."""
+    def curve_numbers(self, time: Array, distance: Array) -> NDArray[np.uint8] | None:
+        """Return which of the creep curves each wheelset finds there, likewise; None where there is one."""
         return None if self.curve_at is None else self.curve_at[self._nearest(time, distance)]
 
     def _nearest(self, time: Array, distance: Array) -> NDArray[np.int_]:
@@ -132,8 +132,7 @@ def _curves(scenario: Scenario, places: Array, shape: tuple[int, ...]) -> NDArra
     curves = np.array(np.broadcast_to([number[curve] for curve in of_wheelset], shape), dtype=np.uint8)
     for patch in adhesion.patch:
         if patch.polach is not None:
-            inside = _inside(patch, places)
-            curves[np.broadcast_to(inside >= (0.5 if patch.edge else 1.0), shape)] = number[patch.polach]
+            curves[np.broadcast_to(_inside(patch, places) >= 0.5, shape)] = number[patch.polach]
     return curves
 
 
