@@ -91,7 +91,8 @@ class SlopeSeeking(Law):
         d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·q + w (1 − r)·pull·max(q, 0)),  q = ln(s_usual/s_set)
         s_usual = slip_usual + creep_usual/v
         s* = s_set·exp(±dither·sin φ)
-        T = a F_z r − J (1−s) v̇/r + (J v/r)(ṡ* + gain (s* − s))  leads s to s* at `gain`
+        T = a F_z r − J (1−s) v̇/r + (J v/r)(ṡ* + gain (s* − s + i))  leads s to s* at `gain`
+        di/dt = (s* − s)/0.2 s  while s < s*; else i = 0              what valves hold back
         p = p(T), with the estimated pad friction
 
     All groups share one set point. What a changing rail does to wheels alike cancels in the difference: of one group,
@@ -108,8 +109,9 @@ class SlopeSeeking(Law):
     slip is no longer known, and the brake is applied as at the start.
 
     A wheel speed that cannot be true is believed no more: one that is not known (NaN), a slip of less than −5 %, or a
-    slide on which the rail does nothing although the brake is off. Such a group gets the torque for seven tenths of the
-    adhesion that the others use, by the pad friction that it had before, until its wheel speed makes sense again.
+    slide on which the rail does nothing although the brake is off. Such a group gets the torque for eight tenths of the
+    adhesion that the others use, by the pad friction that it had before, until its wheel speed makes sense again; where
+    the pressure is above what all of that adhesion carries, its brake is released.
     """
 
     needs = ("adhesion", "pad_friction")
@@ -123,12 +125,15 @@ _UNBRAKED = 0.9
 """Share of the spring's force that the piston may have while the pads are surely off."""
 
 _AVERAGED = 1.0  # s, over which the slip of a rolling wheel is averaged, where it rolls for so long
-_LEASH, _LEASH_UP = 0.5, 1.2
-"""How far ln(s_set) may be below and above ln(s): a set point that the brake cannot reach must not run away.
+_LEASH, _LEASH_UP = 0.5, 0.8
+"""How far ln(s_set) may be below and above ln(s): a set point that the brake cannot reach must not run away."""
 
-Left of the peak more slip wants more torque; what half a unit of ln(s) asks for is less than the band of the valves,
-and a wheel stayed for good at a tenth of the slip that was sought. Where a wheel draws a small part of what the rail
-gives, 1.2 are still within that band: `share_added` of little is little, and slip waits for the rail to change."""
+_PATIENCE = 0.2
+"""Integration time [s] of a slip that stays below its set point.
+
+Left of the peak more slip wants more torque; where a wheel draws little, all that `gain` and `share_added` allow is
+less than the band within which valves hold, and slip stayed for good at a tenth of what was sought. As Clegg's (Trans.
+AIEE 77 (1958) 41) the integral is zero as soon as the error is: nothing of it is left beyond the peak."""
 
 _RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
 _SPEED_ERROR = 0.8  # of the train's speed after a radar has lied
@@ -143,8 +148,8 @@ _DRAWN = 0.25
 """Share of the others' adhesion that a sliding wheel draws at least: creep curves fall to 0.4 of their peak."""
 
 _DOUBTED = 0.5  # s, after which a wheel whose speed cannot be true is believed no more
-_FOLLOWED = 0.7
-"""Share of the others' adhesion that is asked of a wheel whose speed is not known: with more it locks, unseen."""
+_FOLLOWED = 0.8
+"""Share of the others' adhesion that is asked of a wheel whose speed is not known: with all it may lock unseen."""
 
 _ROLLING, _SEEKING, _VENTING, _FOLLOWING = range(4)
 _MODES = "what rules the group: 0 rolls, 1 seeks slip, 2 vented, 3 its speed is unknown, follows the others"
@@ -202,9 +207,14 @@ def slope_seeking(groups: int) -> Formula:
             inertial = -inertia * (1.0 - own.slip) * group.acceleration / radius
             balance = group.adhesion * unit_torque + inertial
             limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + inertial
-            extra = inertia * speed / radius * (target[1] + t["gain"] * (target[0] - own.slip))
+            torque_per_rate = inertia * speed / radius  # of slip
+            error = target[0] - own.slip
+            last = draft.state(group.label("error"), "s", "integral of slip below its set point, since it last was not")
+            integral = choose(every(ca.logic_not(rolling), error > 0.0), last + error * t["period"], 0.0)
+            draft.keep(last, integral)
             # Up in small shares, down as far as it takes: a deep slide draws little, and a share of little ends none.
-            goal = balance + ca.fmin(extra, t["share_added"] * balance)
+            extra = ca.fmin(torque_per_rate * (target[1] + t["gain"] * error), t["share_added"] * balance)
+            goal = balance + extra + torque_per_rate * t["gain"] / _PATIENCE * integral
             torque = choose(rolling, limit, ca.fmin(goal, limit))
             venting = every(own.slip > t["slip_vent"], speed >= t["speed_min"])
             controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
@@ -225,6 +235,9 @@ def slope_seeking(groups: int) -> Formula:
             loads = [each.group.brake["load"] for each in others]
             share = _mean([(each.valid, each.adhesion) for each in others], loads)
             followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
+            # Valves leave what is a little too much: a wheel that nobody sees locks by it once the rail gets worse.
+            most = pressure_for(share * unit_torque, pad_friction, brake)
+            followed = choose(group.pressure > most, 0.0, followed)
             return choose(following, followed, controlled)
 
         return demand

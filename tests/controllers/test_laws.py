@@ -10,7 +10,7 @@ from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBa
 from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.slope_seeking import SlopeSeeking
-from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE
+from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE, VALVE_BANDS
 
 
 def seeker(**changes):
@@ -145,6 +145,33 @@ def test_the_set_point_climbs_to_the_peak_wherever_it_lies(peak_slip):
     assert adhesion[5000:].mean() > 0.85 * 0.06
 
 
+class Held:
+    """Valves: a demand within 20 kPa of the last that moved them moves nothing."""
+
+    def __init__(self, law):
+        self.law, self.demands = law, None
+
+    def decide(self, observation):
+        wanted = self.law.decide(observation)
+        last = self.demands or wanted
+        band = VALVE_BANDS["slope_seeking"]
+        self.demands = tuple(new if abs(new - old) > band else old for new, old in zip(wanted, last, strict=True))
+        return self.demands
+
+
+@pytest.mark.parametrize("groups", [1, 2])
+@pytest.mark.parametrize("peak_slip", [0.1, 0.2, 0.3])
+def test_slip_does_not_stand_still_within_the_band_of_the_valves(peak_slip, groups):
+    """On a broad curve a wheel at 1.6 % of slip draws a tenth to a half, and what it is short of is less than a band.
+
+    Without the integral of slip below its set point this is 0.50, 0.16 and 0.11. What remains from 0.9 to 1 is the
+    swing of a band: here 20 kPa are 0.0105 of adhesion, a sixth of it all.
+    """
+    law = Held(SlopeSeeking([GROUP] * groups, replace(SLOPE, period=1e-2)))
+    _, adhesion = simulate(law, 8.0, peak_slip=peak_slip, groups=groups)
+    assert adhesion[5000:].mean() > 0.9 * 0.06
+
+
 def test_a_rail_that_changes_is_no_slope():
     """Friction that swings by 20 % in 0.7 s under both wheelsets, on a curve whose peak is far beyond.
 
@@ -161,8 +188,8 @@ def test_a_rail_that_changes_is_no_slope():
         slip = slips[5000:].reshape(3000, -1)
         return (2 * 0.3 * slip / (0.3**2 + slip**2)).mean()
 
-    assert used(2) > 0.9
-    assert used(1) < 0.8
+    assert used(2) > 0.97
+    assert used(1) < used(2) - 0.05
 
 
 @pytest.mark.parametrize("error", [-0.03, 0.03])
@@ -207,9 +234,14 @@ def test_a_wheel_whose_speed_cannot_be_true_follows_the_others(lie):
         if lie == "never there" or (lie == "lost" and k):
             now = now._replace(wheelset_speed=np.array([np.nan, now.wheelset_speed[1]]))
         demands.append(law.decide(now)[0])
-    followed = (0.7 * 0.06 * GROUP.load * 0.38 / (2 * 0.3 * 0.22) / 5.7 + 1200.0) / 0.0324
+    followed, carried = (
+        (share * 0.06 * GROUP.load * 0.38 / (2 * 0.3 * 0.22) / 5.7 + 1200.0) / 0.0324 for share in (0.8, 1.0)
+    )
     assert demands[-1] == pytest.approx(followed, rel=0.01)
     assert demands[10] != pytest.approx(followed, rel=0.1)  # not before it is sure
+    # What valves leave in the cylinder may be more than what is asked, but not than what the rail carries.
+    for pressure, demand in ((0.97 * carried, followed), (1.03 * carried, 0.0)):
+        assert law.decide(now._replace(pressure=(pressure, 2e5)))[0] == pytest.approx(demand, rel=0.01)
     again = shown(2.0, SPEED, 0.0, (0.1, 0.05), (0.05, 0.06), (0.35, 0.35), (1e5, 2e5))
     assert law.decide(again)[0] != pytest.approx(followed, rel=0.1)
 
