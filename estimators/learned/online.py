@@ -4,9 +4,9 @@ The same filters, scaling and networks as offline, in the same order of operatio
 offline result by rounding alone. The function goes into an FMU as it is (`railgrip.fmus.native.discrete`).
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 import casadi as ca
 import numpy as np
@@ -55,29 +55,6 @@ class Online:
         state = np.array([s.start for s in self.states])
         over = self.step.mapaccum("run", len(samples))
         return np.asarray(over(state, samples.T)[1].full().T, dtype=np.float64)
-
-    def stepper(self) -> Callable[[Array], Array]:
-        """Return a function from the inputs of a sample to the outputs after it, called once for each sample.
-
-        It keeps the state between calls; each call of this method gives one that begins anew.
-        """
-        buffer: Any
-        buffer, evaluate = self.step.buffer()
-        state, entry = np.array([s.start for s in self.states]), np.zeros(len(self.inputs))
-        following, output = np.empty_like(state), np.empty(len(self.outputs))
-        for place, argument in enumerate((state, entry)):
-            buffer.set_arg(place, argument.data)
-        for place, result in enumerate((following, output)):
-            buffer.set_res(place, result.data)
-
-        def advance(sample: Array, keep: Any = buffer) -> Array:
-            # `keep`: the buffer must live as long as whoever evaluates it.
-            entry[:] = sample
-            evaluate()
-            state[:] = following
-            return output.copy()
-
-        return advance
 
 
 @dataclass(slots=True)

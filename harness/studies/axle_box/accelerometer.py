@@ -54,47 +54,6 @@ AXLE_BOX: Final = Accelerometer(
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Disturbance:
-    """What sensors add to the truth in one run, drawn before it.
-
-    Attributes:
-        gain: Shape (channels,).
-        before: Vibration that the plate is shaken by, m/s², shape (n, channels).
-        after: Offset, drift and noise, m/s², shape (n, channels).
-    """
-
-    gain: Array
-    before: Array
-    after: Array
-
-
-def disturbance(
-    count: int,
-    channels: int,
-    speed: float,
-    sensor: Accelerometer,
-    vehicle: np.random.Generator,
-    run: np.random.Generator,
-) -> Disturbance:
-    """Draw what sensors add to `count` samples at `RATE`.
-
-    Args:
-        speed: m/s.
-        vehicle: Draws what belongs to the sensors: offsets and gains.
-        run: Draws what differs from run to run: drift and noise.
-    """
-    shape = (count, channels)
-    rolling = run.standard_normal(shape) * sensor.rolling * speed
-    gain = 1 + sensor.gain_error * vehicle.standard_normal(channels)
-    time = np.arange(count) / RATE
-    after = vehicle.uniform(*sensor.offset, channels) + time[:, None] * (sensor.drift * run.standard_normal(channels))
-    after += np.cumsum(run.standard_normal(shape), axis=0) * (sensor.walk / np.sqrt(RATE))
-    after += run.standard_normal(shape) * (sensor.noise * np.sqrt(RATE / 2))
-    before = np.asarray(sosfilt(butter(2, 50, "highpass", fs=RATE, output="sos"), rolling, axis=0), dtype=np.float64)
-    return Disturbance(gain=gain, before=before, after=after)
-
-
 def measure(
     true: Array,
     true_rate: int,
@@ -108,34 +67,20 @@ def measure(
     Args:
         true: Accelerations, m/s², shape (n, channels).
         true_rate: Of `true`, samples a second; `RATE` is a multiple of it.
-        speed, vehicle, run: As for `disturbance`.
+        speed: m/s.
+        vehicle: Draws what belongs to the sensors: offsets and gains.
+        run: Draws what differs from run to run: drift and noise.
     """
     fine = _fine(true, true_rate)
-    count, channels = fine.shape
-    noise = disturbance(count, channels, speed, sensor, vehicle, run)
-    return _plate(fine + noise.before, sensor) * noise.gain + noise.after
-
-
-class SampleBySample:
-    """The same sensors sample by sample: what `measure` returns at `RATE`, one row at a time."""
-
-    def __init__(self, sensor: Accelerometer, noises: Disturbance) -> None:
-        """Mount `sensor`, with what it adds drawn before."""
-        self._b, self._a = plate(sensor)
-        self._disturbance = noises
-        self._state: Array | None = None
-
-    def read(self, sample: int, true: Array) -> Array:
-        """Return the reading of a sample, m/s², shape (channels,); samples come one after the other from 0."""
-        excitation = true + self._disturbance.before[sample]
-        b, a = self._b, self._a
-        # The plate has settled under the first sample, as if the run had begun before.
-        state = _initial(b, a)[:, None] * excitation if self._state is None else self._state
-        deflection = b[0] * excitation + state[0]
-        self._state = np.stack(
-            [b[1] * excitation - a[1] * deflection + state[1], b[2] * excitation - a[2] * deflection]
-        )
-        return deflection * self._disturbance.gain + self._disturbance.after[sample]
+    channels = fine.shape[1]
+    rolling = run.standard_normal(fine.shape) * sensor.rolling * speed
+    gain = 1 + sensor.gain_error * vehicle.standard_normal(channels)
+    time = np.arange(len(fine)) / RATE
+    after = vehicle.uniform(*sensor.offset, channels) + time[:, None] * (sensor.drift * run.standard_normal(channels))
+    after += np.cumsum(run.standard_normal(fine.shape), axis=0) * (sensor.walk / np.sqrt(RATE))
+    after += run.standard_normal(fine.shape) * (sensor.noise * np.sqrt(RATE / 2))
+    before = np.asarray(sosfilt(butter(2, 50, "highpass", fs=RATE, output="sos"), rolling, axis=0), dtype=np.float64)
+    return _plate(fine + before, sensor) * gain + after
 
 
 def _fine(true: Array, rate: int) -> Array:
@@ -155,11 +100,7 @@ def plate(sensor: Accelerometer) -> tuple[Array, Array]:
 
 def _plate(signal: Array, sensor: Accelerometer) -> Array:
     b, a = plate(sensor)
-    rest = _initial(b, a)[:, None] * signal[0]
-    return np.asarray(lfilter(b, a, signal, axis=0, zi=rest)[0], dtype=np.float64)
-
-
-def _initial(b: Array, a: Array) -> Array:
-    """Return the state of a filter at rest on an input of 1 with gain 1."""
+    # The plate has settled under the first sample, as if the run had begun before; its gain at rest is 1.
     last = b[2] - a[2]
-    return np.array([b[1] - a[1] + last, last])
+    rest = np.array([b[1] - a[1] + last, last])[:, None] * signal[0]
+    return np.asarray(lfilter(b, a, signal, axis=0, zi=rest)[0], dtype=np.float64)

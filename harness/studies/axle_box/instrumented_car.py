@@ -4,8 +4,7 @@ A run is one pass over 400 m at a held speed. What decides it is a `Pass`; what 
 the axle boxes as they are, before any accelerometer (see `accelerometer`).
 """
 
-from collections.abc import Generator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
@@ -34,7 +33,8 @@ BEHIND: Final = (0.0, WHEELBASE, PIVOTS, PIVOTS + WHEELBASE)
 MPH: Final = 0.44704
 FMU: Final = "MultiPurposeVehicle"
 OUTPUTS: Final = 21
-"""Numbers that the car shows, see `car_of`."""
+"""Numbers that the car shows: longitudinal acceleration of the left and of the right boxes, lateral acceleration,
+offset and creep of the wheelsets, leading one first, and the speed; in axes that point forwards."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,35 +130,15 @@ class Ride:
     creep: Array
 
 
-def ride(run: Pass, *, rate: int = RATE) -> Ride:
+def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lambda share: None) -> Ride:
     """Simulate a run, sampled at `rate` a second.
+
+    Args:
+        progress: Told the share that is done.
 
     Raises:
         PlantFailed: The FMU failed.
         railgrip.errors.FmuError: It cannot be built.
-    """
-    with car_of(run, rate=rate) as (car, inputs, lead_in):
-        outputs = np.empty((len(inputs), OUTPUTS))
-        outputs[0] = car.start(inputs[0])
-        step = car.step
-        for k in range(1, len(inputs)):
-            outputs[k] = step(inputs[k])
-    outputs, friction = outputs[lead_in:], inputs[lead_in:, 16:]
-    result = Ride(
-        longitudinal=np.stack([outputs[:, 0:4], outputs[:, 4:8]], axis=-1),
-        lateral=outputs[:, 8:12], offset=outputs[:, 12:16], creep=outputs[:, 16:20], speed=outputs[:, 20],
-        friction=friction,
-    )  # fmt: skip
-    return _in_axes_of_car(result) if run.backwards else result
-
-
-@contextmanager
-def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Array, int]]:
-    """Yield the car of a run, not started, its inputs sample by sample, and how many samples lie before the section.
-
-    What it shows is `OUTPUTS` numbers: longitudinal acceleration of the left and of the right boxes, lateral
-    acceleration, lateral offset and creep of the wheelsets, leading one first, and the speed; in axes that point
-    forwards.
     """
     speed, surface = held_speed(run), _surface(run)
     inputs, lead_in = _inputs(run, speed, rate)
@@ -170,7 +150,20 @@ def car_of(run: Pass, *, rate: int = RATE) -> Generator[tuple[CoSimulation, Arra
     # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
     description, binding = _bound()
     with CoSimulation(description, binding, period=1 / rate, parameters=parameters) as car:
-        yield car, inputs, lead_in
+        outputs = np.empty((len(inputs), OUTPUTS))
+        outputs[0] = car.start(inputs[0])
+        step = car.step
+        for k in range(1, len(inputs)):
+            outputs[k] = step(inputs[k])
+            if k % 512 == 0:
+                progress(k / len(inputs))
+    outputs, friction = outputs[lead_in:], inputs[lead_in:, 16:]
+    result = Ride(
+        longitudinal=np.stack([outputs[:, 0:4], outputs[:, 4:8]], axis=-1),
+        lateral=outputs[:, 8:12], offset=outputs[:, 12:16], creep=outputs[:, 16:20], speed=outputs[:, 20],
+        friction=friction,
+    )  # fmt: skip
+    return in_axes_of_car(result) if run.backwards else result
 
 
 @cache
@@ -188,7 +181,7 @@ def _bound() -> tuple[Description, Any]:
     return description, bind(description, inputs=input_signals, outputs=output_signals, where=f"the car {FMU}")
 
 
-def _in_axes_of_car(forward: Ride) -> Ride:
+def in_axes_of_car(forward: Ride) -> Ride:
     """Return a ride in the axes of a car whose rear led: the whole car is rotated by half a turn."""
     return Ride(
         longitudinal=-forward.longitudinal[:, ::-1, ::-1],

@@ -1,4 +1,6 @@
-"""A ride of the instrumented car with a trained estimator beside it, as a TOML file: sample by sample, in the loop.
+"""A ride of the instrumented car and a trained estimator that listens to it, sample by sample, as a TOML file.
+
+The estimator moves nothing: the whole ride is read first, and then listened to.
 
 name = "wet-60mph"
 
@@ -17,32 +19,33 @@ kind = "learned"                    # what `railgrip learn` trained, in CasADi; 
 file = "build/learn/friction.json"      # from here or from the folder of this file
 """
 
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
 from pydantic import Field, StrictInt
 
-from railgrip.errors import ScenarioError
+from railgrip.errors import FmuError, ScenarioError
 from railgrip.estimators.arrays import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
-from railgrip.estimators.learned.trained import RunEstimates, Trained, load
-from railgrip.loop.beside import Watched, watch
+from railgrip.estimators.learned.trained import Trained, load
+from railgrip.fmu import Binding, Description, Signal, bind, describe, open_plant
 from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, car_of
-from railgrip.studies.axle_box.parties import AxleBoxes, in_casadi, in_fmu
+from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
+from railgrip.studies.axle_box.measured import measured
 from railgrip.track.irregularity import TRACKS
 
 LIBRARY = Path(__file__).parent / "library"
+INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}
+"""What an estimator may listen to, in order, and its unit; direction: +1 wheelset 1 leads, -1 wheelset 4 does."""
 
 
 class CarTable(Table):
@@ -91,8 +94,8 @@ class RideResult:
 
     Attributes:
         trace: Truth, readings and belief on the grid of the loggers.
-        apart: Largest difference in friction between the loop and the same estimator over the recorded readings at
-            once; None where the estimator is not known but as an FMU.
+        apart: Largest difference in friction between the estimator sample by sample and over all readings at once;
+            None where it is not known but as an FMU.
     """
 
     trace: xarray.Dataset
@@ -114,7 +117,7 @@ def ride_beside(
     progress: Callable[[float], None] = lambda share: None,
     tell: Callable[[str], None] = lambda sentence: None,
 ) -> RideResult:
-    """Run the car and the estimator side by side, sample by sample, through the protocols of the loop.
+    """Run the car, and the estimator over its readings.
 
     Args:
         directory: Where the file of the estimator is, if not in the working directory.
@@ -125,45 +128,114 @@ def ride_beside(
         ScenarioError, EstimatorError, FmuError: The estimator cannot be used.
         PlantFailed: The car or an FMU could not be stepped.
     """
-    run, file = ride_file.run(), Path(ride_file.estimator.file)
-    if not file.is_file():
-        file = directory / file
-    with ExitStack() as stack:
-        trained: Trained | None = None
-        if ride_file.estimator.kind == "learned":
-            trained = load(file)
-            _require_rate(file, trained.rate)
-            estimator = in_casadi(trained.online())
-        else:
-            estimator = stack.enter_context(in_fmu(file, RATE, trusted=ride_file.estimator.trust, tell=tell))
-        car, inputs, lead_in = stack.enter_context(car_of(run, rate=RATE))
-        count = len(inputs) - lead_in
-        record = watch(
-            plant=car,
-            inputs=inputs,
-            sensors=AxleBoxes(run, count),
-            estimator=estimator,
-            estimator_inputs=np.array([-1.0 if run.backwards else 1.0]),
-            lead_in=lead_in,
-            progress=lambda sample: progress(sample / count),
+    run, table = ride_file.run(), ride_file.estimator
+    file = Path(table.file) if Path(table.file).is_file() else directory / table.file
+    trained = load(file) if table.kind == "learned" else None
+    if trained is not None and trained.rate != RATE:
+        raise ScenarioError(f"{file}: it takes {trained.rate} samples a second, the loggers of the car write {RATE}.")
+    fmu = None if trained else bound_estimator(file)
+    motion = ride(run, rate=RATE, progress=progress)
+    readings = measured(run, motion, RATE, held_speed(run))
+    boxes = np.hstack([readings.left, readings.right, readings.lateral])
+    direction = np.full(len(boxes), -1.0 if run.backwards else 1.0)
+    samples = dict(zip(INPUTS, (*boxes.T, readings.speed, direction), strict=True))
+    apart = None
+    if fmu is not None:
+        friction, deviation = belief_of(outputs_of_fmu(*fmu, RATE, samples, trusted=table.trust, tell=tell))
+    else:
+        assert trained is not None
+        friction, deviation = belief_of(outputs_of(trained, samples))
+        answer = trained.offline(boxes, readings.speed, backwards=run.backwards)
+        apart = float(np.max(np.abs(friction[answer.sample] - answer.friction), initial=0.0))
+    signals = {name: (values, INPUTS[name]) for name, values in samples.items() if name != "direction"}
+    signals |= {
+        "true_friction": (motion.friction.mean(axis=1), "1"),
+        "friction": (friction, "1"),
+        "friction_sd": (deviation, "1"),
+    }
+    trace = xarray.Dataset(
+        {name: ("time", values, {"units": unit}) for name, (values, unit) in signals.items()},
+        coords={"time": ("time", np.arange(len(boxes)) / RATE, {"units": "s"})},
+        attrs={"name": ride_file.name, "period": 1 / RATE, "estimator": table.file},
+    )
+    return RideResult(trace=trace, apart=apart)
+
+
+def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Array]:
+    """Return what a trained estimator says after each sample, by name; `samples` as for `outputs_of_fmu`."""
+    online = trained.online()
+    outputs = online.run(np.column_stack([samples[variable.name] for variable in online.inputs]))
+    return {variable.name: column for variable, column in zip(online.outputs, outputs.T, strict=True)}
+
+
+def bound_estimator(file: Path) -> tuple[Description, Binding]:
+    """Return an FMU made by `railgrip learn`, or by anybody, and the tie of its variables.
+
+    Args:
+        file: Co-simulation FMU with inputs out of `INPUTS`, and outputs `friction`, `known` and, if it gives an
+            interval, `lower` and `upper`.
+
+    Raises:
+        FmuError: It is no such FMU.
+    """
+    description = describe(file)
+    inputs = [name for name in INPUTS if name in description.variables]
+    outputs = [name for name in ("friction", "lower", "upper", "known") if name in description.variables]
+    if not {"friction", "known"} <= set(outputs) or not inputs:
+        raise FmuError(
+            f"{file}: is no estimator of friction; it wants outputs friction and known, and inputs among left[1] … "
+            "lateral[4], speed and direction."
         )
-    apart = None if trained is None else difference(record, said_of(trained, record, run))
-    return RideResult(trace=_trace(ride_file, record, inputs[lead_in:, 16:]), apart=apart)
+    return description, bind(
+        description,
+        inputs=[Signal(name=name, unit=INPUTS[name], size=0, needed=True) for name in inputs],
+        outputs=[Signal(name=name, unit="1", size=0, needed=True) for name in outputs],
+        where=file.name,
+    )
 
 
-def said_of(trained: Trained, record: Watched, run: Pass) -> RunEstimates:
-    """Return what an estimator says of the readings of a ride, all at once."""
-    return trained.offline(record.reading[:, : len(BOXES)], record.reading[:, len(BOXES)], backwards=run.backwards)
+def outputs_of_fmu(
+    description: Description,
+    binding: Binding,
+    rate: int,
+    samples: Mapping[str, Array],
+    *,
+    trusted: bool = False,
+    tell: Callable[[str], None] = lambda sentence: None,
+) -> dict[str, Array]:
+    """Return what an FMU says after each sample, by name.
+
+    Args:
+        description, binding: See `bound_estimator`.
+        rate: Samples a second that it is sent.
+        samples: Of each of `INPUTS`, shape (n,).
+        trusted: Load it into this process; otherwise it runs in one of its own.
+        tell: Gets a sentence for the user when it does.
+
+    Raises:
+        PlantFailed: It refuses a sample.
+    """
+    rows = np.column_stack([samples[name] for name in binding.inputs.elements])
+    context = open_plant(
+        description, binding, period=1 / rate, parameters={}, trusted=trusted, tell=tell, table="[estimator]"
+    )
+    with context as model:
+        model.start(rows[0])
+        return dict(zip(binding.outputs.elements, np.array([model.step(row) for row in rows]).T, strict=True))
 
 
-def difference(record: Watched, answer: RunEstimates) -> float:
-    """Return the largest difference in friction between the loop and an estimate of the same readings at once."""
-    return float(np.max(np.abs(record.mean[answer.sample, 0] - answer.friction), initial=0.0))
+def belief_of(outputs: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Return friction and its standard deviation after each sample, each of shape (n,).
 
-
-def _require_rate(file: Path, rate: int) -> None:
-    if rate != RATE:
-        raise ScenarioError(f"{file}: it takes {rate} samples a second, the loggers of the car write {RATE}.")
+    Before there is an estimate friction is NaN and the deviation infinite; without an interval that is NaN.
+    """
+    known = np.maximum.accumulate(np.where(outputs["known"] >= 0.5, np.arange(len(outputs["known"])), -1))
+    latest = {name: values[known] for name, values in outputs.items()}
+    friction, half = latest["friction"], np.full(len(known), np.nan)
+    if "upper" in latest:
+        # Ends are cut off at 0 and 1; the longer half is the whole one.
+        half = np.maximum(latest["upper"] - friction, friction - latest["lower"])
+    return np.where(known < 0, np.nan, friction), np.where(known < 0, np.inf, half / QUANTILE)
 
 
 def ride_figure(trace: xarray.Dataset) -> Figure:
@@ -182,18 +254,3 @@ def ride_figure(trace: xarray.Dataset) -> Figure:
     axes.legend(fontsize=8, ncols=3, loc="upper right")
     dress(axes, x="distance [m]", y="friction", title=trace.attrs["name"])
     return sheet
-
-
-def _trace(ride_file: RideFile, record: Watched, friction: Array) -> xarray.Dataset:
-    count = len(record.mean)
-    time = np.arange(count) / RATE
-    signals = {name: (record.reading[:, k], "m/s2") for k, name in enumerate(BOXES)}
-    signals["speed"] = record.reading[:, len(BOXES)], "m/s"
-    signals["true_friction"] = friction.mean(axis=1), "1"
-    signals["friction"] = record.mean[:, 0], "1"
-    signals["friction_sd"] = np.sqrt(record.variance[:, 0]), "1"
-    return xarray.Dataset(
-        {name: ("time", values, {"units": unit}) for name, (values, unit) in signals.items()},
-        coords={"time": ("time", time, {"units": "s"})},
-        attrs={"name": ride_file.name, "period": 1 / RATE, "estimator": ride_file.estimator.file},
-    )

@@ -1,6 +1,5 @@
-"""A trained estimator beside the car's FMU, through the protocols of the loop: in CasADi, as FMU, and all at once."""
+"""A trained estimator over a ride of the car: sample by sample in CasADi, as FMU, and all at once."""
 
-from dataclasses import replace
 from zipfile import ZipFile
 
 import numpy as np
@@ -16,13 +15,20 @@ from railgrip.estimators.learned.spectral import Spectral
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, load, save
 from railgrip.fmu import describe
 from railgrip.fmus.native.package import pack
-from railgrip.loop import ports
-from railgrip.loop.beside import watch
-from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, SampleBySample, disturbance, measure
+from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.export import as_fmu
-from railgrip.studies.axle_box.instrumented_car import Pass, car_of
-from railgrip.studies.axle_box.parties import READINGS, AxleBoxes, in_casadi, in_fmu
-from railgrip.studies.axle_box.ride import LIBRARY, difference, read_ride, ride_beside, said_of
+from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride
+from railgrip.studies.axle_box.measured import measured
+from railgrip.studies.axle_box.ride import (
+    INPUTS,
+    LIBRARY,
+    belief_of,
+    bound_estimator,
+    outputs_of,
+    outputs_of_fmu,
+    read_ride,
+    ride_beside,
+)
 
 ROUNDING = 1e-11
 """Friction, absolute. Offsets of 270 m/s² in doubles are rounded at 6e-14; some ten thousand recursive steps and a
@@ -67,62 +73,53 @@ def files(estimators, tmp_path_factory):
     return {name: pack(as_fmu(one.online()), folder / f"{name}.fmu") for name, one in estimators.items()}
 
 
-def beside(estimator, run=RIDE):
-    with car_of(run, rate=RATE) as (car, inputs, skipped):
-        sensors = AxleBoxes(run, len(inputs) - skipped)
-        parties = ((car, ports.Plant), (sensors, ports.Sensors), (estimator, ports.Estimator))
-        assert all(isinstance(party, protocol) for party, protocol in parties)
-        return watch(
-            plant=car, inputs=inputs, sensors=sensors, estimator=estimator,
-            estimator_inputs=np.array([-1.0 if run.backwards else 1.0]), lead_in=skipped,
-        )  # fmt: skip
-
-
-def said_by(estimator, readings, direction=1.0):
-    """Mean and variance after every reading."""
-    estimator.inputs[:] = direction
-    for reading in readings:
-        estimator.readings[:] = reading
-        estimator.advance()
-        yield estimator.mean[0], estimator.covariance[0, 0]
+@pytest.fixture(scope="module")
+def samples():
+    readings = measured(RIDE, ride(RIDE, rate=RATE), RATE, held_speed(RIDE))
+    direction = np.full(len(readings.speed), -1.0)
+    columns = (*readings.left.T, *readings.right.T, *readings.lateral.T, readings.speed, direction)
+    return dict(zip(INPUTS, columns, strict=True))
 
 
 @pytest.fixture(scope="module")
-def rides(estimators):
-    return {name: beside(in_casadi(one.online())) for name, one in estimators.items()}
+def beliefs(estimators, samples):
+    return {name: belief_of(outputs_of(one, samples)) for name, one in estimators.items()}
+
+
+def at_once(estimator, samples):
+    boxes = np.column_stack([values for name, values in samples.items() if "[" in name])
+    return estimator.offline(boxes, samples["speed"], backwards=True)
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
-def test_the_loop_says_sample_by_sample_what_is_said_of_the_record_at_once(kind, estimators, rides):
-    ride = rides[kind]
-    answer = said_of(estimators[kind], ride, RIDE)
+def test_sample_by_sample_it_says_what_is_said_of_the_record_at_once(kind, estimators, samples, beliefs):
+    friction, _ = beliefs[kind]
+    answer = at_once(estimators[kind], samples)
     assert len(answer.sample) >= 30
     assert np.ptp(answer.friction) > 1e-5  # there is something to be equal in, six orders above the tolerance
-    assert difference(ride, answer) < ROUNDING
-    assert np.isnan(ride.mean[: answer.sample[0]]).all()
-    between = ride.mean[answer.sample[0] : answer.sample[-1], 0].reshape(len(answer.sample) - 1, -1)
+    assert np.abs(friction[answer.sample] - answer.friction).max() < ROUNDING
+    assert np.isnan(friction[: answer.sample[0]]).all()
+    between = friction[answer.sample[0] : answer.sample[-1]].reshape(len(answer.sample) - 1, -1)
     assert np.array_equal(between, np.repeat(between[:, :1], between.shape[1], axis=1))  # held from one to the next
 
 
-def test_the_interval_of_the_loop_is_that_of_the_record(estimators, rides):
-    answer = said_of(estimators["general"], rides["general"], RIDE)
-    half = 1.6449 * np.sqrt(rides["general"].variance[answer.sample, 0])
+def test_the_interval_sample_by_sample_is_that_of_the_record(estimators, samples, beliefs):
+    answer = at_once(estimators["general"], samples)
+    deviation = beliefs["general"][1]
     longer = np.maximum(answer.upper - answer.friction, answer.friction - answer.lower)
-    assert half == pytest.approx(longer, abs=ROUNDING)
-    assert np.isnan(rides["paper"].variance[-1, 0])  # the paper's network gives none
+    assert 1.6449 * deviation[answer.sample] == pytest.approx(longer, abs=ROUNDING)
+    assert np.isinf(deviation[: answer.sample[0]]).all()
+    assert np.isnan(beliefs["paper"][1][-1])  # the paper's network gives none
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
-def test_the_exported_fmu_is_the_same_party(kind, estimators, files, rides):
+def test_the_exported_fmu_says_the_same(kind, files, samples, beliefs):
     """Through railgrip.fmu, 5120 samples a second; same operations in the same order, so nothing but rounding of the C
     compiler's own (fused or reordered operations) may differ."""
     assert validate_fmu(str(files[kind])) == []
-    ride = rides[kind]
-    with in_fmu(files[kind], RATE) as estimator:
-        made = list(said_by(estimator, ride.reading, direction=-1.0))
-    mean, variance = np.array(made).T
-    np.testing.assert_allclose(mean, ride.mean[:, 0], rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(variance, ride.variance[:, 0], rtol=1e-9)
+    friction, deviation = belief_of(outputs_of_fmu(*bound_estimator(files[kind]), RATE, samples))
+    np.testing.assert_allclose(friction, beliefs[kind][0], rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(deviation, beliefs[kind][1], rtol=1e-9)
 
 
 def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(files):
@@ -132,45 +129,34 @@ def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(files):
             description = parts.read("modelDescription.xml").decode()
         assert "accelerations of the axle boxes, 5120 a second" in description
         assert f'stepSize="{1 / 5120!r}"' in description
-    with (
-        in_fmu(files["paper"], 3 * RATE // 2) as estimator,
-        pytest.raises(Exception, match="whole number of periods"),
-    ):
-        list(said_by(estimator, np.zeros((1, len(READINGS)))))
+    with pytest.raises(Exception, match="whole number of periods"):
+        outputs_of_fmu(*bound_estimator(files["paper"]), 3 * RATE // 2, still())
 
 
-def test_a_sample_that_is_missing_is_held(estimators):
-    """NaN brings nothing new: the same as the last reading once more."""
-    draw = np.random.default_rng(2)
-    readings = 270 + draw.standard_normal((300, len(READINGS)))
-    holes = readings.copy()
-    holes[5:, 3] = np.nan
-    readings[5:, 3] = readings[4, 3]
-    answers = []
-    for entry in (readings, holes):
-        answers.append(list(said_by(in_casadi(estimators["paper"].online()), entry)))
-    assert answers[0][-1][0] == answers[1][-1][0] > 0
+def still(count=1):
+    return {name: np.zeros(count) for name in INPUTS}
 
 
-def test_sensors_sample_by_sample_are_those_of_the_records():
-    """To rounding of a recursive filter on numbers of 270."""
-    draw = np.random.default_rng(3)
-    true = draw.standard_normal((2000, 3))
-    whole = measure(true, RATE, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
-    noise_of_run = disturbance(2000, 3, 20.0, AXLE_BOX, np.random.default_rng(1), np.random.default_rng(2))
-    one = SampleBySample(AXLE_BOX, noise_of_run)
-    np.testing.assert_allclose([one.read(k, row) for k, row in enumerate(true)], whole, rtol=0, atol=1e-10)
+def test_an_estimate_that_is_lost_again_is_held():
+    """An FMU of anybody may know nothing for a while."""
+    outputs = {"known": np.array([0, 1, 0, 1.0]), "friction": np.array([9, 0.2, 9, 0.3])}
+    friction, deviation = belief_of(outputs)
+    np.testing.assert_array_equal(friction, [np.nan, 0.2, 0.2, 0.3])
+    np.testing.assert_array_equal(deviation, [np.inf, np.nan, np.nan, np.nan])
 
 
 def test_backwards_is_half_a_turn():
-    """The same truth in axes that point forwards, seen by a turned car: wheelset 1 is last, left is right."""
-    truth = np.concatenate([np.arange(12.0), np.zeros(8), [26.8]])
-    ahead, behind = (AxleBoxes(replace(RIDE, backwards=b), 10).read(0, truth) for b in (False, True))
-    change_ahead = ahead - AxleBoxes(replace(RIDE, backwards=False), 10).read(0, 0 * truth)
-    change_behind = behind - AxleBoxes(RIDE, 10).read(0, 0 * truth)
-    # Gains differ by a per cent from sensor to sensor.
-    assert change_behind[:4] == pytest.approx(-change_ahead[4:8][::-1], rel=0.1, abs=0.2)
-    assert change_behind[8:12] == pytest.approx(-change_ahead[8:12][::-1], rel=0.1, abs=0.2)
+    """The same motion in axes of a car that is turned: wheelset 1 is last, left is right, forwards is backwards."""
+    boxes = np.arange(1.0, 9.0).reshape(1, 4, 2)
+    motion = Ride(
+        longitudinal=boxes, lateral=boxes[..., 0], speed=np.full(1, 26.8), friction=boxes[..., 0],
+        offset=boxes[..., 0], creep=boxes[..., 0],
+    )  # fmt: skip
+    behind = in_axes_of_car(motion)
+    assert behind.longitudinal.tolist() == [[[-8.0, -7.0], [-6.0, -5.0], [-4.0, -3.0], [-2.0, -1.0]]]
+    assert behind.lateral.tolist() == behind.offset.tolist() == [[-7.0, -5.0, -3.0, -1.0]]
+    assert behind.friction.tolist() == behind.creep.tolist() == [[7.0, 5.0, 3.0, 1.0]]
+    assert behind.speed.tolist() == [26.8]
 
 
 @pytest.mark.parametrize("kind", ["general", "paper"])
@@ -198,9 +184,7 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
 @pytest.mark.parametrize("trusted", [False, True])
 def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
     sentences = []
-    with in_fmu(files["paper"], RATE, trusted=trusted, tell=sentences.append) as estimator:
-        estimator.readings[:] = 0.0
-        estimator.advance()
+    outputs_of_fmu(*bound_estimator(files["paper"]), RATE, still(), trusted=trusted, tell=sentences.append)
     assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
     assert all("trust = true under [estimator]" in sentence for sentence in sentences)
 
@@ -229,5 +213,5 @@ def test_what_cannot_ride_is_answered(tmp_path, files):
     (tmp_path / "none.json").write_text("[]")
     with pytest.raises(EstimatorError, match="is no trained estimator of format 1"):
         load(tmp_path / "none.json")
-    with pytest.raises(FmuError, match="there is no such file"), in_fmu(tmp_path / "gone.fmu", RATE):
-        pass
+    with pytest.raises(FmuError, match="there is no such file"):
+        ride_beside(read_ride(written(tmp_path, kind="fmu", file="gone.fmu")), tmp_path)
