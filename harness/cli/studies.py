@@ -244,9 +244,7 @@ def k_factors(
     specification, scenario = load_specification(file, overrides or [])
     make_folder(out, *FILES)
     with progress(specification.name) as bar:
-        study = conduct(
-            specification, scenario, out, loop=loop, workers=workers, tell=lambda what: bar.update(doing=what)
-        )
+        study = conduct(specification, scenario, loop=loop, workers=workers, tell=lambda what: bar.update(doing=what))
         page = write(study, out)
     show_table(table(study))
     for sentence in sentences(study):

@@ -1,6 +1,7 @@
 """`railgrip k-factors`: its files, its sentences, and stops with the controller that go on where they stopped."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from railgrip.__main__ import main
 from railgrip.scenario.load import load
 from railgrip.studies.k_factors.specification import LIBRARY
-from railgrip.studies.k_factors.stops import open_stops
+from railgrip.studies.k_factors.stops import Stops
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
 
@@ -31,7 +32,7 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
     assert "EBCL" in capsys.readouterr().out
 
 
-@pytest.mark.usefixtures("in_process")
+@pytest.mark.usefixtures("in_process", "own_cache")
 def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_they_stopped(tmp_path):
     study = tmp_path / "short.toml"
     text = (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", "stop.toml")
@@ -53,19 +54,18 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     assert abs(first["loop"]["k"] - first["loop"]["quasi_static"]["k"]) < 0.05
 
 
-@pytest.mark.usefixtures("in_process")
-def test_half_a_line_of_a_killed_study_costs_one_stop(tmp_path):
+@pytest.mark.usefixtures("in_process", "own_cache")
+def test_a_stop_is_run_once():
     scenario = load(LIBRARY / "vt642_dry.toml", ["start.speed=15 km/h"])
     other = scenario.model_copy(update={"seed": 2})
-    with open_stops(scenario, tmp_path, 1) as stops:
-        distances = stops.distances([scenario, other])
-        assert (stops.requests, stops.run) == (2, 2)
-    (journal,) = tmp_path.iterdir()
-    journal.write_text(journal.read_text(encoding="utf-8")[:-20], encoding="utf-8")
-    with open_stops(scenario, tmp_path, 1) as stops:
-        assert stops.distances([scenario, other, scenario]) == [*distances, distances[0]]
-        assert (stops.requests, stops.run) == (3, 1)
-        assert stops.seconds > 0
+    with ThreadPoolExecutor(1) as pool:
+        stops = Stops(scenario, pool)
+        distances = stops.distances([scenario])
+        assert (stops.requests, stops.run) == (1, 1)
+        again = Stops(scenario, pool)
+        assert again.distances([scenario, other, scenario]) == [*distances, *distances, *distances]
+        assert (again.requests, again.run) == (3, 1)
+        assert again.seconds > 0
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
 from railgrip.assemble import braking_distance
 from railgrip.assemble.vehicle import VehicleData
+from railgrip.campaign import workers as processes
 from railgrip.errors import ScenarioError
 from railgrip.estimators.arrays import Array
 from railgrip.scenario.quantity import Magnitude
@@ -19,7 +19,7 @@ from railgrip.studies.k_factors import rare
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.rare import Sample, State
 from railgrip.studies.k_factors.specification import Specification
-from railgrip.studies.k_factors.stops import open_stops
+from railgrip.studies.k_factors.stops import Stops
 from railgrip.trace.k_wet import Interval
 
 Tell = Callable[[str], None]
@@ -100,10 +100,8 @@ class Study:
     workers: int
 
 
-def conduct(
-    specification: Specification, scenario: Scenario, folder: Path, *, loop: bool, workers: int, tell: Tell
-) -> Study:
-    """Return K of a brake; with `loop` also in stops, which are kept in `folder` and not run again.
+def conduct(specification: Specification, scenario: Scenario, *, loop: bool, workers: int, tell: Tell) -> Study:
+    """Return K of a brake; with `loop` also in stops, which are kept in the user's cache and not run again.
 
     Raises:
         ScenarioError: The plant is no such train, its nominal stop has no end, or the file no [loop].
@@ -115,7 +113,7 @@ def conduct(
     if distance is None:
         raise ScenarioError(f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration")
     result = quasi_static(specification, brake, tell)
-    loop_result = in_the_loop(specification, scenario, brake, distance, result, folder, workers, tell) if loop else None
+    loop_result = in_the_loop(specification, scenario, brake, distance, result, workers, tell) if loop else None
     return Study(specification, scenario, brake, distance, result, loop_result, workers)
 
 
@@ -174,7 +172,6 @@ def in_the_loop(
     brake: QuasiStaticBrake,
     nominal_distance: float,
     quasi_static: QuasiStatic,
-    folder: Path,
     workers: int,
     tell: Tell,
 ) -> InTheLoop:
@@ -186,7 +183,8 @@ def in_the_loop(
     cost = {p: _cost(specification, brake.units, p) for p in _SCALING}
     most = _cost(specification, brake.units, effort.probability)
     runs: list[Sample] = []
-    with open_stops(scenario, folder, workers) as stops:
+    with processes.workers(workers) as pool:
+        stops = Stops(scenario, pool)
 
         def performance(state: State, standard: Array) -> Array:
             tell(f"stop {stops.requests} of {most}")

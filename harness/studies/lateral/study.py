@@ -1,17 +1,17 @@
 """Many runs of the lateral study, two at a time, each kept under a digest of everything that decides it."""
 
-import hashlib
-import json
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
-from importlib.resources import files
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
-from railgrip.campaign.store import results_of
+import railgrip.estimators
+import railgrip.loop.compiled
+from railgrip.campaign.store import ground, results_of
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
+from railgrip.studies.lateral import filters, judge, run, wheelset
 from railgrip.studies.lateral.filters import CLASSES
 from railgrip.studies.lateral.judge import measure
 from railgrip.studies.lateral.run import Case, simulate
@@ -77,51 +77,21 @@ def conduct(
     """
     # Compiled here once, so that the workers find everything made.
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
-    keys = {case: key(case) for case in plan.cases}
+    # What the compiler made, not the files it read: another vehicle in the library changes nothing here.
+    models = [lower(name) for name in (*CLASSES.values(), "RailBraking.FMUs.LateralContact")]
+    rests_on = ground(
+        fmu("LateralWheelset"),
+        *(function.serialize().encode() for model in models for function in (model.derivative, model.output)),
+        repr([(p.name, p.start) for model in models for p in model.parameters]).encode(),
+        Path(railgrip.estimators.__file__ or "").parent,
+        Path(railgrip.loop.compiled.__file__).with_name("kernel"),
+        *(railgrip.loop.compiled, filters, run, judge, wheelset),
+    )
     with processes(workers) as pool:
-        measures = results_of("lateral-runs", {key: case for case, key in keys.items()}, one, pool, tell)
-    return tuple(Result(case=case, measures=measures[keys[case]]) for case in plan.cases)
+        measures = results_of("lateral-runs", plan.cases, one, pool, rests_on, tell)
+    return tuple(Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True))
 
 
 def one(case: Case) -> dict[str, Any]:
-    """Run and measure one case."""
-    return measure(simulate(case), observe=_with_observability(case))
-
-
-def key(case: Case) -> str:
-    """Return the digest of a case and of everything that its result rests on."""
-    text = json.dumps([asdict(case), _with_observability(case)], sort_keys=True)
-    return hashlib.sha256((_ground() + text).encode()).hexdigest()[:20]
-
-
-def _with_observability(case: Case) -> bool:
-    """Return whether observability is asked for: it is that of the model, which other plants do not keep to."""
-    return case.plant == "paper"
-
-
-@cache
-def _ground() -> str:
-    """Return a digest of the plant's FMU, the predictions' equations and the code that runs and judges them."""
-    # What the compiler made, not the files it read: another vehicle in the library changes nothing here.
-    digest = hashlib.sha256(fmu("LateralWheelset").read_bytes())
-    for class_name in (*CLASSES.values(), "RailBraking.FMUs.LateralContact"):
-        model = lower(class_name)
-        digest.update(model.derivative.serialize().encode() + model.output.serialize().encode())
-        digest.update(repr([(p.name, p.start) for p in model.parameters]).encode())
-    for package, names in (
-        ("railgrip.estimators", None),
-        ("railgrip.estimators.kernel", None),
-        ("railgrip.loop.kernel", None),
-        ("railgrip.studies.lateral", ("filters.py", "run.py", "judge.py", "wheelset.py")),
-        ("railgrip.loop", ("compiled.py",)),
-    ):
-        for name, text in _sources(package, names):
-            digest.update(f"{package}/{name}\0{text}\0".encode())
-    return digest.hexdigest()
-
-
-def _sources(package: str, names: Sequence[str] | None) -> list[tuple[str, str]]:
-    room, *below = package.removeprefix("railgrip.").split(".")
-    folder = files(f"railgrip.{room}").joinpath(*below)
-    of_package = sorted(file.name for file in folder.iterdir() if file.name.endswith((".py", ".c", ".h")))
-    return [(name, folder.joinpath(name).read_text(encoding="utf-8")) for name in names or of_package]
+    """Run and measure one case; observability is that of the model, which other plants do not keep to."""
+    return measure(simulate(case), observe=case.plant == "paper")

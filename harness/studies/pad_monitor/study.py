@@ -3,17 +3,14 @@
 Evidence is kept by content: life, FMU and the source of what made it. A study that was stopped goes on.
 """
 
-import hashlib
 import itertools
-import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
-from railgrip.campaign.store import results_of
+from railgrip.campaign.store import ground, results_of
 from railgrip.fmus.build import fmu
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor import evidence, life, nominal
@@ -52,11 +49,9 @@ def evidence_of_lives(
     plan: Sequence[Life], pool: Executor, tell: Callable[[int], None] = lambda count: None
 ) -> list[list[Evidence]]:
     """Return the evidence of every stop of each life, from the user's cache or by running it."""
-    fmu(PLANT)  # built once, before the processes want it
-    keys, count = [_digest(life) for life in plan], itertools.count(1)
-    tasks = dict(zip(keys, plan, strict=True))
-    evidence = results_of(KIND, tasks, _evidence, pool, lambda life, was_there: tell(next(count)))
-    return [evidence[key] for key in keys]
+    count = itertools.count(1)
+    rests_on = ground(fmu(PLANT), _SOURCES.encode())
+    return results_of(KIND, plan, _evidence, pool, rests_on, lambda life, was_there: tell(next(count)))
 
 
 def _evidence(life: Life) -> list[Evidence]:
@@ -64,14 +59,7 @@ def _evidence(life: Life) -> list[Evidence]:
 
 
 # Read when this is imported, so that an edit during a study cannot pass for what ran.
-_SOURCES = b"".join(Path(str(module.__file__)).read_bytes() for module in (evidence, life, nominal))
-
-
-def _digest(life: Life) -> str:
-    digest = hashlib.sha256(json.dumps(asdict(life), sort_keys=True).encode())
-    digest.update(fmu(PLANT).read_bytes())
-    digest.update(_SOURCES)
-    return digest.hexdigest()[:24]
+_SOURCES = ground(evidence, life, nominal)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
