@@ -7,7 +7,7 @@
 
 from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description, Variable, describe
-from railgrip.fmu.exchange import FmuPrediction, ModelExchange
+from railgrip.fmu.exchange import FmuPrediction
 from railgrip.fmu.isolation import IsolatedCoSimulation, open_plant
 from railgrip.fmu.mapping import Binding, Side, Signal, bind
 
@@ -17,7 +17,6 @@ __all__ = [
     "Description",
     "FmuPrediction",
     "IsolatedCoSimulation",
-    "ModelExchange",
     "Side",
     "Signal",
     "Variable",

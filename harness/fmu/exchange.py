@@ -6,7 +6,7 @@ where the FMU offers it, else from central differences.
 """
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from math import isfinite
 from types import TracebackType
@@ -28,11 +28,11 @@ Matrix = NDArray[np.float64]
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
 
 
-class ModelExchange:
-    """A model-exchange FMU in this process, evaluated point by point; used inside `with`.
+class FmuPrediction:
+    """The Prediction protocol of the estimators, by a model-exchange FMU in this process; used inside `with`.
 
-    Raw: vectors are in the FMU's own order and units. The values of one point are sent once, and anew after its
-    derivatives were read.
+    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose. The values of
+    one point are sent once, and anew after its derivatives were read.
     """
 
     def __init__(
@@ -40,24 +40,40 @@ class ModelExchange:
         description: Description,
         *,
         parameters: Values,
+        states: Sequence[str],
         inputs: Sequence[str],
         outputs: Sequence[str],
     ) -> None:
         """Check the question; nothing is loaded before `with`.
 
         Args:
-            description: Of the FMU.
-            parameters: Values by FMU variable, in the FMU's units.
-            inputs: Real inputs to drive, in the order of u; all of the FMU's.
-            outputs: Real variables to read, in the order of y.
+            description: Of the FMU; variables in SI.
+            parameters: Values by FMU variable.
+            states: All of the FMU's states, in the order wanted.
+            inputs: All of its inputs, in the order wanted.
+            outputs: What the filter reads, in the order wanted.
 
         Raises:
-            FmuError: A parameter is wrong, a variable is missing or is not Real, or the FMU has events.
+            FmuError: A parameter is wrong, the FMU has other states, lacks a variable or has one that is not Real, has
+                events, or is not in SI.
         """
-        self.description = description
+        if sorted(states) != sorted(description.states):
+            lacks = [s for s in states if s not in description.states]
+            extra = [s for s in description.states if s not in states]
+            raise FmuError(
+                f"{description.file}: the prediction's states are not those expected; "
+                f"missing: {', '.join(lacks) or 'none'}; unexpected: {', '.join(extra) or 'none'}."
+            )
+        for name in (*states, *inputs, *outputs):
+            _require_si(description, description.variable(name, "prediction"))
+        self.states, self.inputs, self.outputs = tuple(states), tuple(inputs), tuple(outputs)
+        self._description = description
         self._assignments = assignments(description, parameters)
-        self._inputs = [_real(description, name, "input") for name in inputs]
-        self._outputs = [_real(description, name, "output") for name in outputs]
+        self._references = (
+            _references(description.variables[name] for name in states),
+            _references(_real(description, name, "input") for name in inputs),
+            _references(_real(description, name, "output") for name in outputs),
+        )
         rest = sorted(set(description.names("input")) - set(inputs))
         if rest:
             raise FmuError(f"{description.file}: the prediction leaves inputs undriven: {', '.join(rest)}.")
@@ -67,14 +83,20 @@ class ModelExchange:
                 f"{description.event_indicators} event indicators; write its equations without if, when, "
                 "abs, sign, min or max."
             )
+        interface = description.model_exchange
+        self._has_directional = interface is not None and interface.directional_derivatives
+        # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
+        self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
+        self._ours = np.array([description.states.index(s) for s in self.states], dtype=np.intp)
+        self._jacobians: tuple[bytes, Matrix, Matrix] | None = None
         self._stack = ExitStack()
         self._instance: Instance | None = None
 
     def __enter__(self) -> Self:
         """Unpack, load, instantiate, set the parameters and initialise."""
         with ExitStack() as stack:
-            folder = stack.enter_context(unpack(self.description))
-            instance = Instance(self.description, "model exchange", folder, name="prediction")
+            folder = stack.enter_context(unpack(self._description))
+            instance = Instance(self._description, "model exchange", folder, name="prediction")
             stack.callback(instance.close)
             instance.assign(self._assignments, 0.0)
             instance.enter_initialization()
@@ -89,14 +111,14 @@ class ModelExchange:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         """Free everything, whatever happened."""
-        self._instance = None
+        self._instance = self._jacobians = None
         self._stack.close()
 
     def _prepare(self, instance: Instance) -> None:
         """Make the buffers, addresses and functions of the hot path."""
-        n, nu, m = len(self.description.states), len(self._inputs), len(self._outputs)
+        n, nu, m = len(self.states), len(self.inputs), len(self.outputs)
         pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        self._component = ctypes.c_void_p(instance.component)
+        self._component = pointer(instance.component)
         self._set_states = instance.function("fmi2SetContinuousStates", pointer, pointer, size)
         self._set_real = instance.function("fmi2SetReal", pointer, pointer, size, pointer)
         self._get_derivatives = instance.function("fmi2GetDerivatives", pointer, pointer, size)
@@ -104,53 +126,38 @@ class ModelExchange:
         self._get_directional = instance.function(
             "fmi2GetDirectionalDerivative", pointer, pointer, size, pointer, size, pointer, pointer
         )
-        variables = self.description.variables
-        states = _references([variables[s] for s in self.description.states])
-        derivatives = _references([variables[d] for d in self.description.derivatives])
-        self._references = (states, _references(self._inputs), _references(self._outputs))
-        self._unknowns = np.concatenate([derivatives, self._references[2]])
+        derivatives = np.array(self._description.derivatives)[self._ours] if n else ()
+        states, inputs, outputs = self._references
+        self._unknowns = np.concatenate(
+            [_references(self._description.variables[str(name)] for name in derivatives), outputs]
+        )
+        # States and derivatives in the FMU's order, which its functions take and give them in.
         self._x, self._u, self._dx, self._y = np.zeros(n), np.zeros(nu), np.zeros(n), np.zeros(m)
         self._seed = np.ones(1)
         # One row per state, so that the FMU writes each directional derivative where it stays.
         self._columns = np.zeros((n, n + m))
         self._at = b""
-        where = ctypes.c_void_p
-        self._pointers = {
-            "x": where(self._x.ctypes.data),
-            "u": where(self._u.ctypes.data),
-            "dx": where(self._dx.ctypes.data),
-            "y": where(self._y.ctypes.data),
-            "inputs": where(self._references[1].ctypes.data),
-            "outputs": where(self._references[2].ctypes.data),
-            "unknowns": where(self._unknowns.ctypes.data),
-            "seed": where(self._seed.ctypes.data),
-        }
-        self._state_pointers = [where(states.ctypes.data + 4 * j) for j in range(n)]
-        self._column_pointers = [where(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)]
-        nominal = np.zeros(n)
-        if n:  # without states OpenModelica's FMUs write into the first element all the same
-            instance.call(
-                "fmi2GetNominalsOfContinuousStates",
-                nominal.ctypes.data_as(ctypes.POINTER(ctypes.c_double)),
-                n,
-                time=0.0,
-            )
+        arrays = {
+            "x": self._x, "u": self._u, "dx": self._dx, "y": self._y, "inputs": inputs, "outputs": outputs,
+            "unknowns": self._unknowns, "seed": self._seed,
+        }  # fmt: skip
+        self._pointers = {name: pointer(array.ctypes.data) for name, array in arrays.items()}
+        self._state_pointers = [pointer(states.ctypes.data + 4 * j) for j in range(n)]
+        self._column_pointers = [pointer(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)]
+        # Without states OpenModelica's FMUs write into the first element all the same.
+        nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
         self._nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
+
+    def _read(self, instance: Instance, call: str) -> Vector:
+        """Return a value of each state, shape (n,)."""
+        values = np.zeros(len(self.states))
+        instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
+        return values[self._ours]
 
     @property
     def start(self) -> Vector:
-        """The state after initialisation, in the FMU's order, shape (n,)."""
-        n = len(self.description.states)
-        values = np.zeros(n)
-        self._open().call(
-            "fmi2GetContinuousStates", values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), n, time=0.0
-        )
-        return values
-
-    @property
-    def nominal(self) -> Vector:
-        """Magnitude of each state, as the FMU gives it, shape (n,)."""
-        return self._nominal.copy()
+        """The FMU's own initial state, shape (n,)."""
+        return self._read(self._open(), "fmi2GetContinuousStates")
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
         """Return dx/dt at (x, u), shape (n,).
@@ -164,27 +171,36 @@ class ModelExchange:
         # and Jacobians would be those of an earlier point, unless the point is sent anew.
         self._at = b""
         self._check(self._get_derivatives(self._component, p["dx"], self._dx.size), "fmi2GetDerivatives")
-        return self._finite(self._dx.copy(), self.description.derivatives)
+        return self._finite(self._dx, self._description.derivatives)[self._ours]
 
     def output(self, x: Vector, u: Vector) -> Vector:
-        """Return y at (x, u), shape (m,).
-
-        Raises:
-            PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
-        """
+        """Return y at (x, u), shape (m,); `PlantFailed` where there is none."""
         self._move(x, u)
         p = self._pointers
         self._check(self._get_real(self._component, p["outputs"], self._y.size, p["y"]), "fmi2GetReal")
-        return self._finite(self._y.copy(), [v.name for v in self._outputs])
+        return self._finite(self._y, self.outputs).copy()
 
-    def directional(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
-        """Return d(dx/dt)/dx and dy/dx at (x, u) from the FMU, shapes (n, n) and (m, n).
+    def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return d(dx/dt)/dx at (x, u), shape (n, n); `PlantFailed` where there is none."""
+        return self._both(x, u)[0].copy()
 
-        One call per state gives a column of both.
+    def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return dy/dx at (x, u), shape (m, n); `PlantFailed` where there is none."""
+        return self._both(x, u)[1].copy()
 
-        Raises:
-            PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
-        """
+    def _both(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
+        """Return both Jacobians; the calls that give one give the other, so the last pair is kept."""
+        point = x.tobytes() + u.tobytes()
+        if self._jacobians is None or self._jacobians[0] != point:
+            columns = self._directional(x, u) if self._has_directional else self._central(x, u)
+            if not isfinite(columns.sum()) and not np.all(np.isfinite(columns)):
+                raise self._failure(f"d/d({self.states[int(np.argwhere(~np.isfinite(columns))[0][0])]})", "a Jacobian")
+            n = len(self.states)
+            self._jacobians = (point, columns[:, :n].T.copy(), columns[:, n:].T.copy())
+        return self._jacobians[1], self._jacobians[2]
+
+    def _directional(self, x: Vector, u: Vector) -> Matrix:
+        """Return the derivatives of dx/dt and y by each state from the FMU, one call a row, shape (n, n + m)."""
         self._move(x, u)
         unknowns, size, seed = self._pointers["unknowns"], self._unknowns.size, self._pointers["seed"]
         component, get = self._component, self._get_directional
@@ -192,20 +208,13 @@ class ModelExchange:
             status = get(component, unknowns, size, state, 1, seed, column)
             if status not in OK_OR_WARNING:
                 self._check(status, "fmi2GetDirectionalDerivative")
-        return self._split(self._columns)
+        return self._columns
 
-    def central(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
-        """Return the same two Jacobians by central differences.
-
-        The step of each state is scaled by its value and its nominal value.
-
-        Raises:
-            PlantFailed: The FMU cannot be evaluated nearby, or the result is not finite.
-        """
-        n = x.size
-        columns = np.zeros((n, n + len(self._outputs)))
+    def _central(self, x: Vector, u: Vector) -> Matrix:
+        """Return the same by central differences; the step of each state is scaled by its value and its nominal one."""
+        columns = np.zeros_like(self._columns)
         shifted_state = np.array(x, dtype=float)
-        for j in range(n):
+        for j in range(x.size):
             step = _RELATIVE_STEP * max(abs(x[j]), self._nominal[j])
             above, below = x[j] + step, x[j] - step
             shifted_state[j] = above
@@ -215,14 +224,7 @@ class ModelExchange:
             shifted_state[j] = x[j]
             # The difference of the rounded points, not twice the step that was meant.
             columns[j] = (ahead - behind) / (above - below)
-        return self._split(columns)
-
-    def _split(self, columns: Matrix) -> tuple[Matrix, Matrix]:
-        n = len(self.description.states)
-        if not isfinite(columns.sum()) and not np.all(np.isfinite(columns)):
-            j = int(np.argwhere(~np.isfinite(columns))[0][0])
-            raise self._failure(f"d/d({self.description.states[j]})", "a Jacobian")
-        return columns[:, :n].T.copy(), columns[:, n:].T.copy()
+        return columns
 
     def _move(self, x: Vector, u: Vector) -> None:
         """Set state and inputs, unless the FMU is there already."""
@@ -233,10 +235,10 @@ class ModelExchange:
         self._at = b""
         if x.shape != self._x.shape or u.shape != self._u.shape:
             raise ValueError(
-                f"a point of {self.description.file.name} has {self._x.size} states and {self._u.size} "
+                f"a point of {self._description.file.name} has {self._x.size} states and {self._u.size} "
                 f"inputs, got shapes {x.shape} and {u.shape}"
             )
-        self._x[:] = x
+        self._x[:] = x[self._theirs]
         self._u[:] = u
         p = self._pointers
         self._check(self._set_states(self._component, p["x"], self._x.size), "fmi2SetContinuousStates")
@@ -259,104 +261,8 @@ class ModelExchange:
 
     def _open(self) -> Instance:
         if self._instance is None:
-            raise RuntimeError("a ModelExchange is used inside 'with'")
+            raise RuntimeError("an FmuPrediction is used inside 'with'")
         return self._instance
-
-
-class FmuPrediction:
-    """The Prediction protocol of the estimators, by a model-exchange FMU; used inside `with`.
-
-    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose.
-    """
-
-    def __init__(
-        self,
-        description: Description,
-        *,
-        parameters: Values,
-        states: Sequence[str],
-        inputs: Sequence[str],
-        outputs: Sequence[str],
-    ) -> None:
-        """Check the question; nothing is loaded before `with`.
-
-        Args:
-            description: Of the FMU; variables in SI.
-            parameters: Values by FMU variable.
-            states: All of the FMU's states, in the order wanted.
-            inputs: All of its inputs, in the order wanted.
-            outputs: What the filter reads, in the order wanted.
-
-        Raises:
-            FmuError: The FMU has other states, lacks a variable, has events, or is not in SI.
-        """
-        if sorted(states) != sorted(description.states):
-            lacks = [s for s in states if s not in description.states]
-            extra = [s for s in description.states if s not in states]
-            raise FmuError(
-                f"{description.file}: the prediction's states are not those expected; "
-                f"missing: {', '.join(lacks) or 'none'}; unexpected: {', '.join(extra) or 'none'}."
-            )
-        for name in (*states, *inputs, *outputs):
-            _require_si(description, description.variable(name, "prediction"))
-        self.states = tuple(states)
-        self.inputs = tuple(inputs)
-        self.outputs = tuple(outputs)
-        interface = description.model_exchange
-        self._directional = interface is not None and interface.directional_derivatives
-        self._model = ModelExchange(description, parameters=parameters, inputs=inputs, outputs=outputs)
-        # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
-        self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
-        self._ours = np.array([description.states.index(s) for s in self.states], dtype=np.intp)
-        self._same = self.states == description.states
-        self._jacobians: tuple[bytes, Matrix, Matrix] | None = None
-
-    def __enter__(self) -> Self:
-        """Load and initialise the FMU."""
-        self._model.__enter__()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Free everything, whatever happened."""
-        self._jacobians = None
-        self._model.__exit__(kind, error, traceback)
-
-    @property
-    def start(self) -> Vector:
-        """The FMU's own initial state, shape (n,)."""
-        return self._model.start[self._ours]
-
-    def derivative(self, x: Vector, u: Vector) -> Vector:
-        """Return dx/dt at (x, u), shape (n,); `PlantFailed` where there is none."""
-        if self._same:
-            return self._model.derivative(x, u)
-        return self._model.derivative(x[self._theirs], u)[self._ours]
-
-    def output(self, x: Vector, u: Vector) -> Vector:
-        """Return y at (x, u), shape (m,); `PlantFailed` where there is none."""
-        return self._model.output(x if self._same else x[self._theirs], u)
-
-    def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
-        """Return d(dx/dt)/dx at (x, u), shape (n, n); `PlantFailed` where there is none."""
-        return self._both(x, u)[0].copy()
-
-    def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
-        """Return dy/dx at (x, u), shape (m, n); `PlantFailed` where there is none."""
-        return self._both(x, u)[1].copy()
-
-    def _both(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
-        """Return both Jacobians; the calls that give one give the other, so the last pair is kept."""
-        point = x.tobytes() + u.tobytes()
-        if self._jacobians is None or self._jacobians[0] != point:
-            theirs = x if self._same else x[self._theirs]
-            of_model = self._model.directional if self._directional else self._model.central
-            derivative, output = of_model(theirs, u)
-            if not self._same:
-                derivative, output = derivative[np.ix_(self._ours, self._ours)], output[:, self._ours]
-            self._jacobians = (point, derivative, output)
-        return self._jacobians[1], self._jacobians[2]
 
 
 def _settle(instance: Instance) -> None:
@@ -397,5 +303,5 @@ def _require_si(description: Description, variable: Variable) -> None:
         )
 
 
-def _references(variables: Sequence[Variable]) -> NDArray[np.uint32]:
+def _references(variables: Iterable[Variable]) -> NDArray[np.uint32]:
     return np.array([v.reference for v in variables], dtype=np.uint32)

@@ -8,7 +8,7 @@ import pytest
 from tiny_fmu import CURVED_OUTPUTS, curved, tiny, xml
 
 from railgrip.errors import FmuError, PlantFailed
-from railgrip.fmu import FmuPrediction, ModelExchange, describe
+from railgrip.fmu import FmuPrediction, describe
 
 K = 1.7
 POINTS = [
@@ -98,19 +98,21 @@ def test_outputs_and_jacobians_after_derivatives_are_those_of_the_same_point(fou
 
 def test_one_point_is_sent_once_and_both_jacobians_cost_one_call_per_state(foundry: Path):
     x, u = POINTS[0]
-    with ModelExchange(
-        describe(curved(foundry)), parameters={"k": K}, inputs=("u[1]", "u[2]"), outputs=("sent", "asked")
-    ) as model:
+    with FmuPrediction(
+        describe(curved(foundry)), parameters={"k": K}, states=tuple("abc"), inputs=("u[1]", "u[2]"),
+        outputs=("sent", "asked"),
+    ) as model:  # fmt: skip
         before = model.output(x, u)
-        model.directional(x, u)
+        model.derivative_jacobian(x, u)
+        model.output_jacobian(x, u)
         between = model.output(x, u)
         model.derivative(x, u)
-        model.directional(x, u)
+        model.derivative_jacobian(x, u)
         after = model.output(x, u)
     # One to read `between` itself, one for each of three states; nothing was sent again.
     np.testing.assert_array_equal(between - before, [0, 4])
-    # One more for the derivative, after which states and inputs were sent once more.
-    np.testing.assert_array_equal(after - between, [2, 5])
+    # One for the derivative, after which states and inputs were sent once more; Jacobians of the point are known.
+    np.testing.assert_array_equal(after - between, [2, 2])
 
 
 def test_results_are_not_overwritten_by_the_next_point(prediction: FmuPrediction):
