@@ -50,10 +50,10 @@ def rig(tell: Tell) -> list[Finding]:
             row = row_of(scenario, file, recording, estimate_of(specification, recording))
             who = f"{scenario.name}, {specification.name}"
             findings += [
-                _extreme(f"{who}: adhesion error outside protection events", row.excursions.largest_outside),
-                Finding(f"{who}: longest adhesion error above 0.02", row.excursions.longest, "s", 1.01 * row.period),
-                _mean(f"{who}: adhesion RMSE", row.alpha.rmse),
-                _mean(f"{who}: pad friction RMSE", row.mu_b.rmse),
+                _extreme(f"{who}: adhesion error outside protection events", row["alpha_outside"]),
+                Finding(f"{who}: longest adhesion error above 0.02", row["longest"], "s", 1.01 * row["period"]),
+                _mean(f"{who}: adhesion RMSE", row["alpha_rmse"]),
+                _mean(f"{who}: pad friction RMSE", row["mu_b_rmse"]),
             ]
     return findings
 

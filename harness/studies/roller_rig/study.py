@@ -1,8 +1,7 @@
 """The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and ours, judged against the truth."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from operator import attrgetter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 import xarray
 
 from railgrip.assemble import run_stop
-from railgrip.estimation.judge import Judgement, judge
+from railgrip.estimation.judge import judge
 from railgrip.estimation.run import estimate, units_of
 from railgrip.estimation.spec import (
     LIBRARY,
@@ -26,7 +25,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import WhiteSensors
 from railgrip.studies.roller_rig.figures import over_slip, rig_run, tunings
-from railgrip.studies.roller_rig.protection import LIMIT, Excursions, excursions
+from railgrip.studies.roller_rig.protection import LIMIT, excursions
 from railgrip.trace.samples import evenly, with_signals
 
 FILTERS = ("rig_paper", "rig_own")
@@ -41,29 +40,12 @@ SPEED_NOISES = (0.5e-4, 1e-4, 3.2e-4)
 """Of the roller's encoder [m/s]; the last is what the R of equation (20) says, the square root of 1e-7."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """One filter on one run; errors against the truth, after the start has settled.
+Row = dict[str, Any]
+"""One filter on one run, as the files have it; errors against the truth, after the start has settled.
 
-    Attributes:
-        scenario: Of the rig.
-        filter: Name of the estimation.
-        period: Of the samples [s].
-        speed_noise: 1σ of the roller's speed [m/s].
-        alpha: Of adhesion.
-        excursions: Where the error of adhesion is larger than 0.02.
-        mu_b: Of pad friction.
-        ended: Why the filter ended early, or nothing.
-    """
-
-    scenario: str
-    filter: str
-    period: float
-    speed_noise: float
-    alpha: Judgement
-    excursions: Excursions
-    mu_b: Judgement
-    ended: str
+scenario, filter: Of the rig, and name of the estimation; period, speed_noise: of the samples [s], and 1σ of the
+roller's speed [m/s]; alpha_…, mu_b_…: of adhesion and pad friction, see `Judgement`; alpha_largest, alpha_outside,
+samples_outside, excursions, longest, kept: see `Excursions`; ended: why the filter ended early, or nothing."""
 
 
 def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
@@ -82,16 +64,25 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     """Return how a filter did on a run."""
     assert isinstance(scenario.sensors, WhiteSensors)
     after = recording["time"].values >= SETTLED
-    return Row(
-        scenario=scenario.name,
-        filter=name,
-        period=scenario.periods.communication,
-        speed_noise=scenario.sensors.noise["speed"].si("m/s"),
-        alpha=judge(recording, estimates, "alpha", after),
-        excursions=excursions(recording, estimates, SETTLED),
-        mu_b=judge(recording, estimates, "mu_b", after),
-        ended=str(estimates.attrs["ended"]),
-    )
+    alpha, pads = (judge(recording, estimates, state, after) for state in ("alpha", "mu_b"))
+    over = excursions(recording, estimates, SETTLED)
+    return {
+        "scenario": scenario.name,
+        "filter": name,
+        "period": scenario.periods.communication,
+        "speed_noise": scenario.sensors.noise["speed"].si("m/s"),
+        **{f"alpha_{figure}": getattr(alpha, figure) for figure in ("rmse", "bias", "nees", "sd")},
+        "alpha_largest": over.largest,
+        "alpha_outside": over.largest_outside,
+        "samples_outside": over.outside,
+        "excursions": over.count,
+        "longest": over.longest,
+        "kept": over.kept,
+        **{f"mu_b_{figure}": getattr(pads, figure) for figure in ("rmse", "bias", "largest", "nees")},
+        "mu_b_covered": pads.coverage,
+        "mu_b_sd": pads.sd,
+        "ended": str(estimates.attrs["ended"]),
+    }
 
 
 def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[Row, ...]:
@@ -112,11 +103,11 @@ def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[R
         for key, estimates in estimates_of.items():
             rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")
         tunings(recording, estimates_of, out / f"{name}_tunings.png")
-        _csv(rows).write_csv(out / "scores.csv")
+        Table(rows).write_csv(out / "scores.csv")
         if name == "rig_sand":
             over_slip(recording, estimates_of, out / "rig_sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
     sensitivities = sensitivity(filters, tell)
-    _csv(sensitivities).write_csv(out / "sensitivity.csv")
+    Table(sensitivities).write_csv(out / "sensitivity.csv")
     write_page(
         out / "rig.md",
         "studies/roller_rig/rig.md.jinja",
@@ -149,41 +140,19 @@ def sensitivity(filters: dict[str, Specification], tell: Callable[[str], None] =
 
 
 def table_of(rows: Sequence[Row], **first: str) -> Table:
-    """Return rows as people read them, behind columns of their own: name → attribute."""
+    """Return rows as people read them, behind columns of their own: title → column of the files."""
     return Table(
-        _records(rows, {**first, **_COLUMNS}),
+        [{title: row[name] for title, name in (first | _COLUMNS).items()} for row in rows],
         _FORMS,
         left=("scenario", "filter", "kept"),
         title="Adhesion and pad friction against the truth",
     )
 
 
-def _csv(rows: Sequence[Row]) -> Table:
-    """Return rows with all their figures."""
-    return Table(_records(rows, _ALL))
-
-
-_ALL = {
-    **{name: name for name in ("scenario", "filter", "period", "speed_noise")},
-    **{f"alpha_{name}": f"alpha.{name}" for name in ("rmse", "bias", "nees", "sd")},
-    "alpha_largest": "excursions.largest", "alpha_outside": "excursions.largest_outside",
-    "samples_outside": "excursions.outside",
-    "excursions": "excursions.count", "longest": "excursions.longest", "kept": "excursions.kept",
-    **{f"mu_b_{name}": f"mu_b.{name}" for name in ("rmse", "bias", "largest", "nees")},
-    "mu_b_covered": "mu_b.coverage", "mu_b_sd": "mu_b.sd", "ended": "ended",
-}  # fmt: skip
-"""Column of the files → attribute of a row."""
-
-
-def _records(rows: Sequence[Row], columns: Mapping[str, str]) -> list[dict[str, Any]]:
-    return [{name: attrgetter(attribute)(row) for name, attribute in columns.items()} for row in rows]
-
-
 _COLUMNS = {
-    "filter": "filter", "α rmse": "alpha.rmse", "α bias": "alpha.bias", "α largest": "excursions.largest",
-    "outside events": "excursions.largest_outside", "longest > 0.02": "excursions.longest", "kept": "excursions.kept",
-    "α NEES": "alpha.nees", "μ rmse": "mu_b.rmse", "μ bias": "mu_b.bias", "μ NEES": "mu_b.nees",
-    "μ sd claimed": "mu_b.sd",
+    "filter": "filter", "α rmse": "alpha_rmse", "α bias": "alpha_bias", "α largest": "alpha_largest",
+    "outside events": "alpha_outside", "longest > 0.02": "longest", "kept": "kept", "α NEES": "alpha_nees",
+    "μ rmse": "mu_b_rmse", "μ bias": "mu_b_bias", "μ NEES": "mu_b_nees", "μ sd claimed": "mu_b_sd",
 }  # fmt: skip
 
 _FORMS: Mapping[str, Form] = {
