@@ -1,6 +1,6 @@
 """A prediction of any train, made of parts that share its speed and acceleration only."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,14 +9,8 @@ import numpy as np
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Vector
-from railgrip.estimators.prediction import CasadiPrediction, Model
-
-
-@dataclass(frozen=True, slots=True)
-class Name:
-    """A variable of the whole train."""
-
-    name: str
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.fmus.native import Model, Variable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,40 +77,44 @@ class Consist:
     @cached_property
     def prediction(self) -> CasadiPrediction:
         """All parts together, for a central filter."""
-        model = ConsistModel(self)
+        model = model_of(self)
         return CasadiPrediction(model, {v.name: x for v, x in zip(model.parameters, self.parameters, strict=True)})
 
 
-class ConsistModel:
-    """The equations of a consist as one `Model`; its parameters are named p[1], p[2], … in the order of `Consist`.
+def _variables(names: Iterable[str]) -> tuple[Variable, ...]:
+    return tuple(
+        Variable(name=name, unit="", start=0.0, description="", minimum=None, maximum=None, nominal=1.0)
+        for name in names
+    )
 
-    Attributes:
-        derivative: (t, x, u, p) → ẋ.
-        output: (t, x, u, p) → y.
-    """
 
-    def __init__(self, of: Consist) -> None:
-        """Put the parts together."""
-        self.states, self.inputs, self.outputs = (
-            tuple(Name(name) for name in names) for names in (of.states, of.inputs, of.outputs)
-        )
-        self.parameters = tuple(Name(f"p[{i + 1}]") for i in range(of.parameters.size))
-        sizes = len(self.states), len(self.inputs), len(self.parameters)
-        t, (x, u, p) = ca.SX.sym("t"), (ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
-        at_x, at_u, at_p = 1, 0, of.body_parameters.size
-        forces, slopes = [], []
-        for part in of.parts:
-            n, m, k = len(part.states), len(part.inputs), part.parameters.size
-            slopes.append((part.model.derivative, x[at_x : at_x + n], u[at_u : at_u + m], p[at_p : at_p + k]))
-            own = ca.vertcat(u[at_u : at_u + m], 0.0)
-            forces.append(part.model.output(t, x[at_x : at_x + n], own, p[at_p : at_p + k]))
-            at_x, at_u, at_p = at_x + n, at_u + m, at_p + k
-        force = ca.vertcat(sum(forces[1:], forces[0]), u[-1])
-        acceleration = of.body.output(t, x[0], force, p[: of.body_parameters.size])
-        rates = [slope(t, xs, ca.vertcat(us, acceleration), ps) for slope, xs, us, ps in slopes]
-        readings = [acceleration if state is None else x[of.states.index(state)] for _, state in of.readings]
-        self.derivative = ca.Function("derivative", [t, x, u, p], [ca.vertcat(acceleration, *rates)])
-        self.output = ca.Function("output", [t, x, u, p], [ca.vertcat(*readings)])
+def model_of(of: Consist) -> Model:
+    """Return the equations of a consist; parameters are named p[1], p[2], … in its order."""
+    parameters = tuple(f"p[{i + 1}]" for i in range(of.parameters.size))
+    sizes = len(of.states), len(of.inputs), len(parameters)
+    t, (x, u, p) = ca.SX.sym("t"), (ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
+    at_x, at_u, at_p = 1, 0, of.body_parameters.size
+    forces, slopes = [], []
+    for part in of.parts:
+        n, m, k = len(part.states), len(part.inputs), part.parameters.size
+        slopes.append((part.model.derivative, x[at_x : at_x + n], u[at_u : at_u + m], p[at_p : at_p + k]))
+        own = ca.vertcat(u[at_u : at_u + m], 0.0)
+        forces.append(part.model.output(t, x[at_x : at_x + n], own, p[at_p : at_p + k]))
+        at_x, at_u, at_p = at_x + n, at_u + m, at_p + k
+    force = ca.vertcat(sum(forces[1:], forces[0]), u[-1])
+    acceleration = of.body.output(t, x[0], force, p[: of.body_parameters.size])
+    rates = [slope(t, xs, ca.vertcat(us, acceleration), ps) for slope, xs, us, ps in slopes]
+    readings = [acceleration if state is None else x[of.states.index(state)] for _, state in of.readings]
+    return Model(
+        class_name="consist",
+        states=_variables(of.states),
+        inputs=_variables(of.inputs),
+        parameters=_variables(parameters),
+        outputs=_variables(of.outputs),
+        derivative=ca.Function("derivative", [t, x, u, p], [ca.vertcat(acceleration, *rates)]),
+        output=ca.Function("output", [t, x, u, p], [ca.vertcat(*readings)]),
+        initial=ca.Function("initial", [p], [ca.SX.zeros(sizes[0])]),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,7 +15,7 @@ from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import Design, index
 from railgrip.estimators.gate import Gate
 from railgrip.estimators.generated import LANES, in_c, places, table
-from railgrip.estimators.prediction import Model
+from railgrip.fmus.native import Model
 
 RANK = 9
 """Common unknowns that are kept: on the two-part train enough for the central filter's deviations, within 0.1 %."""

@@ -1,6 +1,6 @@
 """The model inside a filter: what it must offer, and the one made from CasADi functions."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Protocol, runtime_checkable
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
+from railgrip.fmus.native import Model
 
 
 class Variables(Protocol):
@@ -52,49 +53,6 @@ class Prediction(Variables, Protocol):
 
     def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return ∂h/∂x, shape (m, n)."""
-        ...
-
-
-class NamedVariable(Protocol):
-    """A variable of a model."""
-
-    @property
-    def name(self) -> str:
-        """Its name, `slip[2]` for an element of an array."""
-        ...
-
-
-class Model(Protocol):
-    """An explicit ODE as CasADi functions of (t, x, u, p): derivative → ẋ and output → y."""
-
-    @property
-    def states(self) -> Sequence[NamedVariable]:
-        """The states, in the order of x."""
-        ...
-
-    @property
-    def inputs(self) -> Sequence[NamedVariable]:
-        """The inputs, in the order of u."""
-        ...
-
-    @property
-    def parameters(self) -> Sequence[NamedVariable]:
-        """The parameters, in the order of p."""
-        ...
-
-    @property
-    def outputs(self) -> Sequence[NamedVariable]:
-        """The outputs, in the order of y."""
-        ...
-
-    @property
-    def derivative(self) -> ca.Function:
-        """ẋ of (t, x, u, p)."""
-        ...
-
-    @property
-    def output(self) -> ca.Function:
-        """Readings y of (t, x, u, p)."""
         ...
 
 

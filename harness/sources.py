@@ -10,7 +10,7 @@ import railgrip.estimators
 import railgrip.fmus
 from railgrip.fmus.recipe import MODELICA
 
-_KINDS = {".py", ".c", ".h", ".mo", ".toml", ".jinja"}
+_KINDS = {".py", ".c", ".h", ".mo", ".toml", ".txt", ".jinja"}
 _UNCONCERNED = (
     "railgrip/cli/",
     "railgrip/report/",

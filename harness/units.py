@@ -1,7 +1,7 @@
 """The one system of units: of scenarios, of the variables of FMUs and of recorded columns.
 
 The radian is a base dimension, as in FMI 2.0: an angular velocity is no frequency, and what lies between both (2π, or
-1) is never guessed. Only what `_DEFINITIONS` names is a unit, so that no text is one by accident ("kmph" is km/h here,
+1) is never guessed. Only what units.txt names is a unit, so that no text is one by accident ("kmph" is km/h here,
 not a thousand miles per hour). Units are written in Modelica's syntax (`kg.m2/s2`, `J/(kg.K)`) or as people do
 (`kg*m**2`, `m/s²`, `°C`).
 """
@@ -17,62 +17,7 @@ from typing import Any
 
 from railgrip.errors import UnitError
 
-_DEFINITIONS = """
-nano- = 1e-9 = n-
-micro- = 1e-6 = u-
-milli- = 1e-3 = m-
-centi- = 1e-2 = c-
-deci- = 1e-1 = d-
-hecto- = 1e2 = h-
-kilo- = 1e3 = k-
-mega- = 1e6 = M-
-giga- = 1e9 = G-
-
-kilogram = [mass] = kg
-meter = [length] = m = metre
-second = [time] = s = sec
-ampere = [current] = A
-kelvin = [temperature]; offset: 0 = K
-mole = [substance] = mol
-candela = [luminosity] = cd
-radian = [angle] = rad
-
-gram = 1e-3 * kilogram = g
-newton = kilogram * meter / second ** 2 = N
-joule = newton * meter = J
-watt = joule / second = W
-pascal = newton / meter ** 2 = Pa
-bar = 1e5 * pascal
-hertz = 1 / second = Hz
-volt = watt / ampere = V
-ohm = volt / ampere = Ohm
-coulomb = ampere * second = C
-liter = 1e-3 * meter ** 3 = l = L = litre
-
-tonne = 1e3 * kilogram = t = metric_ton
-minute = 60 * second = min
-hour = 60 * minute = h = hr
-day = 24 * hour = d
-kilometer_per_hour = kilometer / hour = kmh = kmph = kph
-inch = 0.0254 * meter
-foot = 0.3048 * meter = ft = feet
-mile = 1609.344 * meter = mi
-mile_per_hour = mile / hour = mph
-pound = 0.45359237 * kilogram = lb
-standard_gravity = 9.80665 * meter / second ** 2 = g_n
-pound_force = pound * standard_gravity = lbf
-kilogram_force = kilogram * standard_gravity = kgf = kp
-psi = pound_force / inch ** 2
-atmosphere = 101325 * pascal = atm
-horsepower = 745.6998715822702 * watt = hp
-turn = 6.283185307179586 * radian = rev = revolution
-degree = 0.017453292519943295 * radian = deg
-revolution_per_minute = turn / minute = rpm
-degree_Celsius = kelvin; offset: 273.15 = degC
-degree_Fahrenheit = 5 / 9 * kelvin; offset: 233.15 + 200 / 9 = degF
-percent = 1e-2
-permille = 1e-3
-"""
+_DEFINITIONS = Path(__file__).with_name("units.txt")
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """Base units of FMI 2.0 (§2.2.2), in the order of `Unit.exponents`."""
@@ -273,7 +218,7 @@ def _registry() -> Any:
 
     without_defaults: Any = None
     registry = pint.UnitRegistry(without_defaults)
-    registry.load_definitions(_DEFINITIONS.splitlines())
+    registry.load_definitions(_DEFINITIONS)
     return registry
 
 

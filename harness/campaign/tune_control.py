@@ -8,6 +8,7 @@ test, over cases of a set of their own.
 """
 
 import math
+import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -37,78 +38,19 @@ _HIGHEST = 0.9
 
 _SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
 
+_LIBRARY = tomllib.loads((Path(__file__).parent / "library" / "ranges.toml").read_text(encoding="utf-8"))
 RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
     **{law: dict.fromkeys(product(EDGES, _SOURCES), _LEVELS) for law in ("slip_two_state", "slip_three_state")},
-    "wheel_reference": {
-        ("pneumatic", "read"): {
-            "slip_low": (0.01, 0.1),
-            "slip_high": (0.05, 0.3),
-            "deceleration": (0.8, 5.0),
-            "deceleration_max": (0.8, 3.0),
-            "rise": (0.1, 3.0),
-            "test_after": (2.0, 15.0),
+    **{
+        law: {
+            (actuation, slip): {name: (low, high) for name, (low, high) in ranges.items()}
+            for actuation, of in table.items()
+            for slip, ranges in of.items()
         }
-    },
-    "constant_slip": {
-        ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)},
-    },
-    "extremum_seeking": {
-        ("pneumatic", "estimated"): {
-            "slip_start": (0.01, 0.15),
-            "dither": (0.1, 0.5),
-            "frequency": (0.3, 3.0),
-            "washout_time": (0.1, 2.0),
-            "climb": (0.1, 3.0),
-            "gain": (0.05, 1.0),
-            "integral_time": (0.1, 2.0),
-        }
-    },
-    "slope_seeking": {
-        ("pneumatic", "estimated"): {
-            "window": (0.3, 0.7),
-            "washout_time": (0.2, 1.0),
-            "elasticity_spread": (0.05, 0.5),
-            "elasticity_bias": (0.005, 0.2),
-            "pull": (0.03, 0.5),
-            "climb_rate": (2.0, 6.0),
-            "slip_usual": (0.03, 0.15),
-            "creep_usual": (0.1, 2.0),
-            "dither": (0.08, 0.4),
-            "dither_time": (0.7, 2.0),
-            "creep_small": (0.03, 0.2),
-        }
-    },
-    "adhesion_based": {
-        ("ideal", "estimated"): {
-            "filter_time": (3e-3, 50e-3),
-            "margin": (3e-3, 0.1),
-            "rise": (0.03, 0.5),
-            "fall": (0.03, 0.5),
-            "slip_rate_max": (1.0, 20.0),
-            "slip_rate_min": (0.02, 1.0),
-            "dwell": (3e-3, 0.3),
-            "slip_vent": (0.1, 0.6),
-            "adhesion_small": (5e-3, 3e-2),
-        },
-        ("pneumatic", "estimated"): {
-            "filter_time": (30e-3, 0.5),
-            "margin": (3e-3, 0.1),
-            "rise": (0.03, 0.5),
-            "fall": (0.03, 0.5),
-            "slip_rate_max": (0.3, 10.0),
-            "slip_rate_min": (0.02, 1.0),
-            "dwell": (0.03, 1.0),
-            "slip_small": (1e-3, 3e-2),
-            "creep_small": (0.01, 0.2),
-            "slip_vent": (0.1, 0.6),
-            "adhesion_small": (5e-3, 3e-2),
-        },
+        for law, table in _LIBRARY.items()
     },
 }
-"""Law → kind of actuation and how it knows the slip → where each parameter is searched, on a logarithmic scale.
-
-Times and rates go from quicker than the actuation to slower than the rail. From what slip on there is a peak to seek
-depends on what sensors can tell from none; ideal ones tell any."""
+"""Law → kind of actuation and how it knows the slip → where each parameter is searched, on a logarithmic scale."""
 
 REFERENCE = "slip_two_state"
 """With the paper's levels and slip as read: what each result is compared with."""

@@ -11,7 +11,7 @@ import railgrip as rg
 from railgrip.cli.main import app
 from railgrip.errors import EstimationError
 from railgrip.estimation.spec import LIBRARY
-from railgrip.estimators.tuning import TRAIN_IDEAL
+from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.trace.netcdf import read_trace
 from railgrip.trace.samples import reading_of, readings_in, unit_of
 
@@ -45,8 +45,8 @@ RECORDED = {"v": "speed", "w": "wheelset_speed", "alpha": "adhesion", "mu_b": "p
 def test_the_filter_over_the_readings_of_a_stop_believes_what_it_did_in_the_loop(stop):
     """The same filter, noises, start and readings: the same bits."""
     # The squares of the file have few digits, those of the loop all.
-    squares = {f"noise.process.{entry.name}": entry.deviation**2 for entry in TRAIN_IDEAL.process}
-    squares |= {f"noise.readings.{entry.name}": entry.deviation**2 for entry in TRAIN_IDEAL.readings}
+    squares = {f"noise.process.{name}": sd**2 for name, sd in NOISE_SETS["train_ideal"].process.items()}
+    squares |= {f"noise.readings.{name}": sd**2 for name, sd in NOISE_SETS["train_ideal"].readings.items()}
     estimated = rg.estimate(stop.trace, changes=squares)
     np.testing.assert_allclose(rg.estimate(stop.trace)["mean"], estimated["mean"], rtol=1e-9, atol=1e-12)
     for state, name in RECORDED.items():

@@ -11,7 +11,7 @@ from railgrip.estimators.discretisation import advance
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.observability import observability
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.estimators.tuning import NOISE_SETS, REDUCED_IDEAL, TRAIN_IDEAL, pad_gate
+from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
 
 PERIOD = 1e-3
@@ -57,8 +57,8 @@ def test_there_is_a_noise_for_every_state_and_reading(prediction):
 
 def test_a_noise_set_for_another_model_says_what_it_lacks():
     with pytest.raises(EstimatorError, match="'reduced train, ideal sensors': no process noise for ddz, dz"):
-        REDUCED_IDEAL.process_noise(["v", "dz[1]", "ddz[1]"])
-    assert TRAIN_IDEAL.process_noise(["alpha[2]"]) == pytest.approx([0.1**2])
+        NOISE_SETS["reduced_ideal"].process_noise(["v", "dz[1]", "ddz[1]"])
+    assert NOISE_SETS["train_ideal"].process_noise(["alpha[2]"]) == pytest.approx([0.1**2])
 
 
 def test_pad_gate_is_the_pressure_that_makes_the_pad_force():

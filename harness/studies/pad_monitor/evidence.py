@@ -30,7 +30,7 @@ _PROCESS = {"v": 3e-3, "w": 1e-2, "mu_b": 5e-4, "alpha": 0.3}
 """Deviations in unit/√s. The nominal law carries how friction moves within a stop, so what is left of it rests;
 adhesion must follow a group that is released within 0.2 s."""
 _READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
-"""As `railgrip.estimators.tuning.READINGS_SERVICE`, but for the accelerometer, whose bias is taken out before."""
+"""As [readings.service] of estimators/noises.toml, but for the accelerometer, whose bias is taken out before."""
 _START = {"v": 0.1, "w": 0.3, "alpha": 0.02}
 
 _LOCKED = 0.8
