@@ -283,11 +283,9 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
     folder = out or OUT.with_name(f"learn_{specification.name}")
     labels = file.parent / specification.runs.labels
     with progress("learn", len(read_labels(labels)), is_count=True) as bar:
-        folder_runs = read_folder(file.parent / specification.runs.folder, labels, specification.data, bar.advance)
-        bar.update(doing="training and judging", total=len(folder_runs.runs) + own_pieces(folder_runs.runs))
-        text, trained = judge_own(
-            folder_runs.runs, network.recipe(), workers=workers, remarks=folder_runs.remarks, tell=bar.advance
-        )
+        runs, remarks = read_folder(file.parent / specification.runs.folder, labels, specification.data, bar.advance)
+        bar.update(doing="training and judging", total=len(runs) + own_pieces(runs))
+        text, trained = judge_own(runs, network.recipe(), workers=workers, remarks=remarks, tell=bar.advance)
         bar.update(doing="FMUs")
         _export(trained, folder)
     page = folder / "report.md"

@@ -56,15 +56,15 @@ def dataset(folder):
 
 
 def test_runs_become_a_report_and_estimators(dataset):
-    assert [run.group for run in dataset.runs] == [60] * 4
-    assert [run.friction for run in dataset.runs] == pytest.approx([0.10, 0.18, 0.26, 0.34])
-    assert dataset.runs[0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
+    assert [run.group for run in dataset[0]] == [60] * 4
+    assert [run.friction for run in dataset[0]] == pytest.approx([0.10, 0.18, 0.26, 0.34])
+    assert dataset[0][0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
     messages = []
     recipe = Recipe(inputs="left, right", starts=1, steps=10)
     text, trained = judge_own(
-        dataset.runs, recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=messages.append
+        dataset[0], recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=messages.append
     )
-    assert len(messages) == own_pieces(dataset.runs)
+    assert len(messages) == own_pieces(dataset[0])
     assert "a run left out" in text
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text
@@ -76,7 +76,7 @@ def test_runs_become_a_report_and_estimators(dataset):
 
 def test_direction_turns_the_car_around(folder, dataset, tmp_path):
     behind = read_folder(folder, write_labels(tmp_path / "b.csv", [("0.parquet", 0.2, -1), ("1.parquet", 0.3, 1)]))
-    ahead, reversed_run = dataset.runs[0].slow, behind.runs[0].slow
+    ahead, reversed_run = dataset[0][0].slow, behind[0][0].slow
     np.testing.assert_array_equal(reversed_run[:, :4], -ahead[:, 3::-1])
     np.testing.assert_array_equal(reversed_run[:, 4:8], ahead[:, 7:3:-1])
 
@@ -102,9 +102,9 @@ def test_units_and_names_come_from_the_map(folder, dataset, tmp_path):
     columns = signals(0)
     columns |= {name: columns[name] / 9.80665 for name in BOXES}
     names = {name: name.replace("[", "_").replace("]", "") for name in UNITS}
-    run = one_run(tmp_path, columns, table("g_n", names), ".mat").runs[0]
+    run = one_run(tmp_path, columns, table("g_n", names), ".mat")[0][0]
     # The record of direction +1 is run 0; a division and a multiplication round at 270 * 2e-16, the filter adds up.
-    np.testing.assert_allclose(run.slow, dataset.runs[0].slow, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run.slow, dataset[0][0].slow, rtol=0, atol=1e-9)
 
 
 def test_another_rate_is_put_on_the_grid(tmp_path):
@@ -114,10 +114,10 @@ def test_another_rate_is_put_on_the_grid(tmp_path):
     """
     fine = signals(0)
     waves = {name: 268 + np.sin(2 * np.pi * (2 + k) * fine["time"]) for k, name in enumerate(BOXES)}
-    whole = one_run(tmp_path, fine | waves).runs[0].slow
+    whole = one_run(tmp_path, fine | waves)[0][0].slow
     coarse = {name: values[::2] for name, values in (fine | waves).items()}
     (tmp_path / "coarse").mkdir()
-    run = one_run(tmp_path / "coarse", coarse).runs[0].slow
+    run = one_run(tmp_path / "coarse", coarse)[0][0].slow
     count = min(len(whole), len(run))
     np.testing.assert_allclose(run[128:count], whole[128:count], rtol=0, atol=2 * 2 * 3e-4)
 
@@ -127,15 +127,15 @@ def test_a_short_gap_is_bridged_and_a_spike_is_said(tmp_path):
     columns["left[2]"][5000:5100] = np.nan  # 20 ms
     columns["right[1]"][9000] = 2000.0
     run = one_run(tmp_path, columns)
-    assert np.isfinite(run.runs[0].slow).all()
-    assert "a.parquet: left[2], 0.976–0.996 s: no samples; interpolated between the neighbours." in run.remarks
-    assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in run.remarks)
+    assert np.isfinite(run[0][0].slow).all()
+    assert "a.parquet: left[2], 0.976–0.996 s: no samples; interpolated between the neighbours." in run[1]
+    assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in run[1])
 
 
 def test_the_part_that_all_sensors_cover_is_taken(tmp_path):
     columns = signals(0, seconds=7.0)
     columns["left[1]"][:1024] = np.nan
-    assert len(one_run(tmp_path, columns).runs[0].slow) == (int(7.0 * RATE) - 1024) // 40
+    assert len(one_run(tmp_path, columns)[0][0].slow) == (int(7.0 * RATE) - 1024) // 40
 
 
 def spoiled(**changes):

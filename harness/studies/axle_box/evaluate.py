@@ -1,8 +1,8 @@
 """How good is it? The paper's split, and the splits that tell recognition of a run from estimation of friction."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
 
 import numpy as np
 
@@ -105,13 +105,24 @@ class Recipe:
         ]
 
 
-def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float] | None = None) -> Score:
-    """Train on the first 80 % of every run, judge on the last 20 %: the paper's split.
+def labels_of(runs: Sequence[Run]) -> dict[str, float]:
+    """Return the label of each run, by name."""
+    return {run.name: run.friction for run in runs}
 
-    Args:
-        runs: Of one speed.
-        labels: By name of the run, instead of its own.
-    """
+
+def exchanged(runs: Sequence[Run]) -> dict[str, float]:
+    """Return labels handed on from run to run: half of the runs away, so that friction no longer fits the run."""
+    frictions = [run.friction for run in runs]
+    shift = max(1, len(runs) // 2)
+    return {run.name: frictions[(k + shift) % len(runs)] for k, run in enumerate(runs)}
+
+
+Labels = Callable[[Sequence[Run]], Mapping[str, float]]
+"""`labels_of`, or `exchanged`: every run under the label of another."""
+
+
+def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> Score:
+    """Train on the first 80 % of every run, of one speed, judge on the last 20 %: the paper's split."""
     early, late = parts_of(runs, recipe, labels)
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
@@ -125,38 +136,22 @@ def inside_training(runs: Sequence[Run], recipe: Recipe) -> Score:
 
 
 def parts_of(
-    runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float] | None = None
+    runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of
 ) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array]]]:
     """Return the first 80 % and the last 20 % of every run as (blocks, labels)."""
-    parts = [(recipe.blocks(run), run.friction if labels is None else labels[run.name]) for run in runs]
+    label_of = labels(runs)
+    parts = [(recipe.blocks(run), label_of[run.name]) for run in runs]
     return (
         [_labelled(blocks[: _cut(blocks)], label) for blocks, label in parts],
         [_labelled(blocks[_cut(blocks) :], label) for blocks, label in parts],
     )
 
 
-def best_of(runs: Sequence[Run], recipe: Recipe, labels: Mapping[str, float] | None = None) -> ScaledNetwork:
+def best_of(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> ScaledNetwork:
     """Return, of networks trained on the first 80 % of every run, the one that fits these best."""
     early, _ = parts_of(runs, recipe, labels)
     x, y = np.vstack([d[0] for d in early]), np.concatenate([d[1] for d in early])
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda one: float(np.abs(one(x) - y).mean()))
-
-
-def best_of_exchanged(runs: Sequence[Run], recipe: Recipe) -> ScaledNetwork:
-    """Return `best_of` with every run under the label of another."""
-    return best_of(runs, recipe, exchanged(runs))
-
-
-def within_exchanged(runs: Sequence[Run], recipe: Recipe) -> Score:
-    """Judge by the paper's split, with every run under the label of another."""
-    return within_runs(runs, recipe, exchanged(runs))
-
-
-def exchanged(runs: Sequence[Run]) -> dict[str, float]:
-    """Return labels handed on from run to run: half of the runs away, so that friction no longer fits the run."""
-    frictions = [run.friction for run in runs]
-    shift = max(1, len(runs) // 2)
-    return {run.name: frictions[(k + shift) % len(runs)] for k, run in enumerate(runs)}
 
 
 def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
@@ -194,16 +189,12 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
         if rule is not None:
             recipes.append(np.full(len(estimator.friction), rule[k]))
     whole, y = np.vstack(estimates), np.concatenate(truth)
-    error = whole[:, 0] - y
-    return Score(
-        starts=1,
-        rmse=_rms(error), mae=float(np.abs(error).mean()), best=float(np.abs(error).mean()),
-        worst=float(np.abs(error).mean()), spread=0.0,
-        rmse_of_mean=_rms(y - mean_label), mae_of_mean=float(np.abs(y - mean_label).mean()),
+    return replace(
+        _figures([whole[:, 0] - y], y - mean_label),
         coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()),
         width=float((whole[:, 2] - whole[:, 1]).mean()),
         mae_of_rule=float(np.abs(np.concatenate(recipes) - y).mean()) if recipes else None,
-    )  # fmt: skip
+    )
 
 
 def score(
@@ -214,21 +205,28 @@ def score(
     """Return the errors of several networks, beside those of the mean label of what they have seen."""
     x, y = np.vstack([d[0] for d in new]), np.concatenate([d[1] for d in new])
     mean = np.concatenate([d[1] for d in training]).mean()
-    errors = [one(x) - y for one in networks]
+    return _figures([one(x) - y for one in networks], y - mean)
+
+
+def average(scores: Iterable[Score]) -> Score:
+    """Return the mean of every figure that all of the scores have."""
+    first, *others = scores
+    means: dict[str, Any] = {}
+    for name in (field.name for field in fields(Score) if field.name != "starts"):
+        values = [getattr(one, name) for one in (first, *others)]
+        means[name] = None if None in values else float(np.mean(values))
+    return replace(first, **means)
+
+
+def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
+    """Return the figures of errors, one for each random start, beside those of the mean label."""
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
         starts=len(errors),
         rmse=float(np.mean([_rms(e) for e in errors])), mae=float(np.mean(absolute)), best=min(absolute),
-        worst=max(absolute), spread=float(np.std(absolute)), rmse_of_mean=_rms(y - mean),
-        mae_of_mean=float(np.abs(y - mean).mean()),
+        worst=max(absolute), spread=float(np.std(absolute)), rmse_of_mean=_rms(of_mean),
+        mae_of_mean=float(np.abs(of_mean).mean()),
     )  # fmt: skip
-
-
-def average(scores: Sequence[Score]) -> Score:
-    """Return the mean of every figure over several scores without intervals."""
-    names = ("rmse", "mae", "best", "worst", "spread", "rmse_of_mean", "mae_of_mean")
-    means = {name: float(np.mean([getattr(s, name) for s in scores])) for name in names}
-    return Score(starts=scores[0].starts, **means)
 
 
 def _labelled(blocks: Array, label: float) -> tuple[Array, Array]:

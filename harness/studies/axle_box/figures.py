@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import style
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.evaluate import exchanged, parts_of
+from railgrip.studies.axle_box.evaluate import average, exchanged, labels_of, parts_of
 from railgrip.studies.axle_box.gather import spectral_features
 from railgrip.studies.axle_box.reduction import CHANNELS
-from railgrip.studies.axle_box.study import PUBLISHED, Study, over_speeds
+from railgrip.studies.axle_box.study import PUBLISHED, Study
 
 
 def draw(study: Study, folder: Path) -> list[Path]:
@@ -33,7 +33,7 @@ def errors(study: Study) -> Figure:
         *((f"4-6-1: {k}", v, style.VERMILION) for k, v in study.honest.items()),
         *((f"all speeds: {k}", v, style.GREEN) for k, v in study.general.items()),
     ):
-        mean = over_speeds(row)
+        mean = average(row.values())
         rows.append((name, mean.mae, mean.mae_of_mean, colour))
     sheet, axes = style.panels(8.0, 0.33 * len(rows) + 1.0)
     for k, (_, mae, of_mean, colour) in enumerate(rows):
@@ -104,8 +104,8 @@ def over_time(study: Study) -> Figure:
     grid = np.atleast_2d(sheet.subplots(len(study.runs), 2, sharex="row", sharey=True))
     for pair, (speed, runs) in zip(grid, study.runs.items(), strict=True):
         for axes, fitted, labels, title in (
-            (pair[0], study.networks[speed], None, "labels of the runs"),
-            (pair[1], study.exchanged[speed], exchanged(runs), "labels of other runs"),
+            (pair[0], study.networks[speed], labels_of, "labels of the runs"),
+            (pair[1], study.exchanged[speed], exchanged, "labels of other runs"),
         ):
             _, late = parts_of(runs, study.recipe, labels)
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
@@ -115,7 +115,7 @@ def over_time(study: Study) -> Figure:
             )
             last = speed == list(study.runs)[-1]
             style.dress(
-                axes, x="time of the linked parts [s]" if last else "", y="" if labels else "friction",
+                axes, x="time of the linked parts [s]" if last else "", y="friction" if labels is labels_of else "",
                 title=f"{speed} mph, {title}",
             )  # fmt: skip
     grid[0, 0].legend(fontsize=8, ncols=2, loc="upper right")

@@ -6,9 +6,9 @@ from railgrip.campaign.workers import workers as processes
 from railgrip.errors import EstimationError
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
-from railgrip.studies.axle_box.evaluate import Recipe, Score, best_of, judge, within_runs, without_each
+from railgrip.studies.axle_box.evaluate import Recipe, Score, average, best_of, judge, within_runs, without_each
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
-from railgrip.studies.axle_box.study import general, over_speeds, paper_estimator
+from railgrip.studies.axle_box.study import general, paper_estimator
 from railgrip.studies.axle_box.tables import own_report
 
 MEMBERS = 20
@@ -53,7 +53,7 @@ def judge_own(
         recipe,
         {g: one.result() for g, one in within.items()},
         {g: one.result() for g, one in without_one.items()},
-        over_speeds(dict(enumerate(one.result() for one in each))),
+        average(one.result() for one in each),
         remarks,
     )
     trained: dict[str, PaperEstimator | GeneralEstimator] = {

@@ -18,13 +18,11 @@ from railgrip.studies.axle_box.evaluate import (
     Recipe,
     ScaledNetwork,
     Score,
-    average,
     best_of,
-    best_of_exchanged,
     elsewhere,
+    exchanged,
     inside_training,
     judge,
-    within_exchanged,
     within_runs,
     without_each,
 )
@@ -142,7 +140,7 @@ def concluded(
         s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, recipe) for s in size.speeds
     }
     networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
-    others = {s: pool.submit(best_of_exchanged, by_speed[s], few) for s in size.speeds}
+    others = {s: pool.submit(best_of, by_speed[s], few, exchanged) for s in size.speeds}
     pending = [all_speeds, *futures.values(), *abroad_of.values(), *networks.values(), *others.values()]
     for future in as_completed(pending):
         future.result()
@@ -197,7 +195,7 @@ def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequen
             "bias outside": partial(within_runs, recipe=replace(free, bias="outside")),
             "bias inside, weights kept small": partial(within_runs, recipe=recipe),
             "bias outside, weights kept small": partial(within_runs, recipe=replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_exchanged, recipe=recipe),
+            "labels exchanged": partial(within_runs, recipe=recipe, labels=exchanged),
             "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
         },
         "decays": {f"{decay:g}": partial(inside_training, recipe=replace(few, decay=decay)) for decay in DECAYS},
@@ -247,16 +245,6 @@ def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]
     labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
     mean = {dry: float(np.mean(values)) for dry, values in labels.items()}
     return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
-
-
-def over_speeds(row: Mapping[int, Score]) -> Score:
-    """Return the mean over speeds; coverage, width and the rule's error too where every speed has them."""
-    scores = list(row.values())
-    mean = average(scores)
-    further = {name: [getattr(s, name) for s in scores] for name in ("coverage", "width", "mae_of_rule")}
-    return replace(
-        mean, **{name: float(np.mean(values)) for name, values in further.items() if all(v is not None for v in values)}
-    )
 
 
 def _at(runs: Sequence[Run], speed: int) -> list[Run]:

@@ -5,8 +5,8 @@ from typing import Final
 
 from railgrip.report.page import rendered
 from railgrip.report.table import Table
-from railgrip.studies.axle_box.evaluate import Recipe, Score
-from railgrip.studies.axle_box.study import PUBLISHED, Rows, Study, over_speeds
+from railgrip.studies.axle_box.evaluate import Recipe, Score, average
+from railgrip.studies.axle_box.study import PUBLISHED, Rows, Study
 
 READINGS_OF_EQUATION_4: Final = (
     "bias inside", "bias outside", "bias inside, weights kept small", "bias outside, weights kept small",
@@ -79,14 +79,14 @@ def _table3(split: Rows, speeds: Sequence[int]) -> Table:
 def _general(rows: Rows, speeds: Sequence[int]) -> Table:
     body: list[list[str | float | None]] = []
     for name, row in rows.items():
-        mean = over_speeds(row)
+        mean = average(row.values())
         scores = [*(row[s] for s in speeds), mean]
         body.append([name, *map(_beside, scores), mean.mae_of_rule, _coverage(mean), mean.width or 0.0])
     return Table.of(["", *_classes(speeds), "all", "dry or not", "coverage", "width"], body, _FORM)
 
 
 def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> Table:
-    scores = [(name, [*(row[s] for s in speeds), over_speeds(row)]) for name, row in rows.items()]
+    scores = [(name, [*(row[s] for s in speeds), average(row.values())]) for name, row in rows.items()]
     body = [(name, *(_beside(one) if beside else one.mae for one in row)) for name, row in scores]
     return Table.of(["", *_classes(speeds), "all"], body, _FORM)
 

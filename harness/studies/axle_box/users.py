@@ -10,7 +10,6 @@ The table of labels is a CSV file with the columns `file`, `friction` and, where
 
 import csv
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -36,32 +35,6 @@ FEWEST: Final = 2
 """Runs at a speed; with one there is nothing to leave out."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Label:
-    """What is known of a run.
-
-    Attributes:
-        friction: Between 0 and 1.
-        backwards: Whether wheelset 4 led.
-    """
-
-    friction: float
-    backwards: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Folder:
-    """Runs out of a folder.
-
-    Attributes:
-        runs: Reduced.
-        remarks: What was mended in which file, a sentence each.
-    """
-
-    runs: tuple[Run, ...]
-    remarks: tuple[str, ...]
-
-
 def plain_table() -> DataTable:
     """Return the map of files whose columns are called as the signals are, in SI units, time in s."""
     return DataTable(
@@ -76,8 +49,8 @@ def plain_table() -> DataTable:
 
 def read_folder(
     folder: Path, labels: Path, table: DataTable | None = None, tell: Callable[[str], None] = lambda name: None
-) -> Folder:
-    """Return the labelled runs of a folder.
+) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+    """Return the labelled runs of a folder, reduced, and what was mended in which file, a sentence each.
 
     Args:
         table: Column map; `plain_table` unless given.
@@ -89,23 +62,23 @@ def read_folder(
     label_of, columns = read_labels(labels), table or plain_table()
     runs: list[Run] = []
     remarks: list[str] = []
-    for name, label in label_of.items():
+    for name, (friction, backwards) in label_of.items():
         record = _recording(folder / name, columns)
         flags: list[Flag] = []
-        runs.append(reduce(name, label.friction, _readings(name, record, columns, label, flags)))
+        runs.append(reduce(name, friction, _readings(name, record, columns, backwards, flags)))
         remarks += [f"{name}: {sentence}" for sentence in (*record.recording.attrs["flags"], *summary(flags))]
         tell(name)
-    return Folder(runs=tuple(runs), remarks=tuple(remarks))
+    return tuple(runs), tuple(remarks)
 
 
-def read_labels(file: Path) -> dict[str, Label]:
-    """Return the table of labels by file name.
+def read_labels(file: Path) -> dict[str, tuple[float, bool]]:
+    """Return friction, between 0 and 1, and whether wheelset 4 led, by file name.
 
     Raises:
         EstimationError: See `read_folder`.
     """
     rows = _rows(file, ("file", "friction"))
-    out: dict[str, Label] = {}
+    out: dict[str, tuple[float, bool]] = {}
     for line, row in enumerate(rows, start=2):
         friction = _number(file, line, "friction", row["friction"])
         direction = _number(file, line, "direction", row.get("direction") or "1")
@@ -115,7 +88,7 @@ def read_labels(file: Path) -> dict[str, Label]:
             raise EstimationError(f"{file}: line {line}: direction is 1 or -1, got {direction:g}.")
         if row["file"] in out:
             raise EstimationError(f"{file}: line {line}: {row['file']} is labelled twice.")
-        out[row["file"]] = Label(friction=friction, backwards=direction < 0)
+        out[row["file"]] = friction, direction < 0
     if len(out) < FEWEST:
         raise EstimationError(f"{file}: it labels {len(out)} runs; training needs {FEWEST} or more.")
     return out
@@ -133,7 +106,7 @@ def _recording(file: Path, table: DataTable) -> FileRecording:
     return recorded(file, table, UNITS, ["speed"], list(BOXES))
 
 
-def _readings(name: str, record: FileRecording, table: DataTable, label: Label, flags: list[Flag]) -> Readings:
+def _readings(name: str, record: FileRecording, table: DataTable, backwards: bool, flags: list[Flag]) -> Readings:
     """Return what a file says of a run; `flags` is told of what was interpolated."""
     recording = record.recording
     boxes = np.column_stack([_whole(name, box, record, table.longest_gap, flags) for box in BOXES])
@@ -149,7 +122,7 @@ def _readings(name: str, record: FileRecording, table: DataTable, label: Label, 
             f"than {2 * SPECTRAL.settling:g} s and {SETTLED:g} m, until filters have settled."
         )
     return Readings(
-        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:], speed=speed, backwards=label.backwards,
+        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:], speed=speed, backwards=backwards,
         rate=SLOW.rate,
     )  # fmt: skip
 
