@@ -27,19 +27,18 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
         parameters: Of wheel and rail, where they are not those of the class.
         shape: Of the creep curve, where `curve` is not given.
     """
-    names = [variable.name for variable in model.parameters]
     values = {variable.name: variable.start for variable in model.parameters} | parameters | shape
-    own = np.array([values[name] for name in names])
-    places = np.array([names.index(name) for name in shape], dtype=np.longlong)
-    run = _library(model)
+    of_all = np.array([[value] for value in shape.values()])
+    run, of_geometry, geometry = _library(model, tuple(shape))
+    fixed = np.array(of_geometry([values[name] for name in geometry]), dtype=np.float64)
 
     def adhesion(slip: Array, speed: Array, load: Array, mu0: Array, curve: Array | None = None) -> Array:
         points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
-        result, parameter = np.empty(points[0].shape), own.copy()
-        each_curve = None if curve is None else np.ascontiguousarray(curve, dtype=np.float64)
+        result = np.empty(points[0].shape)
+        curves = np.ascontiguousarray(of_all if curve is None else curve, dtype=np.float64)
         run(
-            result.size, *(each.ctypes.data for each in points), parameter.ctypes.data,
-            None if each_curve is None else each_curve.ctypes.data, places.ctypes.data, result.ctypes.data,
+            result.size, *(each.ctypes.data for each in points), curves.ctypes.data, curves[0].size, fixed.ctypes.data,
+            result.ctypes.data,
         )  # fmt: skip
         return result
 
@@ -47,9 +46,19 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
 
 
 @cache
-def _library(model: Model) -> Callable[..., None]:
-    point, parameters = ca.SX.sym("point", len(model.inputs)), ca.SX.sym("parameters", len(model.parameters))
-    function = ca.Function("contact", [point, parameters], [model.output(0, ca.SX(0, 1), point, parameters)])
+def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None], ca.Function, tuple[str, ...]]:
+    """Return the contact in C, what of it wheel and rail alone decide as a function of theirs, and the names of theirs.
+
+    The axes of the contact patch are three powers of numbers that never change; the compiled function is given them.
+    """
+    symbols = {variable.name: ca.SX.sym(variable.name) for variable in model.parameters}
+    geometry = tuple(name for name in symbols if name not in shape)
+    point = ca.SX.sym("point", len(model.inputs))
+    whole = model.output(0, ca.SX(0, 1), point, ca.vertcat(*symbols.values()))
+    of_wheel_and_rail = ca.vertcat(*(symbols[name] for name in geometry))
+    adhesion, extracted, fixed = ca.extract_parametric(whole, of_wheel_and_rail)
+    curve = ca.vertcat(*(symbols[name] for name in shape))
+    function = ca.Function("contact", [point, curve, ca.vertcat(*extracted)], [adhesion])
     generator = ca.CodeGenerator("contact", {"with_header": False})
     generator.add(function)
     sizes = {"ARG": function.sz_arg(), "RES": function.sz_res(), "IW": function.sz_iw(), "W": function.sz_w()}
@@ -59,10 +68,12 @@ def _library(model: Model) -> Callable[..., None]:
         [
             *(f"#define {name} {place}\n" for name, place in places.items()),
             *(f"#define contact_SZ_{name} {size}\n" for name, size in sizes.items()),
+            f"#define contact_CURVE {len(shape)}\n",
             generator.dump(),
         ]
     )
     sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
     run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
-    run.argtypes, run.restype = [ctypes.c_size_t] + [ctypes.c_void_p] * 8, None
-    return run
+    pointer = ctypes.c_void_p
+    run.argtypes, run.restype = [ctypes.c_size_t, *[pointer] * 5, ctypes.c_size_t, pointer, pointer], None
+    return run, ca.Function("fixed", [of_wheel_and_rail], [ca.vertcat(*fixed)]), geometry

@@ -99,7 +99,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         bound = with_bound(recorder.trace(moving, period), vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
         ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
         slowing = (np.sum(share * load, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
-        slowing -= np.array([force.at(place) for place in distance[:moving]]) / mass
+        slowing -= force.at(distance[:moving]) / mass
         rows[:moving, at["adhesion"]] = share
         rows[:moving, at["group_adhesion"]] = ideal
         rows[:moving, at["slip"]] = bound["peak_slip"].values

@@ -173,11 +173,11 @@ class TrackForce:
     forces: tuple[float, ...]
     rates: tuple[float, ...]
 
-    def at(self, distance: float) -> float:
-        """Return the force [N] with the train at `distance` [m] since the brake demand."""
-        section = bisect_right(self.begins, distance) - 1
-        rate = self.rates[section]
-        return self.forces[section] + rate * (distance - self.begins[section]) if rate else self.forces[section]
+    def at(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return the force [N] with the train at a `distance` [m] since the brake demand, in its shape."""
+        section = np.searchsorted(self.begins, distance, side="right") - 1
+        rate, begin = np.array(self.rates)[section], np.array(self.begins)[section]
+        return np.array(self.forces)[section] + rate * np.where(rate, np.asarray(distance) - begin, 0.0)
 
 
 def track_force_of(track: Track) -> TrackForce:

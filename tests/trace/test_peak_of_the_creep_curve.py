@@ -4,6 +4,8 @@ import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from railgrip.assemble.contact import compiled_contact
+from railgrip.assemble.files import lowered
 from railgrip.trace.contact import peak
 
 STIFFNESS = 10e6  # N, G·π·a·b·c11/… of the order of a wheel of 7 t; only the shape matters here
@@ -61,3 +63,24 @@ def test_a_curve_that_only_rises_peaks_at_the_locked_wheel():
     slip, each = peak(lambda s, v, q, m: m * s, np.array([10.0]), np.array([[1e5]]), np.array([[0.1]]))
     assert slip[0] == 1.0
     assert each[0, 0] == 0.1
+
+
+def test_the_compiled_contact_is_that_of_the_model_for_its_wheel_and_for_a_curve_at_each_point():
+    model, random = lowered("RailBraking.FMUs.ContactPoint"), np.random.default_rng(3)
+    shape = {"k_A": 0.3, "k_S": 0.1, "A_falling": 0.4, "B_falling": 0.6}
+    contact = compiled_contact(model, {"r_wheel": 0.31}, shape)
+    points = np.stack([random.uniform(*ends, 20) for ends in ((0, 1), (0, 60), (4e4, 2e5), (0.01, 0.5))])
+    curves = np.array([*shape.values()])[:, None] * random.uniform(0.5, 1.5, 20)
+
+    def of_the_model(point, curve):
+        names = [variable.name for variable in model.parameters]
+        values = {variable.name: variable.start for variable in model.parameters} | {"r_wheel": 0.31}
+        values |= dict(zip(shape, curve, strict=True))
+        return float(model.output(0, [], point, [values[name] for name in names]))
+
+    assert [variable.name for variable in model.inputs] == ["slip", "speed", "load", "mu0"]
+    same = [of_the_model(point, shape.values()) for point in points.T]
+    np.testing.assert_allclose(contact(*points), same, rtol=1e-13)
+    each = [of_the_model(point, curve) for point, curve in zip(points.T, curves.T, strict=True)]
+    np.testing.assert_allclose(contact(*points, curve=curves), each, rtol=1e-13)
+    assert not np.allclose(same, each, rtol=1e-3)

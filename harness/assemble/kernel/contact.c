@@ -1,7 +1,7 @@
 /* The contact at many points: what the search for the peak of the creep curve asks for a million times a stop.
 
-   contact.h is generated beside this file: `contact`, a function of (point, parameters) by CasADi, and where slip, speed,
-   load and mu0 stand in a point. */
+   contact.h is generated beside this file: `contact`, a function of (point, curve, fixed) by CasADi, and where slip,
+   speed, load and mu0 stand in a point. */
 
 #include <stddef.h>
 
@@ -13,22 +13,22 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-/* Where there are curves, 4 x count, they take the places of four parameters. */
+/* `curves` is contact_CURVE x `different`: a curve of each point, different = count, or one of all, different = 1. */
 EXPORT void contact_at(size_t count, const double *slip, const double *speed, const double *load, const double *mu0,
-                       double *parameters, const double *curves, const long long *places, double *adhesion)
+                       const double *curves, size_t different, const double *fixed, double *adhesion)
 {
-    double point[4], work[contact_SZ_W + 1];
+    double point[4], curve[contact_CURVE], work[contact_SZ_W + 1];
     casadi_int whole[contact_SZ_IW + 1];
 
     for (size_t i = 0; i < count; i++) {
-        const double *arguments[contact_SZ_ARG] = {point, parameters};
+        const double *arguments[contact_SZ_ARG] = {point, curve, fixed};
         double *results[contact_SZ_RES] = {adhesion + i};
         point[SLIP] = slip[i];
         point[SPEED] = speed[i];
         point[LOAD] = load[i];
         point[MU0] = mu0[i];
-        for (int j = 0; curves && j < 4; j++)
-            parameters[places[j]] = curves[j * count + i];
+        for (int j = 0; j < contact_CURVE; j++)
+            curve[j] = curves[j * different + (different == 1 ? 0 : i)];
         contact(arguments, results, whole, work, 0);
     }
 }
