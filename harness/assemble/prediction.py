@@ -3,40 +3,55 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.assemble.vehicle import GRAVITY
+from railgrip.cache import keep
 from railgrip.errors import ScenarioError
 from railgrip.estimators.consist import Consist, Part
 from railgrip.fmus.native import Model, Variable, lower
 from railgrip.formation import Formation
 
 _PACKAGE = "RailBraking.Vehicles"
-_OF_WHEELSETS = frozenset({"m_wheelset", "m_unsprung"})
+_OF_WHEELSETS = frozenset({"m_unsprung", "dz", "ddz", "deflection"})
 _OF_BOGIES = frozenset({"m_frame", "I_frame", "wheelbase", "h_frame", "h_rod", "k_primary", "c_primary"})
 _PAD_FRICTION = "mu_b_nominal"
 
 
 @cache
-def _model(name: str) -> Model:
-    return lower(f"{_PACKAGE}.{name}")
+def _body() -> Model:
+    return lower(f"{_PACKAGE}.BodyPrediction")
+
+
+@cache
+def _part_model(groups: int, group_of_wheelset: tuple[int, ...]) -> Model:
+    """Return a part of some groups; the wheelsets of its bogies belong to these, counted from one."""
+    text = (
+        f'block Part "Part of a train"\n  extends {_PACKAGE}.PartPrediction(final n_groups={groups}, '
+        f"final n_bogies={len(group_of_wheelset) // 2}"
+    )
+    if group_of_wheelset:
+        text += f", final group_of_wheelset={{{', '.join(map(str, group_of_wheelset))}}}"
+    text += ");\nend Part;\n"
+    return lower("Part", keep("modelica", sha256(text.encode()).hexdigest(), "Part.mo", text.encode()))
 
 
 @dataclass(frozen=True, slots=True)
 class _Members:
-    """Zero-based groups and wheelsets of a part, and its bogie where it is one."""
+    """Zero-based groups of a part, and its bogies with a suspension and their wheelsets."""
 
     groups: tuple[int, ...]
-    wheelsets: tuple[int, ...]
-    bogie: int | None = None
+    bogies: tuple[int, ...] = ()
+    wheelsets: tuple[int, ...] = ()
 
 
 def units_of_predictions() -> dict[str, str]:
     """Return the unit of every parameter that a prediction has, without indices."""
-    models = [_model(name) for name in ("BodyPrediction", "GroupPrediction", "BogiePrediction")]
+    models = _body(), _part_model(1, (1, 1))
     units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
     return {name: unit for name, unit in units.items() if name not in ("m", "m_group")} | {_PAD_FRICTION: "1"}
 
@@ -75,7 +90,7 @@ def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
         ScenarioError: `wheelsets_per_bogie` has another number of wheelsets.
     """
     parts = [_part(members, formation, data) for members in _members(formation, data)]
-    body = _model("BodyPrediction")
+    body = _body()
     mass = sum(data[f"m_wheelset[{i + 1}]"] for i in range(formation.wheelsets))
     values = [mass if v.name == "m" else data.get(v.name, v.start) for v in body.parameters]
     return Consist(body=body, body_parameters=np.array(values), parts=parts)
@@ -117,10 +132,9 @@ def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
         groups = tuple(dict.fromkeys(group_of[first:end]))
         has_frames = all(f"{name}[{bogie + 1}]" in data or name in data for name in ("m_frame", "I_frame", "wheelbase"))
         if end - first == 2 and has_frames and sum(per_group[g] for g in groups) == 2:
-            parts.append(_Members(groups, (first, first + 1), bogie))
+            parts.append(_Members(groups, (bogie,), (first, first + 1)))
     alone = set(range(formation.groups)).difference(*(members.groups for members in parts))
-    wheelsets = np.arange(formation.wheelsets)
-    parts += [_Members((g,), tuple(wheelsets[formation.group_of_wheelset == g].tolist())) for g in alone]
+    parts += [_Members((g,)) for g in alone]
     return sorted(parts, key=lambda members: members.groups)
 
 
@@ -142,23 +156,19 @@ def _number(name: str) -> int:
 
 
 def _part(members: _Members, formation: Formation, data: Mapping[str, float]) -> Part:
-    if members.bogie is None:
-        model = _model("GroupPrediction")
-    else:
-        model = _model("BogiePrediction" if len(members.groups) == 2 else "CoupledBogiePrediction")
+    group_of = formation.group_of_wheelset
+    model = _part_model(len(members.groups), tuple(members.groups.index(group_of[i]) + 1 for i in members.wheelsets))
 
     def place(name: str) -> tuple[str, int]:
         base, bracket, _ = name.partition("[")
-        local = _number(name) - 1 if bracket else 0
-        if base in _OF_BOGIES:
-            return base, members.bogie or 0
-        of = members.wheelsets if base in (*_OF_WHEELSETS, "dz", "ddz", "deflection") else members.groups
-        return base, of[local]
+        of = members.bogies if base in _OF_BOGIES else members.wheelsets if base in _OF_WHEELSETS else members.groups
+        return base, of[_number(name) - 1] if bracket else 0
 
     def parameter(variable: Variable) -> float:
-        if variable.name == "m_group":
-            return sum(data[f"m_wheelset[{i + 1}]"] for i in members.wheelsets)
-        return _value(data, *place(variable.name), variable.start)
+        base, index = place(variable.name)
+        if base == "m_group":
+            return sum(data[f"m_wheelset[{i + 1}]"] for i in np.flatnonzero(group_of == index))
+        return _value(data, base, index, variable.start)
 
     def whole(variable: Variable) -> str:
         base, index = place(variable.name)

@@ -1,6 +1,6 @@
 within RailBraking.FMUs;
 block TrainPredictionDisturbed "Two-part train as an estimator believes it to be, on a track that it does not know"
-  extends TrainPrediction(disturbance = d, acceleration = der(v) + bias);
+  extends TrainPrediction(disturbance = d, acceleration = a + bias);
   Types.Acceleration d(start=0, fixed=true, stateSelect=StateSelect.always)
     "What moves the train and is in no other equation: gradient, curve, wind";
   Types.Acceleration bias(start=0, fixed=true, stateSelect=StateSelect.always) "What the accelerometer shows too much";

@@ -1,18 +1,14 @@
 within RailBraking.Vehicles;
 block BodyPrediction "All masses of a train along the track, as an estimator believes them to be"
-  parameter Types.Mass m(min=1e-3) = 84000 "Mass of the whole train, without rotating masses";
-  parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
-  parameter Types.Area A_drag = 10 "Frontal area";
-  parameter Types.Density rho_air = 1.2 "Density of the air";
+  extends PartialBodyPrediction;
   Interfaces.RealInput force(final unit="N", start=0) "Braking force of the track on all wheelsets"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
   Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
     annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
-  Interfaces.RealOutput acceleration(final unit="m/s2") = der(v) "Acceleration of the train"
+  Interfaces.RealOutput acceleration(final unit="m/s2") = a "Acceleration of the train"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  Types.Velocity v(start=22, fixed=true, stateSelect=StateSelect.always) "Speed of the train";
 equation
-  m*der(v) = track_force - force - rho_air/2*c_drag*A_drag*v^2;
+  thrust = track_force - force;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -25,6 +21,8 @@ equation
     Documentation(info="<html>
 <p>What the parts of a train share in an estimator: its speed and its acceleration.</p>
 <h4>Limitations</h4>
-<p>One mass: couplers do not give.</p>
+<p>
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialBodyPrediction\">PartialBodyPrediction</a>.
+</p>
 </html>"));
 end BodyPrediction;

@@ -1,56 +1,76 @@
 within RailBraking.Vehicles;
-partial block PartialPrediction "What the two prediction models of the two-part train have in common"
-  parameter Types.Velocity speed_start(min=0) = 22.222222222222222 "Speed at the start";
-  parameter Types.Ratio mu_b_start[4] = {0.35, 0.35, 0.35, 0.35} "Pad friction at the start";
-  parameter Types.Ratio alpha_start[4] = {0, 0, 0, 0} "Adhesion of each group at the start";
-  parameter Types.Mass m_wheelset[6](each min=1e-3) = {13400, 14100, 14500, 14500, 14100, 13400}
-    "Mass that each wheelset carries on the rail, its own included";
-  parameter Types.Inertia J[4](each min=1e-3) = {222, 209, 209, 222} "Inertia of each group about its axles";
-  parameter Types.Length r_wheel(min=1e-3) = 0.38 "Rolling radius of all groups";
-  parameter Types.Ratio n_units[4](each min=0) = {3, 2, 2, 3} "Number of brake units of each group";
-  parameter Types.Length r_friction[4](each min=1e-3) = {0.235, 0.220, 0.220, 0.235} "Radius at which the pads rub";
-  parameter Types.Area A_piston(min=1e-6) = 0.0324 "Area of a piston";
-  parameter Types.Ratio i_rigging(min=1e-6) = 6 "Force of both pads over force of the piston";
-  parameter Types.Ratio eta_rigging(min=0, max=1) = 0.95 "Efficiency of the rigging";
-  parameter Types.Force F_spring = 1200 "Force of return spring and slack adjuster";
+partial block PartialPrediction "Any number of wheelsets and bogies, as an estimator believes them to be"
+  parameter Integer n_groups(min=1) = 1 "Number of groups of wheelsets that turn as one" annotation(Evaluate=true);
+  parameter Integer n_bogies(min=0) = 0 "Number of bogies of two wheelsets on a suspension" annotation(Evaluate=true);
+  parameter Integer group_of_wheelset[2*n_bogies] = fill(1, 2*n_bogies)
+    "Group of each wheelset of these bogies, leading first" annotation(Evaluate=true);
+  parameter Types.Mass m_group[n_groups](each min=1e-3, each start=15e3)
+    "Mass that each group carries on the rail, its own included";
+  parameter Types.Inertia J[n_groups](each min=1e-3, each start=120) "Inertia of each group about its axles";
+  parameter Types.Ratio n_units[n_groups](each min=0, each start=2) "Number of brake units of each group";
+  parameter Types.Length r_friction[n_groups](each min=1e-3, each start=0.25) "Radius at which the pads rub";
   parameter Types.Ratio mu_bearing(min=1e-9) = 0.0018 "Friction coefficient of the axle bearings";
   parameter Types.Length r_bearing(min=1e-9) = 0.065 "Radius of the axle bearings";
   parameter Types.Length e_rolling = 0.0004 "Lever arm of the rolling resistance";
-  parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
-  parameter Types.Area A_drag = 10 "Frontal area";
-  parameter Types.Density rho_air = 1.2 "Density of the air";
-
-  Interfaces.RealInput cylinder_pressure[4](each final unit="Pa", each start=0)
-    "Pressure in the cylinders of each group"
-    annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
-  Interfaces.RealInput track_force(final unit="N", start=0) "Force of gradient and curve, forward"
-    annotation(Placement(transformation(extent={{-120, -60}, {-100, -40}})));
-
-  Types.Velocity v(start=speed_start, fixed=true, stateSelect=StateSelect.always) "Speed of the train";
-  Types.AngularVelocity w[4](each start=speed_start/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
+  parameter Types.Mass m_unsprung[2*n_bogies](each min=0, each start=1500) "Mass of each wheelset itself";
+  parameter Types.Mass m_frame[n_bogies](each min=1e-3, each start=3500) "Mass of each bogie frame";
+  parameter Types.Inertia I_frame[n_bogies](each min=1e-3, each start=2200) "Pitch inertia of each bogie frame";
+  parameter Types.Length wheelbase[n_bogies](each min=1e-3, each start=1.9)
+    "Distance of the wheelsets of each bogie";
+  Types.AngularVelocity w[n_groups](each start=0, each fixed=true, each stateSelect=StateSelect.always)
     "Angular velocity of each group";
-  Types.Ratio mu_b[4](start=mu_b_start, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Ratio mu_b[n_groups](each start=0.35, each fixed=true, each stateSelect=StateSelect.always)
     "Pad friction of each group";
-  Types.Ratio alpha[4](start=alpha_start, each fixed=true, each stateSelect=StateSelect.always)
+  Types.Ratio alpha[n_groups](each start=0, each fixed=true, each stateSelect=StateSelect.always)
     "Adhesion of each group";
+  Types.Length dz[2*n_bogies](each start=0, each fixed=true, each stateSelect=StateSelect.always)
+    "Deflection of the primary suspension over each wheelset, change from static, compression positive";
+  Types.Velocity ddz[2*n_bogies](each start=0, each fixed=true, each stateSelect=StateSelect.always)
+    "Rate of the deflection";
 protected
-  final parameter Types.Ratio f_resistance =
-    Components.bearingFriction(mu_bearing, r_bearing, r_wheel) + e_rolling/r_wheel
-    "Bearing and rolling resistance at the rim over load";
-  Types.Acceleration disturbance = 0 "What moves the train and is in no equation of these";
-  Types.Force load[4] "Load of each group on the rail";
-  Types.Force F[4] "Braking force of the track on each group";
-  Types.Torque torque[4] "Brake torque on each group";
+  Types.Length radius[n_groups] "Rolling radius of each group";
+  Types.Length frame_height[n_bogies] "Height of each frame's centre of gravity over the rail";
+  Types.Length rod_height[n_bogies] "Height of each traction rod over the rail";
+  Types.Stiffness stiffness[n_bogies] "Stiffness of the primary suspension over one wheelset";
+  Types.Damping damping[n_bogies] "Damping of the primary suspension over one wheelset";
+  Types.Acceleration train_acceleration "Acceleration of the train";
+  Types.Force pad_force[n_groups] "Normal force of both pads of one unit";
+  Types.Ratio f_resistance[n_groups] "Bearing and rolling resistance at the rim over load";
+  Types.Force load[n_groups] "Load of each group on the rail";
+  Types.Force F[n_groups] "Braking force of the track on each group";
+  Types.Torque torque[n_groups] "Brake torque on each group";
+  Types.Force spring[2*n_bogies] "Spring and damper force over each wheelset, change from static";
+  Types.Force F_bogie[n_bogies] "Braking force of the track on each bogie";
+  Types.Torque torque_bogie[n_bogies] "Brake torque of each bogie";
+  Types.Length axle_height[n_bogies] "Height of the axles of each bogie over the rail";
+  Types.Torque tipping[n_bogies] "Torque that tips each frame nose-down, springs excluded";
 equation
-  for i in 1:4 loop
+  for i in 1:n_groups loop
+    load[i] = groupLoad(g*m_group[i], spring, group_of_wheelset, i);
     F[i] = alpha[i]*load[i];
-    torque[i] = n_units[i]*mu_b[i]*r_friction[i]
-      *Pneumatics.padForce(cylinder_pressure[i], A_piston, i_rigging, eta_rigging, F_spring);
-    J[i]*der(w[i]) = r_wheel*(F[i] - f_resistance*load[i]) - torque[i];
+    torque[i] = n_units[i]*mu_b[i]*r_friction[i]*pad_force[i];
+    J[i]*der(w[i]) = radius[i]*(F[i] - f_resistance[i]*load[i]) - torque[i];
+    der(mu_b[i]) = 0;
+    der(alpha[i]) = 0;
   end for;
-  sum(m_wheelset)*(der(v) - disturbance) = track_force - sum(F) - rho_air/2*c_drag*A_drag*v^2;
-  der(mu_b) = zeros(4);
-  der(alpha) = zeros(4);
+  der(dz) = ddz;
+  for i in 1:n_bogies loop
+    spring[2*i - 1] = stiffness[i]*dz[2*i - 1] + damping[i]*ddz[2*i - 1];
+    spring[2*i] = stiffness[i]*dz[2*i] + damping[i]*ddz[2*i];
+    F_bogie[i] = if group_of_wheelset[2*i - 1] == group_of_wheelset[2*i] then F[group_of_wheelset[2*i]]
+      else F[group_of_wheelset[2*i - 1]] + F[group_of_wheelset[2*i]];
+    torque_bogie[i] = if group_of_wheelset[2*i - 1] == group_of_wheelset[2*i] then torque[group_of_wheelset[2*i]]
+      else torque[group_of_wheelset[2*i - 1]] + torque[group_of_wheelset[2*i]];
+    axle_height[i] = if group_of_wheelset[2*i - 1] == group_of_wheelset[2*i] then radius[group_of_wheelset[2*i]]
+      else (radius[group_of_wheelset[2*i - 1]] + radius[group_of_wheelset[2*i]])/2;
+    tipping[i] = Components.frameTorque(
+      F_bogie[i], torque_bogie[i], train_acceleration, m_unsprung[2*i - 1] + m_unsprung[2*i], m_frame[i],
+      frame_height[i], rod_height[i], axle_height[i]);
+    der(ddz[2*i - 1]) = Components.deflectionAcceleration(
+      tipping[i], spring[2*i - 1], spring[2*i], m_frame[i], I_frame[i], wheelbase[i]/2);
+    der(ddz[2*i]) = Components.deflectionAcceleration(
+      tipping[i], spring[2*i], spring[2*i - 1], m_frame[i], I_frame[i], -wheelbase[i]/2);
+  end for;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
@@ -63,12 +83,18 @@ equation
     Documentation(info="<html>
 <p>
 Pad friction and adhesion are states without dynamics: only a reading moves them. Therefore no contact law is in
-the prediction, and nothing in it is stiff.
+the prediction, and nothing in it is stiff. In braking the front wheelset of a bogie gains the load that the rear one
+loses; the frame bounces and pitches. The adhesion of a group is that of all its wheelsets.
+</p>
+<p>
+How a class that extends this one spells what it knows of radii, riggings and suspensions, once for the train or for
+each group and bogie, is left open, as is the acceleration.
 </p>
 <h4>Limitations</h4>
 <p>
-Meant for a moving train: at rest the brake torque would turn the wheels backwards. One rolling radius for all
-groups: differences are, to the filter, slip.
+Meant for a moving train: at rest the brake torque would turn the wheels backwards. The load of wheelsets of no bogie
+is static: what braking shifts of it, the estimate shows as adhesion. A group has wheelsets of one bogie, or of none.
+Otherwise those of <a href=\"modelica://RailBraking.Components.deflectionAcceleration\">deflectionAcceleration</a>.
 </p>
 </html>"));
 end PartialPrediction;

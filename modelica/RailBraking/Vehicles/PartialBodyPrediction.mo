@@ -1,0 +1,28 @@
+within RailBraking.Vehicles;
+partial block PartialBodyPrediction "All masses of a train along the track, what pushes them left open"
+  parameter Types.Mass m(min=1e-3) = 84000 "Mass of the whole train, without rotating masses";
+  parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
+  parameter Types.Area A_drag = 10 "Frontal area";
+  parameter Types.Density rho_air = 1.2 "Density of the air";
+  Types.Velocity v(start=22, fixed=true, stateSelect=StateSelect.always) "Speed of the train";
+protected
+  Types.Acceleration disturbance = 0 "What moves the train and is in no equation of these";
+  Types.Acceleration a "Acceleration of the train";
+  Types.Force thrust "Force on the train but for drag, forward";
+equation
+  a = (thrust - rho_air/2*c_drag*A_drag*v^2)/m + disturbance;
+  der(v) = a;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
+    Documentation(info="<html>
+<h4>Limitations</h4>
+<p>One mass: couplers do not give.</p>
+</html>"));
+end PartialBodyPrediction;

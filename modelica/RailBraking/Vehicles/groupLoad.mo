@@ -1,0 +1,31 @@
+within RailBraking.Vehicles;
+function groupLoad "Load of a group of wheelsets on the rail"
+  input Types.Force static "Its static load";
+  input Types.Force spring[:] "Spring and damper force over each wheelset of bogies, change from static";
+  input Integer group_of_wheelset[size(spring, 1)] "Group of each of these wheelsets";
+  input Integer group "Number of the group";
+  output Types.Force load "Its load";
+algorithm
+  load := static;
+  for i in 1:size(spring, 1) loop
+    if group_of_wheelset[i] == group then
+      load := load + spring[i];
+    end if;
+  end for;
+  annotation (
+    Icon(
+      coordinateSystem(extent={{-100, -100}, {100, 100}}),
+      graphics={
+        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
+        fillPattern=FillPattern.Solid),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
+        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+    Documentation(info="<html>
+<h4>Syntax</h4>
+<blockquote><pre>
+load = Vehicles.<strong>groupLoad</strong>(static, spring, group_of_wheelset, group);
+</pre></blockquote>
+<h4>Limitations</h4>
+<p>A group of none of these wheelsets keeps its static load.</p>
+</html>"));
+end groupLoad;
