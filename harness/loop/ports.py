@@ -79,13 +79,13 @@ class Sensors(Protocol):
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of one of their own samples, ordered as in `railgrip.signals.Layout`.
 
-        NaN where there is no new one; `Clock.sensors` says how often they sample.         SensorsFailed ends the stop.
+        NaN where there is no new one; `Clock.sensors` says how often they sample. SensorsFailed ends the stop.
         """
         ...
 
 
 @runtime_checkable
-class Estimator(Protocol):
+class Filter(Protocol):
     """A belief about the train that moves on in place: the arrays stay the same, their values change.
 
     A filter on values becomes one by `railgrip.estimators.running.Running`.
@@ -95,31 +95,22 @@ class Estimator(Protocol):
         covariance: Shape (n, n).
         inputs: Inputs during the next period, shape (nu,); written by the loop.
         readings: Readings at its end, NaN where nothing new was read, shape (m,); written by the loop.
+        selection: 1 for every reading that the last step used, else 0, shape (m,).
     """
 
     mean: Vector
     covariance: Matrix
     inputs: Vector
     readings: Vector
+    selection: Vector
 
     def advance(self) -> None:
         """Predict over one period with `inputs`, then condition on `readings`; ArithmeticError when that fails."""
         ...
 
-
-@runtime_checkable
-class Filter(Estimator, Protocol):
-    """An estimator that says how far its readings were from what it expected.
-
-    Attributes:
-        selection: 1 for every reading that the last step used, else 0, shape (m,).
-    """
-
-    selection: Vector
-
     @property
     def squared_innovation(self) -> float:
-        """Normalised innovation squared of the last step, of `used.sum()` degrees; 0 before the first."""
+        """Normalised innovation squared of the last step, of `selection.sum()` degrees; 0 before the first."""
         ...
 
 
