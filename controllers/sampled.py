@@ -18,7 +18,7 @@ Expression = Any
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """One number at the edge of a sampled function.
+    """One number at the interface of a sampled function.
 
     Attributes:
         name: As FMI writes it, `slip[1]` an element of an array.

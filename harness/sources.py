@@ -17,7 +17,7 @@ _UNCONCERNED = (
     "railgrip/studies/",
     "railgrip/scenario/library/",
     "railgrip/scenario/campaigns/",
-    "railgrip/scenario/edges/",
+    "railgrip/scenario/equipment/",
     "railgrip.fmus/lock.toml",
 )
 """They read results or make other ones, or are the question itself (the scenario's digest is their own), or follow from

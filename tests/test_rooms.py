@@ -38,7 +38,7 @@ ALLOWED = {
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
                      "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction",
-                     "railgrip.loop.ports.Edge"),
+                     "railgrip.loop.ports.CInterface"),
 }  # fmt: skip
 
 GROUND = ("railgrip.errors", "railgrip.atomic", "railgrip.cache")

@@ -13,7 +13,7 @@ FUNCTIONS = ("derivative", "output", "initial")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variable:
-    """A scalar variable at the edge of a model.
+    """A scalar variable at the interface of a model.
 
     Attributes:
         name: Modelica name, such as `slip[2]`.

@@ -15,7 +15,7 @@ from railgrip.assemble.trial import findings, tried
 from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.fmu import CoSimulation, Description, Signal, bind, open_plant
-from railgrip.loop.ports import Edge, Plant
+from railgrip.loop.ports import CInterface, Plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST
 from railgrip.scenario.vehicle import Nudge
@@ -210,8 +210,8 @@ class _WithSlipInC(_WithSlip):
         super().__init__(plant, layout)
         self._in_c = plant
 
-    def edge(self) -> Edge:
-        return replace(self._in_c.edge(), slip_radius=np.array(self._radius, dtype=np.float64))
+    def c_interface(self) -> CInterface:
+        return replace(self._in_c.c_interface(), slip_radius=np.array(self._radius, dtype=np.float64))
 
     def note_steps(self, steps: int, code: int) -> None:
         self._in_c.note_steps(steps, code)

@@ -25,8 +25,8 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 
 RAILS = Path(__file__).parents[1] / "scenario" / "campaigns" / "training.toml"
-EDGES = {"ideal": "ideal", "pneumatic": "service"}
-"""Kind of actuation → variant of the axis `edge` whose stops it is tuned on."""
+EQUIPMENT = {"ideal": "ideal", "pneumatic": "service"}
+"""Kind of actuation → variant of the axis `equipment` whose stops it is tuned on."""
 
 Ranges = Mapping[str, tuple[float, float]]
 
@@ -40,7 +40,7 @@ _SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
 
 _LIBRARY = tomllib.loads((Path(__file__).parent / "library" / "ranges.toml").read_text(encoding="utf-8"))
 RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
-    **{law: dict.fromkeys(product(EDGES, _SOURCES), _LEVELS) for law in ("slip_two_state", "slip_three_state")},
+    **{law: dict.fromkeys(product(EQUIPMENT, _SOURCES), _LEVELS) for law in ("slip_two_state", "slip_three_state")},
     **{
         law: {
             (actuation, slip): {name: (low, high) for name, (low, high) in ranges.items()}
@@ -144,7 +144,7 @@ def search(
         slip: The second of it.
         tell: Called after each generation with its number and the best reduction against the reference.
         pool: To run stops in.
-        rails: Campaign with the axes rail and edge.
+        rails: Campaign with the axes rail and equipment.
         rail_stops: Stops of the type test in place of its rails, each with the variant rail, for the set of its own.
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
         budget: Sets to be tried in all, whatever is searched; None for `sets`.
@@ -154,7 +154,7 @@ def search(
 
     start = tuning.searched(law, actuation, slip, type_test=rail_stops is not None and law in tuning.TWICE)
     if rail_stops is None:
-        rail_stops = [stop for stop in load_campaign(rails).stops if stop.variants["edge"] == EDGES[actuation]]
+        rail_stops = [stop for stop in load_campaign(rails).stops if stop.variants["equipment"] == EQUIPMENT[actuation]]
     scenarios = [stop.scenario for stop in rail_stops]
     ranges = RANGES[law][actuation, slip]
     stops = tuple(_under(law, slip, scenario) for scenario in scenarios)

@@ -245,7 +245,7 @@ def tune_control(
     """
     from railgrip.atomic import write_text
     from railgrip.campaign.one_stop import make_folder
-    from railgrip.campaign.tune_control import EDGES, RANGES, search, text_of
+    from railgrip.campaign.tune_control import EQUIPMENT, RANGES, search, text_of
     from railgrip.campaign.workers import workers as processes
     from railgrip.controllers.tuning import file_of
 
@@ -257,7 +257,7 @@ def tune_control(
     def note(name: str, number: int, best: float) -> None:
         say(f"{name}, generation {number}: {100 * best:+.2f} % against slip-based control")
 
-    stops, kinds = None, frozenset(EDGES)
+    stops, kinds = None, frozenset(EQUIPMENT)
     if cases is not None:
         from railgrip.studies.type_test.entrants import training
 

@@ -20,7 +20,7 @@ from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.mapping import Binding
 from railgrip.fmu.parameters import Values, assignments
 from railgrip.fmu.set_step_get import Outcome, SetStepGet, outcome
-from railgrip.loop.ports import Edge
+from railgrip.loop.ports import CInterface
 
 Vector = NDArray[np.float64]
 
@@ -145,14 +145,14 @@ class CoSimulation:
         self._sample += 1
         return set_step_get.outputs.copy() if self._present is None else self._spread()
 
-    def edge(self) -> Edge:
+    def c_interface(self) -> CInterface:
         """Return what a loop in C steps this plant by; it then reports to `note_steps`."""
         if not self._ready:
             raise self._not_ready()
-        return self._set_step_get.edge(self._sample)
+        return self._set_step_get.c_interface(self._sample)
 
     def note_steps(self, steps: int, code: int) -> None:
-        """Take note of steps done by `edge`, and of the number of the outcome that ended them, 0 for none.
+        """Take note of steps done by `c_interface`, and of the number of the outcome that ended them, 0 for none.
 
         Raises:
             PlantFailed: They ended early.

@@ -33,7 +33,7 @@ Carrier = Literal["Real", "Integer", "Boolean"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """A quantity at the edge between the harness and a plant, as the harness sees it.
+    """A quantity at the interface between the harness and a plant, as the harness sees it.
 
     Attributes:
         name: Ours.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from railgrip.fmu.instance import Instance
 from railgrip.fmu.mapping import Binding, Channel
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.loop.ports import Edge
+from railgrip.loop.ports import CInterface
 
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
@@ -115,9 +115,9 @@ class SetStepGet:
             return "fmi2DoStep"
         return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
 
-    def edge(self, sample: int) -> Edge:
+    def c_interface(self, sample: int) -> CInterface:
         """Return this communication step as C sees it, of a plant that is at a sample."""
-        return Edge(
+        return CInterface(
             cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
             plan=self._address.value or 0,
             inputs=self.inputs,

@@ -143,9 +143,9 @@ def run(
         LoopError: Shapes, names or periods do not fit.
         PlantFailed: Raised by the plant's `note_steps`.
     """
-    edge = plant.edge()
+    interface = plant.c_interface()
     table, noises = (np.ascontiguousarray(values, dtype=np.float64) for values in (inputs, noise))
-    steps, columns = len(table), (*edge.input_names, *further)
+    steps, columns = len(table), (*interface.input_names, *further)
     if table.shape != (steps, len(columns)) or noises.shape != (steps, len(readings)):
         raise LoopError(
             f"run: wants inputs of shape (K, {len(columns)}) for {', '.join(columns)} and noise of "
@@ -155,24 +155,24 @@ def run(
         raise LoopError(f"run: every counts samples, 1 or more, got {every}.")
     if not np.all(np.isfinite(table)):
         raise LoopError("run: the table of inputs holds a value that is not a finite number.")
-    places = np.array([_index("reading", name, edge.output_names) for name in readings], dtype=np.intc)
+    places = np.array([_index("reading", name, interface.output_names) for name in readings], dtype=np.intc)
     rows = steps // every
-    outputs = np.empty((rows, edge.outputs.size))
-    beside = [_Beside(observer, edge.period, columns, tuple(readings), rows) for observer in observers]
+    outputs = np.empty((rows, interface.outputs.size))
+    beside = [_Beside(observer, interface.period, columns, tuple(readings), rows) for observer in observers]
     filters = (_Filter * max(len(beside), 1))(*(one.struct for one in beside))
     plan = _Run(
-        cross=edge.cross, plan=edge.plan, to=_at(edge.inputs), outputs=_at(edge.outputs),
-        n_inputs=edge.inputs.size, n_columns=len(columns), n_outputs=edge.outputs.size,
-        n_readings=len(readings), n_filters=len(beside), period=edge.period, count=steps, every=every,
+        cross=interface.cross, plan=interface.plan, to=_at(interface.inputs), outputs=_at(interface.outputs),
+        n_inputs=interface.inputs.size, n_columns=len(columns), n_outputs=interface.outputs.size,
+        n_readings=len(readings), n_filters=len(beside), period=interface.period, count=steps, every=every,
         inputs=_at(table), noise=_at(noises), shown=_at(places),
-        record=_at(outputs), filter=ctypes.addressof(filters), first=edge.sample,
+        record=_at(outputs), filter=ctypes.addressof(filters), first=interface.sample,
     )  # fmt: skip
     code = _library().run(ctypes.byref(plan))
     plant.note_steps(plan.done, code)
     return Record(
-        sample=edge.sample + every * np.arange(1, rows + 1),
+        sample=interface.sample + every * np.arange(1, rows + 1),
         outputs=outputs,
-        beliefs={one.name: one.beliefs(filters[i], edge.sample) for i, one in enumerate(beside)},
+        beliefs={one.name: one.beliefs(filters[i], interface.sample) for i, one in enumerate(beside)},
     )
 
 

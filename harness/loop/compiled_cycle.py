@@ -15,7 +15,7 @@ from railgrip.loop.ending import Ending, divergence, horizon, implausibility, st
 from railgrip.loop.library import address_of, kernel
 from railgrip.loop.parties import Parties
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Edge, FilterInC, PlantInC
+from railgrip.loop.ports import CInterface, FilterInC, PlantInC
 from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.loop.watch import NEGATIVE, StateEstimator, complete
@@ -133,7 +133,7 @@ def run(parties: Parties, progress: Callable[[float], None] | None = None) -> En
     rail.lay(inputs)
     truth = plant.start(inputs)
     rail.meet(truth)
-    parts = _Parts(parties, plant.edge())
+    parts = _Parts(parties, plant.c_interface())
     state = parts.struct
     state.truth[:], state.inputs[:] = truth.tolist(), inputs.tolist()
     cycle, address = kernel(layout).cycle, ctypes.addressof(state)
@@ -169,7 +169,7 @@ def run(parties: Parties, progress: Callable[[float], None] | None = None) -> En
 class _Parts:
     """The argument of the cycle in C, and everything it points to."""
 
-    def __init__(self, parties: Parties, plant: Edge) -> None:
+    def __init__(self, parties: Parties, plant: CInterface) -> None:
         layout, sensors, state_estimator, law = parties.layout, parties.sensors, parties.state_estimator, parties.law
         rail, driver, faults, recorder = parties.rail, parties.driver, parties.faults, parties.recorder
         clock = parties.clock

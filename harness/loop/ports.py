@@ -15,7 +15,7 @@ Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Edge:
+class CInterface:
     """A communication step of a plant as C sees it.
 
     Attributes:
@@ -63,7 +63,7 @@ class PlantInC(Protocol):
         """Initialise with `inputs` applied and return the outputs at the start time."""
         ...
 
-    def edge(self) -> Edge:
+    def c_interface(self) -> CInterface:
         """Return how, once started."""
         ...
 

@@ -17,7 +17,7 @@ _FIRST = "braking distance"
 
 
 def table(campaign: Campaign, baseline: Baseline) -> str:
-    """Return the table: a line for each edge and controller, a column for each scenario.
+    """Return the table: a line for each equipment and controller, a column for each scenario.
 
     In brackets stands the change against the published SBC, and behind it that against the best SBC with other
     thresholds where there is one. A distance that rounding decides is its median with its range. Lock and strokes are
@@ -26,19 +26,20 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     scenarios = list(dict.fromkeys(stop.variants["scenario"] for stop in campaign.stops))
     lines: dict[tuple[str, str], dict[str, PlannedStop]] = {}
     for stop in campaign.stops:
-        lines.setdefault((stop.variants["edge"], stop.variants["controller"]), {})[stop.variants["scenario"]] = stop
+        line = lines.setdefault((stop.variants["equipment"], stop.variants["controller"]), {})
+        line[stop.variants["scenario"]] = stop
     published = _references(campaign.stops, [stop for stop in campaign.stops if is_published(_law(stop))])
     tuned = _references(campaign.stops, _best_tuned(campaign.stops, baseline))
     rows = [
         *_published_rows(campaign, lines, scenarios),
         *(
-            {_FIRST: f"{edge}: {_name(stops, lines, edge)}"}
+            {_FIRST: f"{equipment}: {_name(stops, lines, equipment)}"}
             | {
                 name.replace("_", " "): _cell(stops.get(name), baseline, published, tuned) if name in stops else ""
                 for name in scenarios
             }
             | _worst([baseline.stops[stop.name] for stop in stops.values() if stop.name in baseline.stops])
-            for (edge, _), stops in lines.items()
+            for (equipment, _), stops in lines.items()
         ),
     ]
     return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
@@ -109,36 +110,35 @@ def _worst(stops: Sequence[Accepted]) -> dict[str, float | None]:
 
 
 def _name(
-    stops: Mapping[str, PlannedStop], lines: Mapping[tuple[str, str], Mapping[str, PlannedStop]], edge: str
+    stops: Mapping[str, PlannedStop], lines: Mapping[tuple[str, str], Mapping[str, PlannedStop]], equipment: str
 ) -> str:
     """Return what the controller of a line is called; with its variant where another one is called the same."""
-    labels = [_label(next(iter(other.values()))) for (where, _), other in lines.items() if where == edge]
+    labels = [_label(next(iter(other.values()))) for (where, _), other in lines.items() if where == equipment]
     first = next(iter(stops.values()))
     own = _label(first)
     return own if labels.count(own) == 1 else f"{own}, {first.variants['controller'].replace('_', ' ')}"
 
 
 def _references(stops: Sequence[PlannedStop], selection: Sequence[PlannedStop]) -> dict[str, str]:
-    """Return name of each stop → name of the chosen one in the same scenario and edge."""
-    at = {(stop.variants["scenario"], stop.variants["edge"]): stop.name for stop in selection}
-    places = {stop.name: (stop.variants["scenario"], stop.variants["edge"]) for stop in stops}
+    """Return name of each stop → name of the chosen one in the same scenario and equipment."""
+    at = {(stop.variants["scenario"], stop.variants["equipment"]): stop.name for stop in selection}
+    places = {stop.name: (stop.variants["scenario"], stop.variants["equipment"]) for stop in stops}
     return {name: at[place] for name, place in places.items() if place in at}
 
 
 def _best_tuned(stops: Sequence[PlannedStop], baseline: Baseline) -> list[PlannedStop]:
-    """Return the stops of the best tuned SBC of each edge."""
+    """Return the stops of the best tuned SBC of each equipment."""
 
     def distance(stop: PlannedStop) -> float | None:
         accepted = baseline.stops.get(stop.name)
         return None if accepted is None else accepted.distance
 
     tuned = [stop for stop in stops if is_tuned(_law(stop))]
-    edges = dict.fromkeys(stop.variants["edge"] for stop in tuned)
     return [
         stop
-        for edge in edges
+        for equipment in dict.fromkeys(stop.variants["equipment"] for stop in tuned)
         for stop in best(
-            [stop for stop in tuned if stop.variants["edge"] == edge],
+            [stop for stop in tuned if stop.variants["equipment"] == equipment],
             lambda stop: law_of(stop.scenario.resolved()),
             distance,
         )

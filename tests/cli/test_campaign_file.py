@@ -17,11 +17,12 @@ def campaign(project, text):
 def test_stops_are_the_product_of_axes_and_sweeps(project):
     plan = campaign(
         project,
-        '[axes.edge.a]\nseed = 1\n[axes.edge.b]\nseed = 2\n[sweep]\n"start.speed" = ["80 km/h", "100 km/h", 30]\n',
+        "[axes.equipment.a]\nseed = 1\n[axes.equipment.b]\nseed = 2\n"
+        '[sweep]\n"start.speed" = ["80 km/h", "100 km/h", 30]\n',
     )
     assert [stop.name for stop in plan.stops][:2] == ["wet-a-80_km_h", "wet-a-100_km_h"]
     assert len(plan.stops) == 6
-    assert plan.stops[-1].variants == {"scenario": "wet", "edge": "b", "start.speed": "30"}
+    assert plan.stops[-1].variants == {"scenario": "wet", "equipment": "b", "start.speed": "30"}
     assert plan.stops[-1].scenario.start.speed == 30.0
     assert plan.stops[-1].scenario.seed == 2
 
@@ -35,9 +36,9 @@ def test_a_variant_may_be_a_file_beside_the_campaign(project):
 def test_exclusions_and_references_match_by_axis(project):
     plan = campaign(
         project,
-        "[axes.edge.a]\n[axes.edge.b]\n[axes.x.p]\n[axes.x.q]\n"
-        '[[exclude]]\nedge = "b"\nx = ["p"]\n'
-        '[[reference]]\nmatch = { scenario = "wet", edge = "a" }\ndistance = "100 m"\nsource = "a book"\n',
+        "[axes.equipment.a]\n[axes.equipment.b]\n[axes.x.p]\n[axes.x.q]\n"
+        '[[exclude]]\nequipment = "b"\nx = ["p"]\n'
+        '[[reference]]\nmatch = { scenario = "wet", equipment = "a" }\ndistance = "100 m"\nsource = "a book"\n',
     )
     assert [stop.name for stop in plan.stops] == ["wet-a-p", "wet-a-q", "wet-b-q"]
     assert [bool(plan.reference_for(stop)) for stop in plan.stops] == [True, True, False]
@@ -68,9 +69,12 @@ def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("[axes.edge.a]\nstart.sped = 3\n", "campaign.toml, stop wet-a (wet.toml): [start] has no key 'sped'"),
-        ('[axes.edge]\na = "gone.toml"\n', "campaign.toml: [axes.edge] a names 'gone.toml', but there is no file"),
-        ("[axes.edge]\na = 3\n", "campaign.toml: [axes.edge.a] must be a table, got 3"),
+        ("[axes.equipment.a]\nstart.sped = 3\n", "campaign.toml, stop wet-a (wet.toml): [start] has no key 'sped'"),
+        (
+            '[axes.equipment]\na = "gone.toml"\n',
+            "campaign.toml: [axes.equipment] a names 'gone.toml', but there is no file",
+        ),
+        ("[axes.equipment]\na = 3\n", "campaign.toml: [axes.equipment.a] must be a table, got 3"),
         ("[axes.scenario.a]\n", "campaign.toml: [axes] cannot be named 'scenario'"),
         ('[axes.e.a]\n[[exclude]]\nf = "a"\n', "campaign.toml: [exclude] names the axis 'f'; there is e"),
         ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),

@@ -12,7 +12,7 @@ from one_process import Here, one_process
 
 from railgrip.assemble.controller import controller_of
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.campaign.tune_control import EDGES, RANGES, Optimum, parameters_of, search, text_of
+from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, parameters_of, search, text_of
 from railgrip.cli.main import main
 from railgrip.controllers.adhesion_based import PeakSeekingTuning
 from railgrip.controllers.law import Law
@@ -68,8 +68,8 @@ def test_what_was_found_lies_where_it_was_searched(law, actuation, slip, type_te
 
 def law_with(actuation: str, slip: str, **controller: str) -> Law:
     """The law of a scenario on this actuation and with this way to know the slip."""
-    edge = CAMPAIGNS.parent / "edges" / f"{EDGES[actuation]}.toml"
-    table = merged(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(edge))
+    equipment = CAMPAIGNS.parent / "equipment" / f"{EQUIPMENT[actuation]}.toml"
+    table = merged(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(equipment))
     table = merged(table, {"controller": controller})
     if slip == "read":
         table = merged(table, {"estimator": {"kind": "none"}})
@@ -198,8 +198,8 @@ def one_rail(tmp_path_factory):
     first, _, rest = text.partition("[axes.rail.patches]")
     file.write_text(
         first.replace("../library", str(CAMPAIGNS.parent / "library"))
-        + "[axes.edge]"
-        + rest.partition("[axes.edge]")[2].replace("../edges", str(CAMPAIGNS.parent / "edges"))
+        + "[axes.equipment]"
+        + rest.partition("[axes.equipment]")[2].replace("../equipment", str(CAMPAIGNS.parent / "equipment"))
         + '\n[sweep]\n"start.speed" = ["9 km/h"]\n',
         encoding="utf-8",
     )

@@ -19,7 +19,7 @@ from railgrip.loop.ports import Plant
 PERIOD = 1e-3
 
 
-def edge(description: Description) -> Binding:
+def binding(description: Description) -> Binding:
     plain = {"unit": "1", "size": 0, "needed": True}
     return bind(
         description,
@@ -30,7 +30,7 @@ def edge(description: Description) -> Binding:
 
 def opened(file: Path, **parameters: object) -> CoSimulation:
     description = describe(file)
-    return CoSimulation(description, edge(description), period=PERIOD, parameters=parameters)
+    return CoSimulation(description, binding(description), period=PERIOD, parameters=parameters)
 
 
 def closed_form(t: float, rate: float, gain: float, u: float, x: float = 1.0) -> float:
@@ -269,7 +269,7 @@ def test_the_start_value_of_a_state_can_be_set(foundry: Path):
 def test_a_period_is_a_positive_time(foundry: Path, period: float):
     description = describe(tiny(foundry))
     with pytest.raises(FmuError, match="the communication period is a positive time"):
-        CoSimulation(description, edge(description), period=period, parameters={})
+        CoSimulation(description, binding(description), period=period, parameters={})
 
 
 # --- what is left behind ---------------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ from railgrip.trace.table import DataTable
 
 ROOM = Path(railgrip.scenario.__file__).parent
 SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem not in ("polach", "foreign_train")]
-SERVICE = tomllib.loads((ROOM / "edges" / "service.toml").read_text(encoding="utf-8"))
+SERVICE = tomllib.loads((ROOM / "equipment" / "service.toml").read_text(encoding="utf-8"))
 
 many = settings(
     max_examples=int(os.environ.get("RAILGRIP_FUZZ", "50")),

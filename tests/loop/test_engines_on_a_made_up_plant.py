@@ -29,7 +29,7 @@ from railgrip.loop.ending import Clock
 from railgrip.loop.faults import CommandFault, Faults, ReadingFault
 from railgrip.loop.parties import Parties
 from railgrip.loop.plausible import Plausibility
-from railgrip.loop.ports import Edge
+from railgrip.loop.ports import CInterface
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.sensors import (
     BLOCK,
@@ -94,9 +94,9 @@ class Plant:
             return self._truth(inputs)
         raise self._failure()
 
-    def edge(self):
+    def c_interface(self):
         address = ctypes.cast(self._cross, ctypes.c_void_p).value
-        return Edge(
+        return CInterface(
             cross=address, plan=0, inputs=self.taken, outputs=self.shown, present=self.present,
             input_names=(), output_names=(), period=1e-3, sample=0,
         )  # fmt: skip

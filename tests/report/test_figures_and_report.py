@@ -23,7 +23,7 @@ def folder(tmp_path_factory, write_campaign):
     directory = tmp_path_factory.mktemp("report")
     write_campaign(
         directory,
-        lambda stop: stop.variants["edge"] == "ideal" and stop.variants["controller"] in KEPT,
+        lambda stop: stop.variants["equipment"] == "ideal" and stop.variants["controller"] in KEPT,
     )
     return directory
 

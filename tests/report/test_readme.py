@@ -12,8 +12,8 @@ from railgrip.scenario.campaign import load_campaign
 ROOT = Path(__file__).parents[2]
 BASELINE = ROOT / "tests" / "baselines" / "table1.toml"
 
-EDGES = """
-[axes.edge]
+EQUIPMENT = """
+[axes.equipment]
 ideal = {}
 [axes.controller]
 sbc = { controller.kind = "slip_two_state" }
@@ -44,7 +44,9 @@ def campaign(tmp_path):
     from synthetic import LIBRARY
 
     path = tmp_path / "c.toml"
-    path.write_text(f'name = "c"\nscenarios = ["{(LIBRARY / "random.toml").as_posix()}"]\n{EDGES}', encoding="utf-8")
+    path.write_text(
+        f'name = "c"\nscenarios = ["{(LIBRARY / "random.toml").as_posix()}"]\n{EQUIPMENT}', encoding="utf-8"
+    )
     return load_campaign(path)
 
 

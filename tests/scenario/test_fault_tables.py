@@ -17,12 +17,12 @@ from railgrip.scenario.faults import KINDS, READ_BY, Fault, Truth
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
 
-EDGES = LIBRARY.parent / "edges"
+EQUIPMENT = LIBRARY.parent / "equipment"
 
 
-def asked(*faults, edge="service", **tables):
+def asked(*faults, equipment="service", **tables):
     table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
-    table = merged(table, tomllib.loads((EDGES / f"{edge}.toml").read_text(encoding="utf-8")))
+    table = merged(table, tomllib.loads((EQUIPMENT / f"{equipment}.toml").read_text(encoding="utf-8")))
     return scenario_of(merged(table, {"faults": list(faults), **tables}), directory=LIBRARY, origin="mine.toml")
 
 
@@ -66,7 +66,7 @@ def test_wrong_faults_end_in_a_sentence(fault, sentence):
 
 
 @pytest.mark.parametrize(
-    ("edge", "tables", "sentence"),
+    ("equipment", "tables", "sentence"),
     [
         ("ideal", {"faults": [{"part": "speed_sensor", "kind": "missing_teeth", "value": 1}]}, "needs pole wheels"),
         ("service", {"faults": [{"part": "brake", "kind": "isolated", "group": 1, "value": 3}]}, "isolates all units"),
@@ -77,9 +77,11 @@ def test_wrong_faults_end_in_a_sentence(fault, sentence):
         ("service", {"truth": {"laod": 1.0}}, "[truth] has no key 'laod'; did you mean 'load'?"),
     ],
 )  # fmt: skip
-def test_what_the_vehicle_does_not_have_ends_in_a_sentence(edge, tables, sentence):
+def test_what_the_vehicle_does_not_have_ends_in_a_sentence(equipment, tables, sentence):
     def question():
-        scenario = asked(*tables.get("faults", ()), edge=edge, **{k: v for k, v in tables.items() if k != "faults"})
+        scenario = asked(
+            *tables.get("faults", ()), equipment=equipment, **{k: v for k, v in tables.items() if k != "faults"}
+        )
         parts(scenario)
         plant_of(scenario)
 
@@ -102,10 +104,10 @@ tables = st.fixed_dictionaries(
 
 
 @settings(max_examples=300)
-@given(faults=st.lists(tables, min_size=1, max_size=2), edge=st.sampled_from(["ideal", "service"]))
-def test_any_table_of_faults_is_taken_or_refused_in_a_sentence(faults, edge):
+@given(faults=st.lists(tables, min_size=1, max_size=2), equipment=st.sampled_from(["ideal", "service"]))
+def test_any_table_of_faults_is_taken_or_refused_in_a_sentence(faults, equipment):
     try:
-        scenario = asked(*faults, edge=edge)
+        scenario = asked(*faults, equipment=equipment)
         parts(scenario)
         plant_of(scenario)
     except ScenarioError as error:

@@ -275,7 +275,7 @@ def test_a_table_that_contradicts_the_plant_is_refused(override, sentence):
         run_stop(scenario)
 
 
-SERVICE = LIBRARY.parent / "edges" / "service.toml"
+SERVICE = LIBRARY.parent / "equipment" / "service.toml"
 
 
 @pytest.mark.parametrize("name", ["two-part train", "freight train"])

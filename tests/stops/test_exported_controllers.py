@@ -20,12 +20,12 @@ SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
 SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")
 
 
-def question(edge: str, controller: str):
+def question(equipment: str, controller: str):
     kind = controller if controller in ("wheel_reference", "constant_slip", "extremum_seeking") else None
     changes = () if kind is None else (f"controller.kind={kind}",)
     controller = controller if kind is None else "adhesion_based"
     stops = load_campaign(SCENARIOS / "campaigns" / "table1.toml", (*SHORT, *changes)).stops
-    (found,) = (stop.scenario for stop in stops if stop.name == f"sine_sweep-{edge}-{controller}")
+    (found,) = (stop.scenario for stop in stops if stop.name == f"sine_sweep-{equipment}-{controller}")
     return found
 
 
@@ -56,7 +56,7 @@ def shown(scenario, trace):
 
 
 @pytest.mark.parametrize(
-    ("edge", "controller"),
+    ("equipment", "controller"),
     [
         ("ideal", "slip_two_state"),
         ("ideal", "adhesion_based"),
@@ -68,10 +68,10 @@ def shown(scenario, trace):
         ("service", "extremum_seeking"),
     ],
 )
-def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp_path):
+def test_an_exported_controller_commands_what_the_loop_did(equipment, controller, tmp_path):
     """4 s of a stop, each command of the loop against the FMU's on the same sights. Slip is formed here from the
     trace, so its last digit may differ: 1e-6 of the full pressure; valve commands are whole numbers."""
-    scenario = question(edge, controller)
+    scenario = question(equipment, controller)
     path = pack(controller_fmu(scenario), tmp_path / "controller.fmu")
     assert validate_fmu(str(path)) == []
     described = describe(path)
@@ -89,14 +89,14 @@ def test_an_exported_controller_commands_what_the_loop_did(edge, controller, tmp
         )
     )
     output = Signal(name="demand", unit="Pa", size=4, needed=True)
-    if edge == "service":
+    if equipment == "service":
         output = Signal(name="command", unit="1", size=4, needed=True)
     binding = bind(described, inputs=inputs, outputs=(output,), parameters=(), table={}, where="test")
     observations, commands = shown(scenario, run_stop(scenario).trace)
     with CoSimulation(described, binding, period=scenario.periods.controller, parameters={}) as fmu:
         fmu.start(observations[0])
         for observation, command in zip(observations, commands, strict=True):
-            assert fmu.step(observation) == pytest.approx(command, abs=0.34 if edge == "ideal" else 0.0)
+            assert fmu.step(observation) == pytest.approx(command, abs=0.34 if equipment == "ideal" else 0.0)
 
 
 @pytest.mark.parametrize(

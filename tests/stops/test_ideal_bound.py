@@ -48,8 +48,8 @@ def test_the_bound_feels_a_gradient_once(change):
 @pytest.mark.parametrize("curve", ["dry", "soap"])
 def test_who_knows_the_truth_stops_with_valves_within_five_percent_of_the_bound(curve):
     """The rest is what pressure takes to build up, and valves to follow; a radar that is dead does not matter."""
-    edge = Path(railgrip.scenario.__file__).parent / "edges" / "service.toml"
-    table = merged(read_toml(LIBRARY / "plain.toml"), read_toml(edge))
+    equipment = Path(railgrip.scenario.__file__).parent / "equipment" / "service.toml"
+    table = merged(read_toml(LIBRARY / "plain.toml"), read_toml(equipment))
     table = merged(
         table,
         {

@@ -16,8 +16,8 @@ LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 @cache
 def trace_of(seed: int):
     """Return the stop on a random rail, with valves and service sensors drawn from the seed."""
-    edge = read_toml(LIBRARY.parent / "edges" / "service.toml")
-    table = merged(merged(read_toml(LIBRARY / "random.toml"), edge), {"seed": seed})
+    equipment = read_toml(LIBRARY.parent / "equipment" / "service.toml")
+    table = merged(merged(read_toml(LIBRARY / "random.toml"), equipment), {"seed": seed})
     return run_stop(scenario_of(table, directory=LIBRARY, origin="random.toml")).trace
 
 

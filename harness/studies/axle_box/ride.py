@@ -15,7 +15,7 @@ length = "400 m"
 direction = 1                       # -1: the fourth wheelset leads
 
 [estimator]
-kind = "learned"                    # what `railgrip learn` trained, in CasADi; or "fmu", any FMU of the same edge
+kind = "learned"                    # what `railgrip learn` trained, in CasADi; or "fmu", any FMU of the same interface
 file = "build/learn/friction.json"      # from here or from the folder of this file
 """
 

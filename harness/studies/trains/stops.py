@@ -28,7 +28,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.trace.outcome import Outcome
 
 LIBRARY = Path(__file__).parent / "library"
-EDGES = Path(railgrip.scenario.__file__).parent / "edges"
+EQUIPMENT = Path(railgrip.scenario.__file__).parent / "equipment"
 USUAL_SPEED = 120 / 3.6  # m/s, where a train file names none
 _STEPS, _ROUNDS = 2000, 3
 _FULL_BRAKE = {"pressure_command": 1e7, "mu0": 0.5}
@@ -159,7 +159,7 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     Raises:
         ScenarioError: It does not come to stand, or the compiled engine cannot run it.
     """
-    service = read_toml(EDGES / "service.toml")
+    service = read_toml(EQUIPMENT / "service.toml")
     del service["vehicle"]
     table = merged(merged(read_toml(LIBRARY / "dry.toml"), service), read_toml(LIBRARY / "protected.toml"))
     table["periods"]["estimator"] = estimator_period

@@ -96,7 +96,9 @@ def train_of(argument: str | None) -> dict[str, Any]:
     Raises:
         ScenarioError: There is no such train.
     """
-    table = merged(read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "edges" / "service.toml"))
+    table = merged(
+        read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "equipment" / "service.toml")
+    )
     table = merged(table, {"estimator": _FILTER})
     if argument is None:
         return table
