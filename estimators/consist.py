@@ -1,16 +1,14 @@
 """A prediction of any train, made of parts that share its speed and acceleration only."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Vector
-from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.fmus.native import Model, Variable
+from railgrip.fmus.native import Model
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -35,7 +33,7 @@ class Part:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Consist:
-    """Parts and the body that they brake; one prediction of them all, for a central filter.
+    """Parts and the body that they brake.
 
     States are v, then those of each part; readings speed, those of each part, acceleration.
 
@@ -73,48 +71,6 @@ class Consist:
     def parameters(self) -> Vector:
         """Those of the body, then those of each part, shape (np,)."""
         return np.concatenate([self.body_parameters, *(part.parameters for part in self.parts)])
-
-    @cached_property
-    def prediction(self) -> CasadiPrediction:
-        """All parts together, for a central filter."""
-        model = model_of(self)
-        return CasadiPrediction(model, {v.name: x for v, x in zip(model.parameters, self.parameters, strict=True)})
-
-
-def _variables(names: Iterable[str]) -> tuple[Variable, ...]:
-    return tuple(
-        Variable(name=name, unit="", start=0.0, description="", minimum=None, maximum=None, nominal=1.0)
-        for name in names
-    )
-
-
-def model_of(of: Consist) -> Model:
-    """Return the equations of a consist; parameters are named p[1], p[2], … in its order."""
-    parameters = tuple(f"p[{i + 1}]" for i in range(of.parameters.size))
-    sizes = len(of.states), len(of.inputs), len(parameters)
-    t, (x, u, p) = ca.SX.sym("t"), (ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
-    at_x, at_u, at_p = 1, 0, of.body_parameters.size
-    forces, slopes = [], []
-    for part in of.parts:
-        n, m, k = len(part.states), len(part.inputs), part.parameters.size
-        slopes.append((part.model.derivative, x[at_x : at_x + n], u[at_u : at_u + m], p[at_p : at_p + k]))
-        own = ca.vertcat(u[at_u : at_u + m], 0.0)
-        forces.append(part.model.output(t, x[at_x : at_x + n], own, p[at_p : at_p + k]))
-        at_x, at_u, at_p = at_x + n, at_u + m, at_p + k
-    force = ca.vertcat(sum(forces[1:], forces[0]), u[-1])
-    acceleration = of.body.output(t, x[0], force, p[: of.body_parameters.size])
-    rates = [slope(t, xs, ca.vertcat(us, acceleration), ps) for slope, xs, us, ps in slopes]
-    readings = [acceleration if state is None else x[of.states.index(state)] for _, state in of.readings]
-    return Model(
-        class_name="consist",
-        states=_variables(of.states),
-        inputs=_variables(of.inputs),
-        parameters=_variables(parameters),
-        outputs=_variables(of.outputs),
-        derivative=ca.Function("derivative", [t, x, u, p], [ca.vertcat(acceleration, *rates)]),
-        output=ca.Function("output", [t, x, u, p], [ca.vertcat(*readings)]),
-        initial=ca.Function("initial", [p], [ca.SX.zeros(sizes[0])]),
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

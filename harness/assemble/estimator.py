@@ -1,8 +1,9 @@
 """The Kalman filter of a scenario, over a prediction of this project, of a Modelica class or of nominal data."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from math import inf
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from railgrip.assemble.prediction import (
     release_pressure,
     start_of,
     units_of_predictions,
+    whole_of,
 )
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.free_wheel import FreeWheel
@@ -37,6 +39,7 @@ from railgrip.scenario.quantity import in_units
 from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
+_Central = CasadiPrediction | FmuPrediction
 
 RELEASED_PADS = 1500.0
 """Normal force of both pads of a unit [N] below which nothing is learned of their friction; see `pad_gate`."""
@@ -59,34 +62,31 @@ def state_estimator(
     """
     layout, period = vehicle.layout, vehicle.scenario.periods.estimator
     noise, groups = _noise(table), range(1, layout.formation.groups + 1)
-    consist = None
     if table.model is None:
-        consist, gate, mean, radius = _of_nominal_data(vehicle, table)
-        states, outputs = consist.states, consist.outputs
-        prediction = None if table.kind == "decentralised" else consist.prediction
+        prediction, readings, gate, mean, radius = _of_nominal_data(vehicle, table, fmus, stack)
     else:
         prediction, gate, mean, radius = _of_class(vehicle, table, table.model, fmus, stack)
-        states, outputs = prediction.states, prediction.outputs
-    noises = noise.process_noise(states), noise.reading_noise(outputs)
+        readings = prediction.outputs
+    states = prediction.states
+    noises = noise.process_noise(states), noise.reading_noise(readings)
     first = mean, noise.start_covariance(states)
-    if prediction is not None:
+    if not isinstance(prediction, Consist):
         filter_ = _central(table, prediction, *noises, period, gate, first)
     else:
-        assert consist is not None
         if table.outlier_limit:
             raise ScenarioError(
                 "[estimator] outlier_limit is for kind compiled, python or fmu; decentralised uses every reading"
             )
-        filter_ = DecentralisedFilter(consist, *noises, period, gate)
+        filter_ = DecentralisedFilter(prediction, *noises, period, gate)
         filter_.start(*first)
 
     def places(name: str) -> NDArray[np.intp]:
         return np.array([states.index(f"{name}[{g}]") for g in groups])
 
-    readings = [layout.reading[name.partition("[")[0]].start + _element(name) for name in outputs]
+    reading_places = [layout.reading[name.partition("[")[0]].start + _element(name) for name in readings]
     return StateEstimator(
         filter=filter_,
-        reading_places=np.array(readings, dtype=np.intp),
+        reading_places=np.array(reading_places, dtype=np.intp),
         speed=states.index("v"),
         wheelset_speed=places("w"),
         adhesion=places("alpha"),
@@ -97,8 +97,10 @@ def state_estimator(
     )
 
 
-def _of_nominal_data(vehicle: VehicleData, table: KalmanFilter) -> tuple[Consist, Gate, Vector, tuple[float, ...]]:
-    """Return the prediction from the vehicle's nominal data, with its gate, mean at the start and wheel radii."""
+def _of_nominal_data(
+    vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
+) -> tuple[Consist | _Central, Sequence[str], Gate, Vector, tuple[float, ...]]:
+    """Return the prediction from the vehicle's nominal data, its readings, gate, mean at the start and wheel radii."""
     formation = vehicle.controlled
     groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
     units = units_of_predictions()
@@ -106,37 +108,30 @@ def _of_nominal_data(vehicle: VehicleData, table: KalmanFilter) -> tuple[Consist
     own = in_units("[estimator.parameters]", table.parameters, units | each)
     data = data_of(vehicle.nominal, formation)
     data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
-    consist = consist_of(formation, data)
+    if table.kind == "decentralised":
+        prediction = consist_of(formation, data)
+        readings = prediction.outputs
+    else:
+        whole = whole_of(formation, data)
+        prediction = _evaluated(table, whole.model, whole.parameters, whole.source, fmus, stack)
+        readings = whole.readings
     gate = Gate(
         states=tuple(f"mu_b[{g + 1}]" for g in groups),
         inputs=tuple(f"cylinder_pressure[{g + 1}]" for g in groups),
         threshold=max(release_pressure(data, g, RELEASED_PADS) for g in groups),
     )
-    mean = start_of(consist, formation, data, vehicle.scenario.start.speed)
-    return consist, gate, mean, tuple(radius_of(data, g) for g in groups)
+    mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
+    return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
 
 
 def _of_class(
     vehicle: VehicleData, table: KalmanFilter, name: str, fmus: dict[str, Description], stack: ExitStack
-) -> tuple[CasadiPrediction | FmuPrediction, Gate, Vector, tuple[float, ...]]:
+) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
     """Return the prediction of a Modelica class, with its gate, mean at the start and wheel radii."""
     model, groups = _predicted(table, name, vehicle.layout), vehicle.layout.formation.groups
     own = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | own
-    if table.kind == "fmu":
-        description = prediction_description(table)
-        fmus[description.file.name] = description
-        prediction = stack.enter_context(
-            FmuPrediction(
-                description,
-                parameters=parameters,
-                states=[v.name for v in model.states],
-                inputs=[v.name for v in model.inputs],
-                outputs=[v.name for v in model.outputs],
-            )
-        )
-    else:
-        prediction = CasadiPrediction(model, parameters)
+    prediction = _evaluated(table, model, parameters, None, fmus, stack)
     rigging = {key: parameters[key] for key in _PREDICTION_DATA if key != "r_wheel"}
     gate = pad_gate(pad_force=RELEASED_PADS, **rigging, groups=groups)
     radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
@@ -146,6 +141,30 @@ def _of_class(
     }
     mean = np.array([start.get(state, 0.0) for state in prediction.states])
     return prediction, gate, mean, (radius,) * groups
+
+
+def _evaluated(
+    table: KalmanFilter,
+    model: Model,
+    parameters: Mapping[str, float],
+    consist: Path | None,
+    fmus: dict[str, Description],
+    stack: ExitStack,
+) -> _Central:
+    """Return a model with its parameters, by its FMU where the estimator says so, or else in CasADi."""
+    if table.kind != "fmu":
+        return CasadiPrediction(model, parameters)
+    description = prediction_description(table, consist)
+    fmus[description.file.name] = description
+    return stack.enter_context(
+        FmuPrediction(
+            description,
+            parameters=parameters,
+            states=[v.name for v in model.states],
+            inputs=[v.name for v in model.inputs],
+            outputs=[v.name for v in model.outputs],
+        )
+    )
 
 
 def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
@@ -184,7 +203,7 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
 
 def _central(
     table: KalmanFilter,
-    prediction: CasadiPrediction | FmuPrediction,
+    prediction: _Central,
     process: Vector,
     reading: Vector,
     period: float,

@@ -116,10 +116,12 @@ def plant_description(scenario: Scenario) -> Description:
     return description_of((_curved_file if several else recipe_file)(vehicle.plant))
 
 
-def prediction_description(table: KalmanFilter) -> Description:
-    """Return the description of the FMU that an estimator predicts with."""
+def prediction_description(table: KalmanFilter, consist: Path | None = None) -> Description:
+    """Return the description of the FMU that an estimator predicts with: of its class, or of a ConsistPrediction."""
     model, library = table.model, table.library
-    assert model is not None
+    if model is None:
+        assert consist is not None
+        return description_of(_class_file("ConsistPrediction", consist, consist.parent.name, "me"))
     return description_of(
         recipe_file(model) if library is None else _class_file(model, library.path, library.digest(), "me")
     )

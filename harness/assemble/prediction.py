@@ -1,10 +1,11 @@
 """The prediction of a train made from its nominal data, for any formation."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,30 +29,77 @@ def _body() -> Model:
 
 
 @cache
-def _part_model(groups: int, group_of_wheelset: tuple[int, ...]) -> Model:
-    """Return a part of some groups; the wheelsets of its bogies belong to these, counted from one."""
-    text = (
-        f'block Part "Part of a train"\n  extends {_PACKAGE}.PartPrediction(final n_groups={groups}, '
-        f"final n_bogies={len(group_of_wheelset) // 2}"
-    )
+def _source(name: str, groups: int, group_of_wheelset: tuple[int, ...]) -> Path:
+    """Return the Modelica of a class of `Vehicles` with its numbers; wheelsets of bogies belong to groups from 1 on."""
+    sizes = f"final n_groups={groups}, final n_bogies={len(group_of_wheelset) // 2}"
     if group_of_wheelset:
-        text += f", final group_of_wheelset={{{', '.join(map(str, group_of_wheelset))}}}"
-    text += ");\nend Part;\n"
-    return lower("Part", keep("modelica", sha256(text.encode()).hexdigest(), "Part.mo", text.encode()))
+        sizes += f", final group_of_wheelset={{{', '.join(map(str, group_of_wheelset))}}}"
+    text = f'block {name} = {_PACKAGE}.{name}({sizes}) "Prediction of a train or of a part";\n'.encode()
+    return keep("modelica", sha256(text).hexdigest(), f"{name}.mo", text)
+
+
+@cache
+def _model(name: str, groups: int, group_of_wheelset: tuple[int, ...]) -> Model:
+    return lower(name, _source(name, groups, group_of_wheelset))
 
 
 @dataclass(frozen=True, slots=True)
 class _Members:
-    """Zero-based groups of a part, and its bogies with a suspension and their wheelsets."""
+    """Zero-based groups of a part or a train, and its bogies with a suspension and their wheelsets."""
 
     groups: tuple[int, ...]
     bogies: tuple[int, ...] = ()
     wheelsets: tuple[int, ...] = ()
 
+    def sizes(self, formation: Formation) -> tuple[int, tuple[int, ...]]:
+        """Return the number of groups, and the group of each wheelset of a bogie, from 1 on."""
+        belongs = formation.group_of_wheelset[list(self.wheelsets)] if self.wheelsets else ()
+        return len(self.groups), tuple(self.groups.index(group) + 1 for group in belongs)
+
+    def place(self, name: str) -> tuple[str, int]:
+        """Return the name of a variable without its index, and the index in the whole train, from 0 on."""
+        base, bracket, _ = name.partition("[")
+        of = self.bogies if base in _OF_BOGIES else self.wheelsets if base in _OF_WHEELSETS else self.groups
+        return base, of[_number(name) - 1] if bracket else 0
+
+    def whole(self, name: str) -> str:
+        """Return the name of an element of an array in the whole train; of a scalar, its own."""
+        base, index = self.place(name)
+        return f"{base}[{index + 1}]" if "[" in name else name
+
+    def parameters(self, model: Model, formation: Formation, data: Mapping[str, float]) -> dict[str, float]:
+        """Return the values of a model's parameters by its names."""
+
+        def value(variable: Variable) -> float:
+            base, index = self.place(variable.name)
+            if base == "m_group":
+                own = np.flatnonzero(formation.group_of_wheelset == index)
+                return sum(data[f"m_wheelset[{i + 1}]"] for i in own)
+            return _value(data, base, index, variable.start)
+
+        return {variable.name: value(variable) for variable in model.parameters}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WholeTrain:
+    """A train as one prediction, for a central filter: `ConsistPrediction` with its numbers.
+
+    Attributes:
+        source: Modelica file of the class, which is called ConsistPrediction.
+        model: The same, translated.
+        parameters: Of the model, by its names.
+        readings: Names of its outputs in the whole train: `deflection` by wheelset, not only those of bogies.
+    """
+
+    source: Path
+    model: Model
+    parameters: Mapping[str, float]
+    readings: tuple[str, ...]
+
 
 def units_of_predictions() -> dict[str, str]:
     """Return the unit of every parameter that a prediction has, without indices."""
-    models = _body(), _part_model(1, (1, 1))
+    models = _body(), _model("PartPrediction", 1, (1, 1))
     units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
     return {name: unit for name, unit in units.items() if name not in ("m", "m_group")} | {_PAD_FRICTION: "1"}
 
@@ -76,7 +124,7 @@ def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, flo
 
 
 def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
-    """Return the prediction of a train.
+    """Return the prediction of a train in parts, for the decentralised filter.
 
     A bogie of two wheelsets whose frame is known is a part with its suspension; of every other group the load is
     static. Bogies are those of `wheelsets_per_bogie`, else of two wheelsets each where there are half as many frames.
@@ -96,14 +144,33 @@ def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
     return Consist(body=body, body_parameters=np.array(values), parts=parts)
 
 
-def start_of(consist: Consist, formation: Formation, data: Mapping[str, float], speed: float) -> NDArray[np.float64]:
+def whole_of(formation: Formation, data: Mapping[str, float]) -> WholeTrain:
+    """Return the prediction of a train as one; arguments, bogies and errors are those of `consist_of`."""
+    parts = [part for part in _members(formation, data) if part.bogies]
+    members = _Members(
+        tuple(range(formation.groups)),
+        tuple(bogie for part in parts for bogie in part.bogies),
+        tuple(wheelset for part in parts for wheelset in part.wheelsets),
+    )
+    sizes = members.sizes(formation)
+    model = _model("ConsistPrediction", *sizes)
+    return WholeTrain(
+        source=_source("ConsistPrediction", *sizes),
+        model=model,
+        parameters=members.parameters(model, formation, data),
+        readings=tuple(members.whole(variable.name) for variable in model.outputs),
+    )
+
+
+def start_of(
+    states: Sequence[str], formation: Formation, data: Mapping[str, float], speed: float
+) -> NDArray[np.float64]:
     """Return the mean at the start: rolling at a speed [m/s], pads as nominal, the rest at zero; shape (n,)."""
-    mean = np.zeros(len(consist.states))
-    mean[0] = speed
+    start = {"v": speed}
     for g in range(formation.groups):
-        mean[consist.states.index(f"w[{g + 1}]")] = speed / radius_of(data, g)
-        mean[consist.states.index(f"mu_b[{g + 1}]")] = _value(data, _PAD_FRICTION, g, 0.35)
-    return mean
+        start[f"w[{g + 1}]"] = speed / radius_of(data, g)
+        start[f"mu_b[{g + 1}]"] = _value(data, _PAD_FRICTION, g, 0.35)
+    return np.array([start.get(state, 0.0) for state in states])
 
 
 def radius_of(data: Mapping[str, float], group: int) -> float:
@@ -156,32 +223,15 @@ def _number(name: str) -> int:
 
 
 def _part(members: _Members, formation: Formation, data: Mapping[str, float]) -> Part:
-    group_of = formation.group_of_wheelset
-    model = _part_model(len(members.groups), tuple(members.groups.index(group_of[i]) + 1 for i in members.wheelsets))
-
-    def place(name: str) -> tuple[str, int]:
-        base, bracket, _ = name.partition("[")
-        of = members.bogies if base in _OF_BOGIES else members.wheelsets if base in _OF_WHEELSETS else members.groups
-        return base, of[_number(name) - 1] if bracket else 0
-
-    def parameter(variable: Variable) -> float:
-        base, index = place(variable.name)
-        if base == "m_group":
-            return sum(data[f"m_wheelset[{i + 1}]"] for i in np.flatnonzero(group_of == index))
-        return _value(data, base, index, variable.start)
-
-    def whole(variable: Variable) -> str:
-        base, index = place(variable.name)
-        return f"{base}[{index + 1}]"
-
-    states = tuple(whole(variable) for variable in model.states)
+    model = _model("PartPrediction", *members.sizes(formation))
+    states = tuple(members.whole(variable.name) for variable in model.states)
     reading_of = {"w": "wheelset_speed", "dz": "deflection"}
     pairs = ((state.partition("["), state) for state in states)
     return Part(
         model=model,
-        parameters=np.array([parameter(variable) for variable in model.parameters]),
+        parameters=np.array(list(members.parameters(model, formation, data).values())),
         states=states,
-        inputs=tuple(whole(variable) for variable in model.inputs[:-1]),
+        inputs=tuple(members.whole(variable.name) for variable in model.inputs[:-1]),
         readings=tuple(
             (f"{reading_of[name]}[{index}", state) for (name, _, index), state in pairs if name in reading_of
         ),

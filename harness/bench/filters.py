@@ -6,7 +6,7 @@ from time import process_time
 import numpy as np
 
 from railgrip.assemble.files import lowered
-from railgrip.assemble.prediction import consist_of, start_of
+from railgrip.assemble.prediction import consist_of, start_of, whole_of
 from railgrip.bench.timing import Row, microseconds
 from railgrip.estimation.course import with_track_force
 from railgrip.estimation.run import by_name
@@ -76,9 +76,12 @@ def decentralised_step(groups: int, *, suspension: bool = False, count: int = 20
     noise = NOISE_SETS["train_service"]
     variances = noise.reading_noise(consist.outputs)
     filter_ = DecentralisedFilter(consist, noise.process_noise(consist.states), variances, 1e-3)
-    mean = start_of(consist, formation, data, speed=30.0)
+    mean = start_of(consist.states, formation, data, speed=30.0)
     inputs = np.append(np.full(groups, 2e5), 0.0)
-    expected = consist.prediction.output(mean, inputs)
+    train = whole_of(formation, data)
+    central = CasadiPrediction(train.model, train.parameters)
+    shown = central.output(start_of(central.states, formation, data, speed=30.0), inputs)
+    expected = shown[[train.readings.index(name) for name in consist.outputs]]
     random = np.random.default_rng(0)
     readings = expected + np.sqrt(variances) * random.standard_normal((count, variances.size))
 

@@ -57,7 +57,7 @@ class KalmanFilter(Table):
 
     @model_validator(mode="after")
     def _one_prediction(self) -> Self:
-        if self.model is None and (self.kind == "fmu" or self.library is not None):
+        if self.model is None and self.library is not None:
             raise broken("has no model; name the class of the prediction")
         if self.model is not None and self.kind == "decentralised":
             raise broken(

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from railgrip.assemble.prediction import consist_of, start_of
+from railgrip.assemble.prediction import WholeTrain, consist_of, start_of, whole_of
 from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
@@ -56,6 +56,7 @@ class Case:
     """A train, its noises and RUNS draws of what it does: `held` (k, nu), `state` (k, RUNS, n), `seen` (k, RUNS, m)."""
 
     consist: Consist
+    whole: WholeTrain
     noises: tuple[np.ndarray, np.ndarray]
     gate: Gate
     mean: np.ndarray
@@ -70,9 +71,21 @@ class Case:
         return filter_
 
     def central(self) -> CompiledFilter:
-        filter_ = CompiledFilter(self.consist.prediction, *self.noises, PERIOD, self.gate)
-        filter_.start(self.mean, self.variances)
+        """Return the filter of all states together, which has them in the order of `shared`."""
+        states, readings = self.shared
+        process, reading = self.noises
+        prediction = CasadiPrediction(self.whole.model, self.whole.parameters)
+        filter_ = CompiledFilter(prediction, process[states], reading[readings], PERIOD, self.gate)
+        filter_.start(self.mean[states], self.variances[states])
         return filter_
+
+    @property
+    def shared(self) -> tuple[list[int], list[int]]:
+        """Where the parts have each state and reading of the whole train."""
+        states = [variable.name for variable in self.whole.model.states]
+        return [self.consist.states.index(name) for name in states], [
+            self.consist.outputs.index(name) for name in self.whole.readings
+        ]
 
 
 @cache
@@ -83,14 +96,20 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     states, outputs = consist.states, consist.outputs
     process, reading = tuning.process_noise(states), tuning.reading_noise(outputs)
     variances = tuning.start_covariance(states)
-    mean = start_of(consist, formation, data, speed=22.0)
+    mean = start_of(consist.states, formation, data, speed=22.0)
     pads = [states.index(f"mu_b[{g + 1}]") for g in range(formation.groups)]
     mean[[states.index(f"alpha[{g + 1}]") for g in range(formation.groups)]] = 0.1
 
-    prediction, of = consist.prediction, consist.prediction.equations
+    whole = whole_of(formation, data)
+    prediction = CasadiPrediction(whole.model, whole.parameters)
+    of, x = prediction.equations, ca.SX.sym("x", len(states))
+    known = ca.vertcat(x[[states.index(name) for name in prediction.states]], ca.DM(prediction.parameters))
     slope, output = (
-        ca.Function("f", [of.x, of.u], [ca.substitute(expression, of.p, ca.DM(prediction.parameters))])
-        for expression in (of.derivative, of.output)
+        ca.Function("f", [x, of.u], [ca.substitute(expression, ca.vertcat(of.x, of.p), known)[places]])
+        for expression, places in (
+            (of.derivative, [prediction.states.index(name) for name in states]),
+            (of.output, [whole.readings.index(name) for name in outputs]),
+        )
     )
     # Pressures at which the wheels neither gain nor lose on the train, with static loads.
     wheels = [states.index(f"w[{g + 1}]") for g in range(formation.groups)]
@@ -99,7 +118,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     inputs = np.append(np.full(formation.groups, 1e5), 0.0)
     by_pressure, rest = (np.asarray(value) for value in gain(inputs))
     inputs[:-1] -= rest[:, 0] / np.diag(by_pressure[:, :-1])
-    ahead = of.x
+    ahead = x
     for _ in range(2):
         half = 0.5 * PERIOD
         k1 = slope(ahead, of.u)
@@ -107,7 +126,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
         k3 = slope(ahead + 0.5 * half * k2, of.u)
         k4 = slope(ahead + half * k3, of.u)
         ahead = ahead + half / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    moved, shown = ca.Function("ahead", [of.x, of.u], [ahead]).map(RUNS), output.map(RUNS)
+    moved, shown = ca.Function("ahead", [x, of.u], [ahead]).map(RUNS), output.map(RUNS)
 
     # Each group's pressure goes its own way: alike, they would be one direction of what the acceleration tells.
     groups, time = np.arange(formation.groups), PERIOD * np.arange(STEPS)[:, np.newaxis]
@@ -132,26 +151,67 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
         inputs=tuple(f"cylinder_pressure[{g + 1}]" for g in range(formation.groups)),
         threshold=5e4,
     )
-    return Case(consist, (process, reading), gate, mean, variances, held, state, seen)
+    return Case(consist, whole, (process, reading), gate, mean, variances, held, state, seen)
 
 
-def test_the_parts_of_the_two_part_train_make_the_prediction_written_as_one():
-    """The same derivative and readings as RailBraking.FMUs.TrainPrediction, to rounding, at states drawn at random."""
-    model = lower("RailBraking.FMUs.TrainPrediction")
-    whole = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
-    parts = consist_of(TWO_PART, TWO_PART_DATA).prediction
-    states, outputs = (
-        [of.index(name) for name in names]
-        for of, names in ((parts.states, whole.states), (parts.outputs, whole.outputs))
-    )
+@pytest.mark.parametrize("suspension", [True, False])
+def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspension: bool):
+    """The same derivative and readings as RailBraking.FMUs.TrainPrediction, or -Reduced, at states drawn at random."""
+    model = lower(f"RailBraking.FMUs.TrainPrediction{'' if suspension else 'Reduced'}")
+    library = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
+    frames = ("m_frame", "I_frame", "wheelbase")
+    data = {k: v for k, v in TWO_PART_DATA.items() if suspension or k.partition("[")[0] not in frames}
+    whole = whole_of(TWO_PART, data)
+    own = CasadiPrediction(whole.model, whole.parameters)
+    assert (own.states, own.inputs, own.outputs) == (library.states, library.inputs, library.outputs)
     typical = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 1e-3, "ddz": 1e-2}
     random = np.random.default_rng(0)
     for _ in range(20):
-        x = np.array([typical[name.partition("[")[0]] for name in parts.states]) * random.uniform(0.5, 1.5, 25)
+        x = np.array([typical[name.partition("[")[0]] for name in own.states])
+        x *= random.uniform(0.5, 1.5, len(x))
         u = np.append(random.uniform(0.5e5, 3e5, 4), 1e3)
-        assert parts.inputs == whole.inputs
-        np.testing.assert_allclose(parts.derivative(x, u)[states], whole.derivative(x[states], u), rtol=1e-12)
-        np.testing.assert_allclose(parts.output(x, u)[outputs], whole.output(x[states], u), rtol=1e-12)
+        np.testing.assert_allclose(own.derivative(x, u), library.derivative(x, u), rtol=1e-12)
+        np.testing.assert_allclose(own.output(x, u), library.output(x, u), rtol=1e-12)
+
+
+MIXED = {f"wheelsets_per_bogie[{b + 1}]": float(count) for b, count in enumerate((3, 2))}
+FRAMES = {"m_frame": 3500.0, "I_frame": 2200.0, "wheelbase": 2.0}
+
+
+@pytest.mark.parametrize("train", [*TRAINS, "three axles, then two"])
+def test_the_parts_of_a_train_make_the_prediction_of_the_whole(train: str):
+    """To rounding, at states drawn at random, with bogies of known frames anywhere in the train."""
+    formation, data = TRAINS[train] if train in TRAINS else (rigid(5)[0], rigid(5)[1] | MIXED | FRAMES)
+    consist, whole = consist_of(formation, data), whole_of(formation, data)
+    prediction = CasadiPrediction(whole.model, whole.parameters)
+    assert set(whole.readings) == set(consist.outputs)
+    assert consist.inputs == prediction.inputs
+    shown = {name: state for name, state in consist.readings if state is not None}
+    random = np.random.default_rng(0)
+    for _ in range(5):
+        state = dict(zip(consist.states, random.uniform(0.5, 1.5, len(consist.states)), strict=True))
+        for name in state:
+            state[name] *= {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1}.get(name.partition("[")[0], 1e-3)
+        u = np.append(random.uniform(0.5e5, 3e5, formation.groups), 1e3)
+        each = [np.array([state[name] for name in part.states]) for part in consist.parts]
+        own = [np.array([u[consist.inputs.index(name)] for name in part.inputs]) for part in consist.parts]
+        force = sum(
+            float(part.model.output(0, x, [*p, 0.0], part.parameters))
+            for part, x, p in zip(consist.parts, each, own, strict=True)
+        )
+        a = float(consist.body.derivative(0, state["v"], [force, u[-1]], consist.body_parameters))
+        rates = {"v": a}
+        for part, x, p in zip(consist.parts, each, own, strict=True):
+            rate = np.asarray(part.model.derivative(0, x, [*p, a], part.parameters)).ravel()
+            rates |= dict(zip(part.states, rate, strict=True))
+        # Bogies count on in the whole, whose wheelsets of no bogie have no deflection.
+        deflections = [shown[name] for name in whole.readings if name.startswith("deflection")]
+        of_train = {f"{d}dz[{i + 1}]": d + name for d in ("", "d") for i, name in enumerate(deflections)}
+        names = [of_train.get(name, name) for name in prediction.states]
+        x = np.array([state[name] for name in names])
+        np.testing.assert_allclose(prediction.derivative(x, u), [rates[name] for name in names], rtol=1e-12, atol=1e-12)
+        expected = [state[shown[name]] if name in shown else a for name in whole.readings]
+        np.testing.assert_allclose(prediction.output(x, u), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("released", [False, True], ids=["held", "one group released"])
@@ -190,16 +250,19 @@ def test_it_errs_like_the_central_filter_and_never_claims_to_know_more(train, se
     """
     true = case(train, sensors)
     ours, theirs = true.decentralised(), true.central()
+    states, readings = true.shared
+    own = list(range(len(states))), list(range(len(readings)))
     errors, shares = {ours: [], theirs: []}, []
     for run in range(5):
-        for filter_ in (ours, theirs):
-            filter_.start(true.mean, true.variances)
+        for filter_, (each, _) in ((ours, own), (theirs, true.shared)):
+            filter_.start(true.mean[each], true.variances[each])
         for k in range(STEPS):
-            for filter_ in (ours, theirs):
-                filter_.inputs[:], filter_.readings[:] = true.held[k], true.seen[k, run]
+            for filter_, (each, read) in ((ours, own), (theirs, true.shared)):
+                filter_.inputs[:], filter_.readings[:] = true.held[k], true.seen[k, run][read]
                 filter_.advance()
-                errors[filter_].append(filter_.mean - true.state[k, run])
-            shares.append(np.sqrt(ours.covariance.diagonal() / theirs.covariance.diagonal()))
+                errors[filter_].append(np.empty(len(each)))
+                errors[filter_][-1][each] = filter_.mean - true.state[k, run][each]
+            shares.append(np.sqrt(ours.covariance.diagonal()[states] / theirs.covariance.diagonal()))
     for name in ("alpha", "mu_b", "w"):
         places = [i for i, state in enumerate(true.consist.states) if state.partition("[")[0] == name]
         rms = {filter_: np.sqrt(np.mean(np.array(each)[:, places] ** 2)) for filter_, each in errors.items()}
@@ -250,10 +313,8 @@ def test_noises_of_different_states_are_independent():
 
 
 def test_bogies_of_two_wheelsets_with_known_frames_have_suspension_and_others_do_not():
-    three = {f"wheelsets_per_bogie[{b + 1}]": float(count) for b, count in enumerate((3, 2))}
-    frames = {"m_frame": 3500.0, "I_frame": 2200.0, "wheelbase": 2.0}
     formation, data = rigid(5)
-    parts = consist_of(formation, data | three | frames).parts
+    parts = consist_of(formation, data | MIXED | FRAMES).parts
     assert [len(part.states) for part in parts] == [3, 3, 3, 10]
     assert [len(part.states) for part in consist_of(formation, data).parts] == [3] * 5
     assert isinstance(parts[0], Part)

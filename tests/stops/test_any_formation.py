@@ -28,6 +28,7 @@ from railgrip.trace.stop import Stop, read_stop, write_stop
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"
 FREIGHT = str(ROOT / "docs" / "examples" / "freight_train.toml")
+TROLLEY_CLASS = str(Path(__file__).with_name("Trolley.mo"))
 SPEED = 10  # km/h
 SLOW = (f"start.speed={SPEED} km/h",)
 
@@ -96,7 +97,7 @@ def test_a_train_runs_to_metrics_and_figures_and_engines_agree_to_the_byte(tmp_p
     monkeypatch.chdir(tmp_path)
     counts, (scenario, *overrides) = TRAINS[name]
     if name == "trolley":
-        shutil.copy(build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo")).path, tmp_path)
+        shutil.copy(build_class("Trolley.Vehicle", Path(TROLLEY_CLASS)).path, tmp_path)
         rest = (LIBRARY / "foreign_train.toml").read_text()
         rest = rest[rest.index("[start]") : rest.index("[controller]")] + rest[rest.index("[periods]") :]
         (tmp_path / scenario).write_text(f"{TROLLEY}\n{rest}")
@@ -222,7 +223,7 @@ A_piston = 0.02, i_rigging = 5.0, eta_rigging = 0.95, F_spring = 500.0 }
 def foreign(tmp_path_factory) -> Path:
     """A trolley whose formation and brakes stand in [vehicle.formation] alone."""
     folder = tmp_path_factory.mktemp("foreign")
-    shutil.copy(build_class("Trolley.Vehicle", Path(__file__).with_name("Trolley.mo")).path, folder)
+    shutil.copy(build_class("Trolley.Vehicle", Path(TROLLEY_CLASS)).path, folder)
     rest = (LIBRARY / "foreign_train.toml").read_text()
     table = TROLLEY[TROLLEY.index("[vehicle.map]") : TROLLEY.index("[controller.parameters]")]
     head = 'name = "trolley"\nseed = 1\n'
@@ -278,24 +279,25 @@ def test_a_table_that_contradicts_the_plant_is_refused(override, sentence):
 SERVICE = LIBRARY.parent / "equipment" / "service.toml"
 
 
-@pytest.mark.parametrize("name", ["two-part train", "freight train"])
+@pytest.mark.parametrize("name", ["two-part train", "freight train", "vt642"])
 def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: str):
     """Root mean square errors of adhesion, pad friction and slip within 10 %, over the same readings.
 
-    With valves and service sensors on the two-part train, whose central filter is that of the written prediction; the
-    freight train has none, and the central filter over the same one drives. Loops closed over either need not stay
-    together: valves make of a difference in the last digit another course.
+    With valves and service sensors on the two-part train, whose central filter is that of the library's prediction; on
+    the freight train and on one from a file the central filter over the prediction from nominal data drives. Loops
+    closed over either need not stay together: valves make of a difference in the last digit another course.
     """
-    counts, (scenario, *_) = TRAINS[name]
-    service = name == "two-part train"
+    scenario = FREIGHT if name == "freight train" else "trapezoid"
+    service = name != "freight train"
     written = read_toml(installed(Path(scenario), "library"))
-    model = {"model": "TrainPrediction"} if service else {}
+    model = {"model": "TrainPrediction"} if name == "two-part train" else {}
 
     def with_estimator(kind: str, **more: str) -> Scenario:
         table = merged(written, read_toml(SERVICE)) if service else written
         table = merged(table, {"estimator": {"kind": "none"}, "start": {"speed": "50 km/h"}})
         estimator = {"kind": kind, "noise": "service"} | more
         table = merged(table, {"estimator": estimator, "controller": {"kind": "adhesion_based"}})
+        table |= {"vehicle": {"train": name}, "actuation": {"kind": "ideal"}} if name == "vt642" else {}
         return scenario_of(table, directory=Path(scenario).parent, origin=name)
 
     with assembled(with_estimator("compiled", **model)) as parts:
@@ -306,10 +308,11 @@ def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: s
     readings = np.column_stack([rows[:, columns[signal.name]] for signal in layout.reading_signals])
     with assembled(with_estimator("decentralised")) as parts:
         ours = parts.parties.state_estimator
-    adhesion, pads, slip = (np.full((ended.samples, len(counts)), np.nan) for _ in range(3))
+    groups = layout.formation.groups
+    adhesion, pads, slip = (np.full((ended.samples, groups), np.nan) for _ in range(3))
     latest, pressure = readings[0], layout.reading["cylinder_pressure"]
     for k, reading in enumerate(readings[1:], 1):
-        ours.filter.inputs[: len(counts)] = latest[pressure]
+        ours.filter.inputs[:groups] = latest[pressure]
         ours.filter.readings[:] = reading[ours.reading_places]
         ours.filter.advance()
         latest = np.where(np.isnan(reading), latest, reading)
@@ -329,7 +332,7 @@ def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: s
     ("table", "sentence"),
     [
         ({"kind": "decentralised", "model": "TrainPrediction", "noise": "ideal"}, "leave out model"),
-        ({"kind": "fmu", "noise": "ideal"}, "has no model; name the class of the prediction"),
+        ({"kind": "fmu", "library": TROLLEY_CLASS, "noise": "ideal"}, "has no model; name the class of the prediction"),
         ({"kind": "decentralised", "noise": "quiet"}, "has no noise set 'quiet'"),
         ({"kind": "decentralised", "noise": "ideal", "parameters": {"J": "2 kg"}}, "estimator.parameters"),
     ],

@@ -52,6 +52,23 @@ def test_a_named_train_stops_as_calculated_by_hand(actuation):
     assert -0.03 * expected < late < 0.03 * expected + (0.45 * 50 / 3.6 if actuation == "pneumatic" else 0.0)
 
 
+def test_a_train_file_has_one_central_filter_in_three_ways():
+    """A Modelica class from its nominal data: as generated C, in numpy, and as an FMU that is on record."""
+    adhesion = load(Path("plain")).resolved()["adhesion"] | {"mu0": 0.08}
+    estimates = {}
+    for kind in ("compiled", "python", "fmu"):
+        estimator = {"kind": kind, "noise": "ideal"}
+        changes = {"estimator": estimator, "adhesion": adhesion, "controller": {"kind": "slip_two_state"}}
+        stop = run_stop(dry({"train": "vt642"}, "15 km/h", **changes))
+        assert ("ConsistPrediction.fmu" in stop.fmus) == (kind == "fmu")
+        estimates[kind] = stop.trace[["estimate_adhesion", "estimate_slip", "estimate_pad_friction"]].to_array().values
+        rolling = (stop.trace["time"] > 0.5) & (stop.trace["speed"] > 1)
+        truth = stop.trace["group_adhesion"].values[rolling]
+        assert np.abs(estimates[kind][0][rolling] - truth).max() < 0.01
+    for kind in ("python", "fmu"):
+        np.testing.assert_allclose(estimates[kind], estimates["compiled"], rtol=1e-6, atol=1e-9)
+
+
 @pytest.fixture
 def coaches(tmp_path):
     """Return a scenario's [vehicle] of coaches behind a brake pipe, the second one without a distributor."""
