@@ -17,20 +17,10 @@ model GuidedBody "Car body with six motions on two bogies"
   parameter Types.Damping c_z(start=3e4) "Vertical damping of one side";
   parameter Types.Damping c_yaw(start=1e5) "Longitudinal damping of one yaw damper";
   final parameter Types.Length arm[2] = {pivots/2, -pivots/2} "Pivots ahead of the centre";
-  Interfaces.RealInput frame_position[2, 3](each final unit="m") "x, y, z of both frames"
-    annotation(Placement(transformation(extent={{-120, 70}, {-100, 90}})));
-  Interfaces.RealInput frame_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both frames"
-    annotation(Placement(transformation(extent={{-120, 30}, {-100, 50}})));
-  Interfaces.RealInput frame_angle[2, 3](each final unit="rad") "phi, theta, psi of both frames"
-    annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
-  Interfaces.RealInput frame_rate[2, 3](each final unit="rad/s") "wx, wy, wz of both frames"
-    annotation(Placement(transformation(extent={{-120, -50}, {-100, -30}})));
   Interfaces.RealInput resistance(final unit="N") "Drag, positive when it slows the car"
     annotation(Placement(transformation(extent={{-120, -90}, {-100, -70}})));
-  Interfaces.RealOutput F[2, 3](each final unit="N") "Force on both frames"
-    annotation(Placement(transformation(extent={{100, 40}, {120, 60}})));
-  Interfaces.RealOutput M[2, 3](each final unit="N.m") "Torque on both frames"
-    annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
+  Interfaces.GuidedFlange pivot[2] "To the frames of both bogies"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
   Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run";
   Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from the start";
   Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
@@ -44,6 +34,8 @@ model GuidedBody "Car body with six motions on two bogies"
   Real psi(final unit="rad", start=0, fixed=true, nominal=1e-3) "Yaw angle, to the left";
   Types.AngularVelocity wz(start=0, fixed=true, nominal=1e-2) "Yaw rate";
 protected
+  Types.Length position[2, 3] "x, y, z of both frames";
+  Types.Angle angle[2, 3] "phi, theta, psi of both frames";
   Types.Force rod[2] "Force of both traction rods on their frames, forward";
   Types.Force lateral[2] "Force of the secondary suspension on both frames, to the left";
   Types.Force lift[2] "Force of the secondary suspension on both frames, upwards, change from static";
@@ -51,19 +43,25 @@ protected
   Types.Torque yaw[2] "Torque of the secondary suspension on both frames about the vertical axis";
 equation
   for i in 1:2 loop
-    rod[i] = k_rod*(x - h*theta - frame_position[i, 1] - h_frame*frame_angle[i, 2])
-      + c_rod*(dv - h*wy - frame_velocity[i, 1] - h_frame*frame_rate[i, 2]);
-    lateral[i] = 2*k_y*(y + arm[i]*psi + h*phi - frame_position[i, 2] + h_frame*frame_angle[i, 1])
-      + 2*c_y*(vy + arm[i]*wz + h*wx - frame_velocity[i, 2] + h_frame*frame_rate[i, 1]);
-    lift[i] = 2*k_z*(z - arm[i]*theta - frame_position[i, 3]) + 2*c_z*(vz - arm[i]*wy - frame_velocity[i, 3]);
-    roll[i] = b_secondary^2*(2*k_z*(phi - frame_angle[i, 1]) + 2*c_z*(wx - frame_rate[i, 1]));
-    yaw[i] = b_secondary^2*(2*k_y*(psi - frame_angle[i, 3]) + 2*c_yaw*(wz - frame_rate[i, 3]));
-    F[i, 1] = rod[i];
-    F[i, 2] = lateral[i];
-    F[i, 3] = lift[i];
-    M[i, 1] = roll[i] - h_frame*lateral[i];
-    M[i, 2] = h_frame*rod[i];
-    M[i, 3] = yaw[i];
+    position[i, 1] = pivot[i].x;
+    position[i, 2] = pivot[i].y;
+    position[i, 3] = pivot[i].z;
+    angle[i, 1] = pivot[i].phi;
+    angle[i, 2] = pivot[i].theta;
+    angle[i, 3] = pivot[i].psi;
+    rod[i] = k_rod*(x - h*theta - position[i, 1] - h_frame*angle[i, 2])
+      + c_rod*(dv - h*wy - der(position[i, 1]) - h_frame*der(angle[i, 2]));
+    lateral[i] = 2*k_y*(y + arm[i]*psi + h*phi - position[i, 2] + h_frame*angle[i, 1])
+      + 2*c_y*(vy + arm[i]*wz + h*wx - der(position[i, 2]) + h_frame*der(angle[i, 1]));
+    lift[i] = 2*k_z*(z - arm[i]*theta - position[i, 3]) + 2*c_z*(vz - arm[i]*wy - der(position[i, 3]));
+    roll[i] = b_secondary^2*(2*k_z*(phi - angle[i, 1]) + 2*c_z*(wx - der(angle[i, 1])));
+    yaw[i] = b_secondary^2*(2*k_y*(psi - angle[i, 3]) + 2*c_yaw*(wz - der(angle[i, 3])));
+    pivot[i].X = -rod[i];
+    pivot[i].Y = -lateral[i];
+    pivot[i].Z = -lift[i];
+    pivot[i].M_phi = h_frame*lateral[i] - roll[i];
+    pivot[i].M_theta = -h_frame*rod[i];
+    pivot[i].M_psi = -yaw[i];
   end for;
   der(x) = dv;
   der(y) = vy;

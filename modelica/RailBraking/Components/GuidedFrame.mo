@@ -14,30 +14,12 @@ model GuidedFrame "Bogie frame with six motions between two wheelsets and the ca
   parameter Types.Damping c_y(start=1.5e4) "Lateral damping of one axle box";
   parameter Types.Damping c_z(start=1.2e4) "Vertical damping of one axle box";
   final parameter Types.Length arm[2] = {wheelbase/2, -wheelbase/2} "Wheelsets ahead of the centre";
-  Interfaces.RealInput wheelset_position[2, 3](each final unit="m") "x, y, z of both wheelsets"
-    annotation(Placement(transformation(extent={{-120, 76}, {-100, 96}})));
-  Interfaces.RealInput wheelset_velocity[2, 3](each final unit="m/s") "dv, vy, vz of both wheelsets"
-    annotation(Placement(transformation(extent={{-120, 47}, {-100, 67}})));
-  Interfaces.RealInput wheelset_yaw[2](each final unit="rad") "psi of both wheelsets"
-    annotation(Placement(transformation(extent={{-120, 19}, {-100, 39}})));
-  Interfaces.RealInput wheelset_rate[2](each final unit="rad/s") "wz of both wheelsets"
+  Interfaces.RealInput drive[2](each final unit="N.m") "Torque of the frame's drive on each axle, forward"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
-  Interfaces.RealInput roll_track[2](each final unit="rad") "Roll angle of the track under both wheelsets"
-    annotation(Placement(transformation(extent={{-120, -39}, {-100, -19}})));
-  Interfaces.RealInput F[3](each final unit="N") "Force of the car body"
-    annotation(Placement(transformation(extent={{-120, -67}, {-100, -47}})));
-  Interfaces.RealInput M[3](each final unit="N.m") "Torque of the car body and of the drive, about the three axes"
-    annotation(Placement(transformation(extent={{-120, -96}, {-100, -76}})));
-  Interfaces.RealOutput X[2](each final unit="N") "Force on both wheelsets, forward"
-    annotation(Placement(transformation(extent={{100, 70}, {120, 90}})));
-  Interfaces.RealOutput Y[2](each final unit="N") "Force on both wheelsets, to the left"
-    annotation(Placement(transformation(extent={{100, 30}, {120, 50}})));
-  Interfaces.RealOutput N[2](each final unit="N") "Upward force of both wheelsets on the frame, change from static"
-    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
-  Interfaces.RealOutput M_yaw[2](each final unit="N.m") "Torque on both wheelsets about the vertical axis"
-    annotation(Placement(transformation(extent={{100, -50}, {120, -30}})));
-  Interfaces.RealOutput M_roll[2](each final unit="N.m") "Torque of both wheelsets on the frame about the track"
-    annotation(Placement(transformation(extent={{100, -90}, {120, -70}})));
+  Interfaces.GuidedFlange axle[2] "Axle boxes of both wheelsets"
+    annotation(Placement(transformation(extent={{-10, -120}, {10, -100}})));
+  Interfaces.GuidedFlange pivot "To a car body"
+    annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run";
   Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from the start";
   Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
@@ -50,28 +32,42 @@ model GuidedFrame "Bogie frame with six motions between two wheelsets and the ca
   Types.AngularVelocity wy(start=0, fixed=true, nominal=1e-2) "Pitch rate";
   Real psi(final unit="rad", start=0, fixed=true, nominal=1e-3) "Yaw angle, to the left";
   Types.AngularVelocity wz(start=0, fixed=true, nominal=1e-2) "Yaw rate";
+protected
+  Types.Length position[2, 3] "x, y, z of both wheelsets";
+  Types.Angle yaw[2] "psi of both wheelsets";
 equation
   for i in 1:2 loop
-    X[i] = 2*k_x*(x - h*theta - wheelset_position[i, 1]) + 2*c_x*(dv - h*wy - wheelset_velocity[i, 1]);
-    Y[i] = 2*k_y*(y + arm[i]*psi + h*phi - wheelset_position[i, 2])
-      + 2*c_y*(vy + arm[i]*wz + h*wx - wheelset_velocity[i, 2]);
-    M_yaw[i] = b_primary^2*(2*k_x*(psi - wheelset_yaw[i]) + 2*c_x*(wz - wheelset_rate[i]));
-    N[i] = 2*k_z*(wheelset_position[i, 3] - z + arm[i]*theta)
-      + 2*c_z*(wheelset_velocity[i, 3] - vz + arm[i]*wy);
-    M_roll[i] = b_primary^2*(2*k_z*(roll_track[i] - phi) - 2*c_z*wx);
+    position[i, 1] = axle[i].x;
+    position[i, 2] = axle[i].y;
+    position[i, 3] = axle[i].z;
+    yaw[i] = axle[i].psi;
+    axle[i].X = -2*k_x*(x - h*theta - position[i, 1]) - 2*c_x*(dv - h*wy - der(position[i, 1]));
+    axle[i].Y = -2*k_y*(y + arm[i]*psi + h*phi - position[i, 2]) - 2*c_y*(vy + arm[i]*wz + h*wx - der(position[i, 2]));
+    axle[i].Z = 2*k_z*(position[i, 3] - z + arm[i]*theta) + 2*c_z*(der(position[i, 3]) - vz + arm[i]*wy);
+    axle[i].M_phi = b_primary^2*(2*k_z*(axle[i].phi - phi) - 2*c_z*wx);
+    axle[i].M_theta = -drive[i];
+    axle[i].M_psi = -b_primary^2*(2*k_x*(psi - yaw[i]) + 2*c_x*(wz - der(yaw[i])));
   end for;
+  pivot.x = x;
+  pivot.y = y;
+  pivot.z = z;
+  pivot.phi = phi;
+  pivot.theta = theta;
+  pivot.psi = psi;
   der(x) = dv;
   der(y) = vy;
   der(z) = vz;
   der(phi) = wx;
   der(theta) = wy;
   der(psi) = wz;
-  m*der(dv) = F[1] - X[1] - X[2];
-  m*der(vy) = F[2] - Y[1] - Y[2];
-  m*der(vz) = F[3] + N[1] + N[2];
-  I_roll*der(wx) = M[1] + M_roll[1] + M_roll[2] - h*(Y[1] + Y[2]);
-  I_pitch*der(wy) = M[2] + h*(X[1] + X[2]) - arm[1]*N[1] - arm[2]*N[2];
-  I_yaw*der(wz) = M[3] - M_yaw[1] - M_yaw[2] - arm[1]*Y[1] - arm[2]*Y[2];
+  m*der(dv) = pivot.X + axle[1].X + axle[2].X;
+  m*der(vy) = pivot.Y + axle[1].Y + axle[2].Y;
+  m*der(vz) = pivot.Z + axle[1].Z + axle[2].Z;
+  I_roll*der(wx) = pivot.M_phi + axle[1].M_phi + axle[2].M_phi + h*(axle[1].Y + axle[2].Y);
+  // The drive stands on the frame: what turns the axles forward lifts the nose.
+  I_pitch*der(wy) = pivot.M_theta + axle[1].M_theta + axle[2].M_theta - h*(axle[1].X + axle[2].X)
+    - arm[1]*axle[1].Z - arm[2]*axle[2].Z;
+  I_yaw*der(wz) = pivot.M_psi + axle[1].M_psi + axle[2].M_psi + arm[1]*axle[1].Y + arm[2]*axle[2].Y;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

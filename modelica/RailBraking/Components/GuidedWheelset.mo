@@ -21,18 +21,8 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
   parameter Types.InverseVelocity B(start=0.2) "Polach: rate at which friction falls with slip speed";
   parameter Types.Velocity v_start(start=20) "Speed at the start";
   final parameter Real factor = Contact.creepFactor(r, r_rail, E, nu) "Slope of epsilon, see creepFactor";
-  Interfaces.RealInput X(final unit="N") "Force of the frame along the track, forward"
-    annotation(Placement(transformation(extent={{-118, 83}, {-102, 99}})));
-  Interfaces.RealInput Y(final unit="N") "Force of the frame across the track, to the left"
-    annotation(Placement(transformation(extent={{-118, 65}, {-102, 81}})));
-  Interfaces.RealInput N(final unit="N") "Upward force of the wheelset on the frame, change from static"
-    annotation(Placement(transformation(extent={{-118, 47}, {-102, 63}})));
-  Interfaces.RealInput M_yaw(final unit="N.m") "Torque of the frame about the vertical axis"
-    annotation(Placement(transformation(extent={{-118, 28}, {-102, 44}})));
-  Interfaces.RealInput M_roll(final unit="N.m") "Torque of the wheelset on the frame about the track"
-    annotation(Placement(transformation(extent={{-118, 10}, {-102, 26}})));
-  Interfaces.RealInput tau(final unit="N.m") "Driving torque"
-    annotation(Placement(transformation(extent={{-118, -8}, {-102, 8}})));
+  Interfaces.GuidedFlange frame "To the axle boxes of a frame, whose drive turns the axle; nothing when it is left open"
+    annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Interfaces.RealInput alignment(final unit="m") "Lateral irregularity, to the left"
     annotation(Placement(transformation(extent={{-118, -26}, {-102, -10}})));
   Interfaces.RealInput vertical(final unit="m") "Vertical irregularity, upwards"
@@ -71,6 +61,12 @@ protected
   Types.Force F_y "Force on both wheels, to the left";
   Types.Length r_rolling[2] "Rolling radius of the left and of the right wheel";
 equation
+  frame.x = x;
+  frame.y = y;
+  frame.z = z;
+  frame.phi = cross_level/(2*b);
+  frame.theta = 0;
+  frame.psi = psi;
   v = v_start + dv;
   w = v_start/r + dw;
   offset = y - alignment;
@@ -81,7 +77,7 @@ equation
   creep_x = {(v - b*wz - r_rolling[1]*w)/v, (v + b*wz - r_rolling[2]*w)/v};
   creep_y = vy/v - psi;
   load = load_nominal + 2*k_track*(vertical - z) - 2*c_track*vz;
-  Q = {load/2 + (M_roll + r*Y)/(2*b), load/2 - (M_roll + r*Y)/(2*b)};
+  Q = {load/2 + (r*frame.Y - frame.M_phi)/(2*b), load/2 - (r*frame.Y - frame.M_phi)/(2*b)};
   for i in 1:2 loop
     chord[i] = Contact.combinedChord(creep_x[i], creep_y, v, Q[i], mu0, factor, kalker_ratio, k_A, k_S, A, B);
     F_x[i] = -chord[i]*Q[i]*creep_x[i];
@@ -89,17 +85,17 @@ equation
   F_y = -(chord[1]*Q[1] + chord[2]*Q[2])*creep_y;
   der(x) = dv;
   der(dv) = a;
-  m*a = X + F_x[1] + F_x[2];
+  m*a = frame.X + F_x[1] + F_x[2];
   der(y) = vy;
   der(vy) = ay;
-  m*ay = Y + F_y - k_flange*(pressed[1] - pressed[2]) - load*cross_level/(2*b);
+  m*ay = frame.Y + F_y - k_flange*(pressed[1] - pressed[2]) - load*cross_level/(2*b);
   der(psi) = wz;
   der(wz) = a_yaw;
-  I_yaw*a_yaw = M_yaw + b*(F_x[2] - F_x[1]);
+  I_yaw*a_yaw = frame.M_psi + b*(F_x[2] - F_x[1]);
   der(z) = vz;
   der(vz) = az;
-  m*az = load - load_nominal - N;
-  J*der(dw) = tau - r_rolling[1]*F_x[1] - r_rolling[2]*F_x[2];
+  m*az = load - load_nominal + frame.Z;
+  J*der(dw) = frame.M_theta - r_rolling[1]*F_x[1] - r_rolling[2]*F_x[2];
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

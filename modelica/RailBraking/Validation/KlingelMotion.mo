@@ -12,12 +12,6 @@ model KlingelMotion "A free wheelset swings with Klingel's wavelength"
     m=1400, I_yaw=810, J=112, r=r, b=b, conicity=conicity, load_nominal=1.2e5, k_A=1, k_S=0.4, A=0.4, B=0.6, v_start=v,
     y(start=y_start)) "Wheelset without frame";
 equation
-  wheelset.X = 0;
-  wheelset.Y = 0;
-  wheelset.N = 0;
-  wheelset.M_yaw = 0;
-  wheelset.M_roll = 0;
-  wheelset.tau = 0;
   wheelset.alignment = 0;
   wheelset.vertical = 0;
   wheelset.cross_level = 0;

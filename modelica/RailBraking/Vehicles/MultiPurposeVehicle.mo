@@ -93,7 +93,6 @@ equation
     wheelset[i].cross_level = cross_level[i];
     wheelset[i].gauge = gauge[i];
     wheelset[i].mu0 = mu0[i];
-    wheelset[i].tau = drive*drive_share[i]*r_wheel[i];
     longitudinal_left[i] = wheelset[i].a - b_box*wheelset[i].a_yaw;
     longitudinal_right[i] = wheelset[i].a + b_box*wheelset[i].a_yaw;
     lateral[i] = wheelset[i].ay;
@@ -104,40 +103,12 @@ equation
   end for;
   for k in 1:2 loop
     for j in 1:2 loop
-      frame[k].wheelset_position[j, 1] = wheelset[2*k - 2 + j].x;
-      frame[k].wheelset_velocity[j, 1] = wheelset[2*k - 2 + j].dv;
-      frame[k].wheelset_position[j, 2] = wheelset[2*k - 2 + j].y;
-      frame[k].wheelset_velocity[j, 2] = wheelset[2*k - 2 + j].vy;
-      frame[k].wheelset_yaw[j] = wheelset[2*k - 2 + j].psi;
-      frame[k].wheelset_rate[j] = wheelset[2*k - 2 + j].wz;
-      frame[k].wheelset_position[j, 3] = wheelset[2*k - 2 + j].z;
-      frame[k].wheelset_velocity[j, 3] = wheelset[2*k - 2 + j].vz;
-      frame[k].roll_track[j] = cross_level[2*k - 2 + j]/(2*b);
-      wheelset[2*k - 2 + j].X = frame[k].X[j];
-      wheelset[2*k - 2 + j].Y = frame[k].Y[j];
-      wheelset[2*k - 2 + j].N = frame[k].N[j];
-      wheelset[2*k - 2 + j].M_yaw = frame[k].M_yaw[j];
-      wheelset[2*k - 2 + j].M_roll = frame[k].M_roll[j];
+      frame[k].drive[j] = drive*drive_share[2*k - 2 + j]*r_wheel[2*k - 2 + j];
+      connect(frame[k].axle[j], wheelset[2*k - 2 + j].frame)
+        annotation(Line(points={{40, 18}, {40, 0}, {-40, 0}, {-40, -18}}, color={0, 0, 127}));
     end for;
-    frame[k].F[1] = body.F[k, 1];
-    frame[k].F[2] = body.F[k, 2];
-    frame[k].F[3] = body.F[k, 3];
-    frame[k].M[1] = body.M[k, 1];
-    // The drive stands on the frame: what turns the axles forward lifts the nose.
-    frame[k].M[2] = body.M[k, 2] - wheelset[2*k - 1].tau - wheelset[2*k].tau;
-    frame[k].M[3] = body.M[k, 3];
-    body.frame_position[k, 1] = frame[k].x;
-    body.frame_velocity[k, 1] = frame[k].dv;
-    body.frame_position[k, 2] = frame[k].y;
-    body.frame_velocity[k, 2] = frame[k].vy;
-    body.frame_position[k, 3] = frame[k].z;
-    body.frame_velocity[k, 3] = frame[k].vz;
-    body.frame_angle[k, 1] = frame[k].phi;
-    body.frame_rate[k, 1] = frame[k].wx;
-    body.frame_angle[k, 2] = frame[k].theta;
-    body.frame_rate[k, 2] = frame[k].wy;
-    body.frame_angle[k, 3] = frame[k].psi;
-    body.frame_rate[k, 3] = frame[k].wz;
+    connect(body.pivot[k], frame[k].pivot)
+      annotation(Line(points={{-40, 18}, {-40, 10}, {0, 10}, {0, 80}, {40, 80}, {40, 62}}, color={0, 0, 127}));
   end for;
   body.resistance = resistance_rolling + resistance_drag*speed^2;
   der(integral) = -gain_speed/T_speed*body.dv;
@@ -181,7 +152,7 @@ Its parts are <a href=\"modelica://RailBraking.Components.GuidedWheelset\">Guide
 href=\"modelica://RailBraking.Components.GuidedFrame\">GuidedFrame</a> and <a
 href=\"modelica://RailBraking.Components.GuidedBody\">GuidedBody</a>, not Axle, Bogie and CarBody: those share one speed
 along the track, have no lateral, yaw or roll motion and one contact for two wheels, and this car is all about these.
-Parts exchange positions and forces of six motions as signals; a flange has one.
+They meet in flanges of six motions.
 </p>
 <h4>Notes</h4>
 <p>
