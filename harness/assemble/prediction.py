@@ -73,8 +73,7 @@ class _Members:
         def value(variable: Variable) -> float:
             base, index = self.place(variable.name)
             if base == "m_group":
-                own = np.flatnonzero(formation.group_of_wheelset == index)
-                return sum(data[f"m_wheelset[{i + 1}]"] for i in own)
+                return sum(_mass(data, i) for i in np.flatnonzero(formation.group_of_wheelset == index).tolist())
             return _value(data, base, index, variable.start)
 
         return {variable.name: value(variable) for variable in model.parameters}
@@ -101,7 +100,8 @@ def units_of_predictions() -> dict[str, str]:
     """Return the unit of every parameter that a prediction has, without indices."""
     models = _body(), _model("PartPrediction", 1, (1, 1))
     units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
-    return {name: unit for name, unit in units.items() if name not in ("m", "m_group")} | {_PAD_FRICTION: "1"}
+    own = {name: unit for name, unit in units.items() if name not in ("m", "m_group")}
+    return own | {"m_wheelset": units["m_group"], _PAD_FRICTION: "1"}
 
 
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
@@ -139,7 +139,7 @@ def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
     """
     parts = [_part(members, formation, data) for members in _members(formation, data)]
     body = _body()
-    mass = sum(data[f"m_wheelset[{i + 1}]"] for i in range(formation.wheelsets))
+    mass = sum(_mass(data, i) for i in range(formation.wheelsets))
     values = [mass if v.name == "m" else data.get(v.name, v.start) for v in body.parameters]
     return Consist(body=body, body_parameters=np.array(values), parts=parts)
 
@@ -184,6 +184,10 @@ def release_pressure(data: Mapping[str, float], group: int, pad_force: float) ->
         _value(data, name, group, np.nan) for name in ("A_piston", "i_rigging", "eta_rigging", "F_spring")
     )
     return (pad_force / (rigging * efficiency) + spring) / area
+
+
+def _mass(data: Mapping[str, float], wheelset: int) -> float:
+    return _value(data, "m_wheelset", wheelset, np.nan)
 
 
 def _value(data: Mapping[str, float], name: str, index: int, default: float) -> float:

@@ -355,6 +355,22 @@ def test_the_decentralised_estimator_believes_its_own_parameters():
     assert beyond.isel(time=slice(5, 50)).values == pytest.approx(1.01, abs=1e-3)
 
 
+@pytest.mark.parametrize("kind", ["decentralised", "compiled"])
+def test_one_mass_believed_of_all_wheelsets_is_that_of_each(kind: str):
+    """The deceleration is read: wheelsets believed 10 % heavier than they are in the mean have better pads."""
+    rolling = ("controller.kind=full_brake", "adhesion.mu0=0.5", "start.speed=30 km/h", "estimator={kind='none'}")
+    table = load(LIBRARY / "plain.toml", rolling).resolved()
+
+    def pads(masses: dict[str, str]) -> np.ndarray:
+        estimator = {"kind": kind, "noise": "ideal", "parameters": masses}
+        stop = run_stop(scenario_of(table | {"estimator": estimator}, directory=LIBRARY, origin="plain.toml"))
+        return stop.trace["estimate_pad_friction"].values[20:50]
+
+    heavier = pads({"m_wheelset": "15.4 t"})
+    assert (heavier > 1.03 * pads({})).all()
+    assert np.array_equal(heavier, pads({f"m_wheelset[{i}]": "15.4 t" for i in range(1, 7)}))
+
+
 PARTLY = {"demand": {"phases": [{"pressure": "2.3 bar"}]}, "start": {"speed": "50 km/h"}}
 
 
