@@ -9,6 +9,8 @@ from railgrip.errors import EstimatorError
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Array = NDArray[np.float64]
+"""Of any shape; which one, its docstring says."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

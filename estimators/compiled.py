@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike
 
 from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
-from railgrip.estimators.design import Design
+from railgrip.estimators.design import Design, Gate
 from railgrip.estimators.discretisation import ORDER, Order
-from railgrip.estimators.gate import Gate
 from railgrip.estimators.generated import generate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native.toolchain import shared_library

@@ -1,4 +1,4 @@
-"""Does a filter know what it does not know? Errors and innovations measured in their own claimed spread.
+"""Does a filter know what it does not know? Innovations measured in their own claimed spread.
 
 Two questions to innovations, the same for every filter of this project. `nis_ratio` says how consistent a filter is: a
 figure. `loss_step` says whether its belief means anything: innovations ten times what the filter claims, for most of a
@@ -7,67 +7,12 @@ alone does not tell.
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
 from railgrip.errors import EstimatorError
-from railgrip.estimators.belief import Estimate, Vector
-from railgrip.estimators.design import positive_definite
-
-
-def nees(estimate: Estimate, truth: Vector, states: Sequence[int] | None = None) -> float:
-    """Return the normalised estimation error squared eᵀP⁻¹e, chi-square of as many degrees as states.
-
-    Solved in units of the states' own deviations: variances of 1e-10 m² beside 1e-1 (rad/s)² cost more digits than
-    correlations do. A direction that no reading tells is judged as any other: its variance is large, not zero.
-
-    Args:
-        estimate: A belief.
-        truth: True state at the same instant, shape (n,).
-        states: Indices of the states to judge, with their joint covariance; all when None.
-
-    Raises:
-        EstimatorError: The truth has another shape than the mean, or the covariance is not positive definite.
-
-    Source: Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), §5.4.
-    """
-    if truth.shape != estimate.mean.shape:
-        raise EstimatorError(
-            f"nees: the truth wants the {estimate.mean.size} states of the estimate, got shape {truth.shape}."
-        )
-    places = np.arange(truth.size) if states is None else np.asarray(states)
-    covariance = estimate.covariance[np.ix_(places, places)]
-    deviation = np.sqrt(np.maximum(np.diagonal(covariance), np.finfo(np.float64).tiny))
-    correlation = covariance / np.outer(deviation, deviation)
-    if not positive_definite(correlation):
-        raise EstimatorError(
-            "nees: the covariance is not positive definite; a state that is known exactly, or that others determine, "
-            "has no error to measure: name the states to judge."
-        )
-    error = (truth - estimate.mean)[places] / deviation
-    return float(error @ np.linalg.solve(correlation, error))
-
-
-def chi_square_bounds(degrees: int, runs: int = 1, confidence: float = 0.95) -> tuple[float, float]:
-    """Return the interval that holds the mean of `runs` independent chi-square values with this probability.
-
-    The NEES of n states has n degrees, the NIS of a step as many as readings were used. Values at successive
-    steps of one run are not independent: average over runs, not over time.
-
-    Raises:
-        EstimatorError: No degrees, no runs, or a confidence outside (0, 1).
-    """
-    if degrees < 1 or runs < 1 or not 0.0 < confidence < 1.0:
-        raise EstimatorError(
-            "chi_square_bounds: wants degrees ≥ 1, runs ≥ 1 and a confidence strictly between 0 and 1, "
-            f"got {degrees}, {runs}, {confidence}."
-        )
-    tail = 0.5 * (1.0 - confidence)
-    low, high = _chi_square(np.array([tail, 1.0 - tail]), degrees * runs) / runs
-    return float(low), float(high)
 
 
 def _chi_square(probability: ArrayLike, degrees: ArrayLike) -> NDArray[np.float64]:

@@ -12,8 +12,7 @@ from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix
 from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
-from railgrip.estimators.design import Design, index
-from railgrip.estimators.gate import Gate
+from railgrip.estimators.design import Design, Gate, index
 from railgrip.estimators.generated import LANES, in_c, places, table
 from railgrip.fmus.native import Model
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Vector
-from railgrip.estimators.gate import Gate
+from railgrip.estimators.design import Gate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

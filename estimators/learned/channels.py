@@ -5,7 +5,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 
 Motion = Literal["longitudinal", "lateral", "yaw", "left", "right"]
 

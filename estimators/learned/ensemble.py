@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Network, train
 
 LEAST_SPREAD: Final = 0.03

@@ -6,7 +6,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 
 Bias = Literal["inside", "outside"]
 

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 
 Pair = tuple[Any, Any]
 

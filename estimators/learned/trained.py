@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
-from railgrip.estimators.arrays import Array
-from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.channels import COMBINATIONS, forwards, motions
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.online import Online, general, paper
-from railgrip.estimators.learned.preprocessing import Chain, Scale
+from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.package import Source
 
 FORMAT: Final = 1
 """Of the files; raised whenever an older reader would understand a newer file wrongly."""
@@ -193,3 +194,22 @@ _READ: Final[Mapping[str, Callable[[Mapping[str, Any]], PaperEstimator | General
     "paper": _paper,
     "general": _general,
 }
+
+
+def as_fmu(online: Online) -> Source:
+    """Return C code and modelDescription.xml of an online estimator, for `railgrip.fmus.native.package.pack`."""
+    # The states under names that no input or output has.
+    states = tuple(replace(state, name=f"memory.{state.name}") for state in online.states)
+    return sources(
+        Discrete(
+            name=online.name,
+            # Whoever steps it at the rate of something slower must know: a longer step holds its inputs.
+            description=f"Friction between wheel and rail from accelerations of the axle boxes, {online.rate} a second",
+            period=1 / online.rate,
+            states=states,
+            inputs=online.inputs,
+            parameters=(),
+            outputs=online.outputs,
+            step=online.step,
+        )
+    )

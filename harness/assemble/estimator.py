@@ -24,10 +24,9 @@ from railgrip.errors import ScenarioError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist
 from railgrip.estimators.decentralised import DecentralisedFilter
-from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.gate import Gate
+from railgrip.estimators.design import Gate
+from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.estimators.running import Running
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmu import Description, FmuPrediction
 from railgrip.fmus.native import Model, lower

@@ -26,7 +26,7 @@ FieldTest = Annotated[
 def learn(
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own_file.py."),
+        typer.Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own.py."),
     ] = None,
     inputs: Annotated[
         str | None,
@@ -274,8 +274,7 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
 def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
     """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
     from railgrip.atomic import write_text
-    from railgrip.studies.axle_box.own import judge_own, own_pieces
-    from railgrip.studies.axle_box.own_file import read_own
+    from railgrip.studies.axle_box.own import judge_own, own_pieces, read_own
     from railgrip.studies.axle_box.users import read_folder, read_labels
 
     specification = read_own(file)
@@ -296,9 +295,8 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
 def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
     """Write every estimator as a file of numbers and as an FMU."""
     from railgrip.atomic import replacing
-    from railgrip.estimators.learned.trained import save
+    from railgrip.estimators.learned.trained import as_fmu, save
     from railgrip.fmus.native.package import pack
-    from railgrip.studies.axle_box.export import as_fmu
 
     for name, one in trained.items():
         with replacing(out / f"{name}.json") as partial:

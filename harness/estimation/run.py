@@ -13,7 +13,7 @@ from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
-from railgrip.estimators.gate import Gate
+from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import Model, lower
 from railgrip.trace.samples import period_of, samples

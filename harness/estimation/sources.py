@@ -1,4 +1,12 @@
-"""Where recordings come from: a stop of a scenario, or a user's file."""
+"""Where recordings come from: a stop of a scenario, or a user's file; and their track force, if [course] asks for it.
+
+A run that [course] finds the track force of brings `speed` (optical or radar), `acceleration_along[1]` … (as many as
+there are, feeling g sin β too), `latitude`, `longitude`, `height` (NaN between the samples of the receiver), wheelset
+speeds, cylinder pressures, `driving` (0 or 1: the filter knows no traction and begins when there is none) and, if
+somebody recorded it, `braking`; else braking begins where a cylinder fills. The trace of a stop has `traction` and
+`driver_demand` in their place. What comes back begins with the coasting before the brake and has `track_force` beside
+the readings.
+"""
 
 from pathlib import Path
 
@@ -7,11 +15,15 @@ import xarray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import model_of, units_of
-from railgrip.estimation.spec import Specification, check_mass
+from railgrip.estimation.spec import CourseTable, Specification, check_mass
 from railgrip.scenario.quantity import in_units
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.samples import evenly, with_signals
+
+_ALWAYS = {"driving": "1", "braking": "1"}
+"""Signals that the whole run must tell, if it tells them."""
+_UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
 
 
 def recording_of_estimation(
@@ -38,12 +50,21 @@ def recording_of_estimation(
         source = specification.simulated()
         recording = recording_of_stop(scenario or source.scenario, source.seed if seed is None else seed, source.noise)
     recording = completed(specification, recording)
-    if specification.course is None:
-        return recording
-    # Imported when asked for: recovering a track takes SciPy's splines, a rig or wagon has none.
-    from railgrip.estimation.course import with_track_force
+    return recording if specification.course is None else with_track_force(recording, specification.course)
 
-    return with_track_force(recording, specification.course)
+
+def with_track_force(run: xarray.Dataset, course: CourseTable) -> xarray.Dataset:
+    """Return a run from its coasting on, with the force of gradient and curves.
+
+    Raises:
+        EstimationError: A reading is missing, nobody braked, or the train was driven until then.
+    """
+    # Imported when asked for: recovering a track takes SciPy's splines, a rig or wagon has none.
+    from railgrip.estimation.track.braking import braking_of
+
+    return braking_of(
+        run, course.mass, curve_law=course.curve_law, low_pass=course.low_pass, trust=course.trust
+    ).recording
 
 
 def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dataset:
@@ -82,10 +103,10 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
     inputs = [variable.name for variable in model.inputs if variable.name not in specification.inputs]
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:
-        from railgrip.estimation.course import ALWAYS, TRACK_FORCE, units_of_run
-
-        of_run = units_of_run(list(specification.data.columns))
-        units = {name: unit for name, unit in units.items() if name != TRACK_FORCE} | of_run
-        inputs = [name for name in inputs if name != TRACK_FORCE] + [name for name in of_run if name in ALWAYS]
-        outputs += [name for name in of_run if name not in ALWAYS]
+        columns = list(specification.data.columns)
+        of_run = {name: "m/s2" for name in columns if name.partition("[")[0] == "acceleration_along"}
+        of_run |= {name: unit for name, unit in _UNITS_OF_RUN.items() if name in columns}
+        units = {name: unit for name, unit in units.items() if name != "track_force"} | of_run
+        inputs = [name for name in inputs if name != "track_force"] + [name for name in of_run if name in _ALWAYS]
+        outputs += [name for name in of_run if name not in _ALWAYS]
     return recorded(path, specification.data, units, inputs, outputs)

@@ -42,7 +42,7 @@ from pydantic import Field, model_validator
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimation.track.tables import LOW_PASS, TRUST, LowPass, Trust
-from railgrip.estimators.gate import Gate
+from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.scenario.load import demand_kind, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides

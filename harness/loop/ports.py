@@ -88,7 +88,7 @@ class Sensors(Protocol):
 class Filter(Protocol):
     """A belief about the train that moves on in place: the arrays stay the same, their values change.
 
-    A filter on values becomes one by `railgrip.estimators.running.Running`.
+    A filter on values becomes one by `railgrip.estimators.ekf.Running`.
 
     Attributes:
         mean: Shape (n,).

@@ -8,9 +8,8 @@ from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, field_val
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Duration, Friction, Parameters, Period, Table, broken, optional
+from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
 
 
 class Actuation(Table):

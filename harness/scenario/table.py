@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StrictInt
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, StrictInt
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.quantity import Magnitude, Unit
@@ -79,3 +79,19 @@ class Table(BaseModel):
     """A table of the file: frozen, and without unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+def _map_entry(entry: Any) -> Any:
+    """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
+    if isinstance(entry, str | dict) or (
+        isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
+    ):
+        return entry
+    raise broken(
+        f"is {entry!r}, but the name of an FMU variable is wanted, a list of them, "
+        'or { variable = "…", unit = "…", scale = … }'
+    )
+
+
+MapEntry = Annotated[Any, PlainValidator(_map_entry)]
+"""Of a mapping table: our name → variable of a foreign FMU."""

@@ -93,15 +93,14 @@ class Plan(Table):
     def laid(self) -> "LaidTrack":
         """Return the track."""
         from railgrip.track.geodesy import Place  # it takes a fifth of a second, and most scenarios have no plan
-        from railgrip.track.laid import Element, LaidTrack, course_of, grades_of
+        from railgrip.track.laid import LaidTrack, course_of, grades_of
 
-        elements = tuple(Element(length=long, curvature=1.0 / end if end else 0.0) for long, end in self.course)
         return LaidTrack(
             origin=Place(latitude=self.latitude, longitude=self.longitude, height=self.height),
             middle=self.middle,
-            length=math.fsum(element.length for element in elements),
+            length=math.fsum(long for long, _ in self.course),
             heading=self.heading,
-            curvature=course_of(elements),
+            curvature=course_of([(long, 1.0 / end if end else 0.0) for long, end in self.course]),
             slope=grades_of(self.slope, self.grades),
         )
 

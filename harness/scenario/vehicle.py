@@ -6,9 +6,8 @@ from typing import Annotated, Any, Self
 from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator, model_validator
 
 from railgrip.scenario.file import NamedFile, installed
-from railgrip.scenario.mapped import MapEntry
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
+from railgrip.scenario.table import Length, MapEntry, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 

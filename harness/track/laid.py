@@ -6,6 +6,7 @@ height are therefore parabolas piece by piece, and exact here; only the plan (no
 closed form.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -126,26 +127,13 @@ class Plan:
         return positions
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Element:
-    """A piece of the horizontal course.
-
-    Attributes:
-        length: Metres.
-        curvature: At its end [1/m]; it changes evenly from the end of the piece before.
-    """
-
-    length: float
-    curvature: float
-
-
-def course_of(elements: tuple[Element, ...]) -> Linear:
-    """Return the curvature of pieces laid one after the other.
+def course_of(pieces: Sequence[tuple[float, float]]) -> Linear:
+    """Return the curvature of pieces laid one after the other, by their lengths [m] and curvatures at their ends [1/m].
 
     A straight or arc repeats the curvature before it, a transition curve changes it: there are no jumps.
     """
-    ends = np.cumsum([element.length for element in elements])
-    return Linear(np.concatenate([[0.0], ends]), np.array([0.0, *(element.curvature for element in elements)]))
+    lengths, curvatures = np.array([(0.0, 0.0), *pieces]).T
+    return Linear(np.cumsum(lengths), curvatures)
 
 
 def grades_of(first: float, changes: tuple[tuple[float, float, float], ...]) -> Linear:

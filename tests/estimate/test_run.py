@@ -7,9 +7,8 @@ from scipy.linalg import expm
 from railgrip.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import Settings, by_name, estimate, per_step, prediction_of, units_of
-from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.gate import Gate
-from railgrip.estimators.running import Running
+from railgrip.estimators.design import Gate
+from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
 from railgrip.trace.samples import recording_of
 
 PERIOD = 0.01

@@ -6,8 +6,8 @@ from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
 
 from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.gate import Gate
 from railgrip.estimators.generated import generate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native.toolchain import shared_library

@@ -10,15 +10,15 @@ from functools import cache
 import casadi as ca
 import numpy as np
 import pytest
+from spread import chi_square_bounds, nees
 
 from railgrip.assemble.prediction import WholeTrain, consist_of, start_of, whole_of
 from railgrip.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist, Part, part_equations
-from railgrip.estimators.consistency import chi_square_bounds, nees
 from railgrip.estimators.decentralised import DecentralisedFilter
-from railgrip.estimators.gate import Gate
+from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower

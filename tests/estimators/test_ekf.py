@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
+from spread import chi_square_bounds, nees
 
 from railgrip.errors import EstimatorError, FilterDiverged
-from railgrip.estimators.consistency import chi_square_bounds, nees
+from railgrip.estimators.design import Gate
 from railgrip.estimators.discretisation import advance, transition
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.estimators.gate import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 
 PERIOD = 1e-3

@@ -37,13 +37,12 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.optimize import root
+from spread import chi_square_bounds, nees
 
 from railgrip.estimators.belief import Estimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.consistency import chi_square_bounds, nees
-from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.estimators.running import Running
 from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
 

@@ -7,10 +7,9 @@ import pandas as pd
 import pytest
 
 from railgrip.errors import EstimationError, ScenarioError
-from railgrip.estimation.course import with_track_force
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.run import prediction_of
-from railgrip.estimation.sources import recording_for
+from railgrip.estimation.sources import recording_for, with_track_force
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braked, braking_of
 from railgrip.estimation.track.braking import driven as driven_of

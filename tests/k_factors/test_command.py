@@ -9,7 +9,7 @@ import pytest
 from railgrip.__main__ import main
 from railgrip.scenario.load import load
 from railgrip.studies.k_factors.specification import LIBRARY
-from railgrip.studies.k_factors.stops import Stops
+from railgrip.studies.k_factors.study import Stops
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
 

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from railgrip.estimators.learned import online
-from railgrip.estimators.learned.antialias import AntiAlias
 from railgrip.estimators.learned.channels import motions
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
-from railgrip.estimators.learned.preprocessing import Chain, Scale
+from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
 
 ROUNDING = 1e-9

@@ -9,8 +9,7 @@ from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.studies.axle_box.evaluate import Recipe
-from railgrip.studies.axle_box.own import judge_own, own_pieces
-from railgrip.studies.axle_box.own_file import read_own
+from railgrip.studies.axle_box.own import judge_own, own_pieces, read_own
 from railgrip.studies.axle_box.users import PERIOD, UNITS, plain_table, read_folder, read_labels
 from railgrip.trace.table import DataTable
 

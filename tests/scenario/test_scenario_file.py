@@ -10,7 +10,7 @@ from railgrip.errors import ScenarioError
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.valves import SAMPLES
+from railgrip.scenario.schema import SAMPLES
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 TRAPEZOID = LIBRARY / "trapezoid.toml"

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import fresnel
 
 from railgrip.track.geodesy import Place, local
-from railgrip.track.laid import Element, LaidTrack, Linear, course_of, grades_of
+from railgrip.track.laid import LaidTrack, Linear, course_of, grades_of
 
 MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
 FLAT = Linear(np.array([0.0]), np.array([0.0]))
@@ -18,9 +18,7 @@ def track(curvature: Linear, slope: Linear = FLAT, heading: float = 0.0) -> Laid
 def test_a_transition_curve_is_a_clothoid():
     """North and east of a clothoid κ = s/A² are Fresnel's integrals."""
     length, radius = 200.0, 250.0
-    plan = track(
-        course_of((Element(length=length, curvature=1 / radius), Element(length=200, curvature=1 / radius)))
-    ).plan()
+    plan = track(course_of([(length, 1 / radius), (200, 1 / radius)])).plan()
     scale = np.sqrt(np.pi * length * radius)  # Fresnel's integrals take π t²/2 for s²/(2A²)
     sine, cosine = fresnel(length / scale)
     # Simpson over half a metre: (h⁵/2880) of a fourth derivative below 1e-6, four hundred times.

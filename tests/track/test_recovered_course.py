@@ -5,11 +5,10 @@ import pytest
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.track.course import course_of
-from railgrip.estimation.track.motion import motion_of
-from railgrip.estimation.track.smoother import smooth
+from railgrip.estimation.track.motion import motion_of, smooth
 from railgrip.estimation.track.tables import LowPass, Trust
 from railgrip.track.geodesy import Place
-from railgrip.track.laid import Element, LaidTrack, grades_of
+from railgrip.track.laid import LaidTrack, grades_of
 from railgrip.track.laid import course_of as laid_course
 
 LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
@@ -18,15 +17,7 @@ TRACK = LaidTrack(
     middle=0.0,
     length=1200.0,
     heading=0.5,
-    curvature=laid_course(
-        (
-            Element(length=300, curvature=0),
-            Element(length=80, curvature=1 / 500),
-            Element(length=400, curvature=1 / 500),
-            Element(length=80, curvature=0),
-            Element(length=340, curvature=0),
-        )
-    ),
+    curvature=laid_course([(300, 0), (80, 1 / 500), (400, 1 / 500), (80, 0), (340, 0)]),
     slope=grades_of(-0.006, ((600.0, 0.004, 8000.0),)),
 )
 
@@ -97,7 +88,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         readings=readings,
         start=start,
         spread=spread,
-    ).mean
+    )
     # Both solve the same well-conditioned system in doubles.
     np.testing.assert_allclose(states, expected, rtol=0, atol=1e-9)
 

@@ -14,7 +14,7 @@ from scipy.interpolate import make_smoothing_spline
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.track.tables import LowPass
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 
 GRID = 1.0
 """Of the result [m]; positions closer together count as one."""

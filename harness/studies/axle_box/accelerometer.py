@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfilt
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 
 RATE: Final = 5120
 """Samples a second of the paper's loggers."""

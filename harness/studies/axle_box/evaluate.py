@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train

@@ -1,6 +1,7 @@
 """From a pass of the car to what estimators are trained on, cached by content."""
 
 import json
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
@@ -8,21 +9,44 @@ from typing import Final
 
 import numpy as np
 
-import railgrip.estimators.learned.antialias
 import railgrip.estimators.learned.channels
 import railgrip.estimators.learned.preprocessing
 import railgrip.studies.axle_box.accelerometer
 import railgrip.studies.axle_box.instrumented_car
-import railgrip.studies.axle_box.measured
 import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
 from railgrip.campaign.store import ground, results_of
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.fmus.build import fmu
-from railgrip.studies.axle_box.accelerometer import AXLE_BOX
-from railgrip.studies.axle_box.instrumented_car import FMU, Pass, slope
-from railgrip.studies.axle_box.measured import VEHICLE, readings
-from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, reduce
+from railgrip.scenario.seed import generator
+from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
+from railgrip.studies.axle_box.instrumented_car import FMU, Pass, Ride, ride, slope
+from railgrip.studies.axle_box.instrumented_car import RATE as TWIN_RATE
+from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Readings, Run, reduce
+
+VEHICLE: Final = 7
+"""Seed of the sensors' own properties: one car carries the same accelerometers on every run."""
+
+
+def readings(run: Pass) -> Readings:
+    """Simulate a run and measure it."""
+    motion = ride(run)
+    return measured(run, motion, TWIN_RATE, float(motion.speed.mean()))
+
+
+def measured(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
+    """Measure the motion of a run, sampled at `rate` a second; rolling wheels shake the boxes as at `speed`, m/s."""
+    true = np.hstack([motion.longitudinal[:, :, 0], motion.longitudinal[:, :, 1], motion.lateral])
+    channels = measure(
+        true, rate, speed, AXLE_BOX,
+        vehicle=generator(VEHICLE, "sensors"), run=generator(run.seed, f"{run.name}.sensors"),
+    )  # fmt: skip
+    fine = np.arange(len(channels)) * (rate / RATE)
+    return Readings(
+        left=channels[:, :4], right=channels[:, 4:8], lateral=channels[:, 8:],
+        speed=np.interp(fine, np.arange(len(motion.speed)), motion.speed), backwards=run.backwards, rate=RATE,
+    )  # fmt: skip
+
 
 KIND: Final = "axle-box-runs"
 """Their shelf in the user's cache."""
@@ -50,8 +74,7 @@ def gather(passes: Sequence[Pass], pool: Executor, *, tell: Callable[[str], None
     rests_on = ground(
         fmu(FMU), json.dumps([asdict(AXLE_BOX), asdict(SLOW), VEHICLE]).encode(),
         railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,
-        railgrip.estimators.learned.antialias,
-        railgrip.studies.axle_box.measured, railgrip.studies.axle_box.reduction,
+        sys.modules[__name__], railgrip.studies.axle_box.reduction,
         railgrip.studies.axle_box.accelerometer, railgrip.studies.axle_box.instrumented_car,
         railgrip.track.irregularity,
     )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator

@@ -1,15 +1,61 @@
-"""A user's runs judged as the paper's: its split and, beside it, each run left out."""
+"""A user's runs, from their file to the judgement as of the paper's: its split and, beside it, each run left out."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, StrictInt
 
 from railgrip.campaign.workers import workers as processes
 from railgrip.errors import EstimationError
+from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average, best_of, judge, within_runs, without_each
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
 from railgrip.studies.axle_box.study import general, paper_estimator
 from railgrip.studies.axle_box.tables import own_report
+from railgrip.trace.table import DataTable
+
+
+class RunsTable(Table):
+    """[runs]: where recordings and labels are, from the folder of the file."""
+
+    folder: str
+    labels: str
+
+
+class NetworkTable(Table):
+    """[network]: the networks of the paper's kind."""
+
+    inputs: Annotated[str, one_of(COMBINATIONS, "; ")] = "longitudinal"
+    bias: Literal["inside", "outside"] = "inside"
+    starts: Annotated[StrictInt, Field(ge=1, le=100)] = 5
+
+    def recipe(self) -> Recipe:
+        """Return how they are trained."""
+        return Recipe(inputs=self.inputs, bias=self.bias, starts=self.starts)
+
+
+class OwnFile(Table):
+    """Everything that decides what is learned from a user's runs."""
+
+    name: Name
+    runs: RunsTable
+    network: NetworkTable = NetworkTable()
+    data: DataTable | None = None
+
+
+def read_own(file: Path) -> OwnFile:
+    """Return what a TOML file asks for.
+
+    Raises:
+        ScenarioError: The file is missing or says something else; each problem in one sentence.
+    """
+    return validated(OwnFile, read_toml(file), directory=file.parent, origin=file.name)
+
 
 MEMBERS = 20
 FEWEST = 4

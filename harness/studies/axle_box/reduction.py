@@ -10,10 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from railgrip.estimators.arrays import Array
-from railgrip.estimators.learned.antialias import AntiAlias
+from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.channels import Motion, forwards, motions
-from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
+from railgrip.estimators.learned.preprocessing import BLOCKS, AntiAlias, Chain
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import MPH

@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 from pydantic import Field, StrictInt
 
 from railgrip.errors import FmuError, ScenarioError
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import Trained, load
@@ -39,8 +39,8 @@ from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.studies.axle_box.accelerometer import RATE
+from railgrip.studies.axle_box.gather import measured
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
-from railgrip.studies.axle_box.measured import measured
 from railgrip.track.irregularity import TRACKS
 
 LIBRARY = Path(__file__).parent / "library"

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from railgrip.errors import EstimationError
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.online import BOXES
 from railgrip.studies.axle_box.gather import SETTLED
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Readings, Run, reduce

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.studies.field_test.filtering import Task, follow
 from railgrip.studies.field_test.noise import Noise

@@ -8,8 +8,7 @@ import numpy as np
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
 from railgrip.estimation.track.braking import Braking
-from railgrip.estimators.arrays import Array
-from railgrip.estimators.belief import Estimate
+from railgrip.estimators.belief import Array, Estimate
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction

@@ -10,7 +10,7 @@ from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import NoiseTable
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.scenario.load import read_toml, validated
 
 LIBRARY = Path(__file__).parent / "library"

@@ -22,8 +22,7 @@ from railgrip.studies.field_test.filtering import filter_of, follow, lost, predi
 from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
 from railgrip.studies.field_test.objective import terms_of
 from railgrip.studies.field_test.runs import TEST, TUNING, runs
-from railgrip.studies.field_test.score import Score, TrackScore, score, track_score
-from railgrip.studies.field_test.seeds import SEEDS, Spread, over_seeds
+from railgrip.studies.field_test.score import SEEDS, Score, Spread, TrackScore, over_seeds, score, track_score
 from railgrip.trace.samples import truth_of
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}

@@ -9,7 +9,7 @@ import xarray
 from railgrip.errors import EstimationError
 from railgrip.estimation.stop import stop_read
 from railgrip.estimation.track.braking import Braking, braking_of
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import Plan

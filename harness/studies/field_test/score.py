@@ -1,16 +1,19 @@
 """How near the truth the filter came, and how near its sensors the track."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from railgrip.errors import EstimationError
-from railgrip.estimators.arrays import Array
+from railgrip.campaign.workers import ended, workers
+from railgrip.errors import EstimationError, RailgripError
+from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import Estimates
-from railgrip.studies.field_test.filtering import Task
-from railgrip.studies.field_test.noise import GROUPS
+from railgrip.scenario.schema import Scenario
+from railgrip.studies.field_test.filtering import Task, filter_of, follow, prediction, task_of
+from railgrip.studies.field_test.noise import GROUPS, Noise
 from railgrip.studies.field_test.objective import terms_of
-from railgrip.studies.field_test.runs import Run
+from railgrip.studies.field_test.runs import TEST, Run, run
 from railgrip.trace.samples import reading_of, truth_of
 
 SETTLED = 1.0
@@ -126,3 +129,52 @@ def track_score(run: Run) -> TrackScore:
 
 def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+SEEDS = tuple(range(1, 13))
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Errors in case 6, one for each seed.
+
+    Attributes:
+        tracks: Of what was recovered.
+        scores: Of the filter, by the title of its noises.
+    """
+
+    tracks: tuple[TrackScore, ...]
+    scores: Mapping[str, tuple[Score, ...]]
+
+
+def over_seeds(
+    scenario: Scenario,
+    noises: Mapping[str, Noise],
+    seeds: Sequence[int],
+    tell: Callable[[str], None] = lambda what: None,
+    count: int = 2,
+) -> Spread:
+    """Return the errors with sensors of every seed, in the order of the seeds; `count` runs at a time.
+
+    Raises:
+        EstimationError: See `railgrip.studies.field_test.runs.run`.
+    """
+    by_seed: dict[int, tuple[TrackScore, dict[str, Score]]] = {}
+    with workers(count) as pool:
+        tasks = {pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises): seed for seed in seeds}
+        for seed, errors in ended(tasks):
+            if isinstance(errors, RailgripError):
+                raise errors
+            by_seed[seed] = errors
+            tell(f"sensors {len(by_seed)} of {len(seeds)}")
+    rows = [by_seed[seed] for seed in seeds]
+    scores = {title: tuple(of_noises[title] for _, of_noises in rows) for title in noises}
+    return Spread(tuple(track for track, _ in rows), scores)
+
+
+def _errors(scenario: Scenario, noises: Mapping[str, Noise]) -> tuple[TrackScore, dict[str, Score]]:
+    """Return the errors of a run: of its track, and of the filter by the title of its noises."""
+    model, field_run = prediction(), run(scenario, TEST)
+    task = task_of(field_run.braking, model)
+    filter_ = filter_of(model, task.period)
+    return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}

@@ -17,7 +17,7 @@ from scipy.stats import qmc
 
 from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.studies.field_test.filtering import Task, filter_of
 from railgrip.studies.field_test.noise import NAMES, PHYSICAL, Noise

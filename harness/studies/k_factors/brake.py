@@ -12,7 +12,7 @@ import numpy as np
 
 from railgrip.assemble.vehicle import GRAVITY, brake_of, masses_of
 from railgrip.errors import ScenarioError
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.formation import Formation
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
 

@@ -9,7 +9,7 @@ from math import ceil, comb, log, sqrt
 
 import numpy as np
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.trace.k_wet import Interval
 
 Performance = Callable[[Array], Array]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.scenario.load import load, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit

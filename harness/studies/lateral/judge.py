@@ -9,7 +9,7 @@ from typing import Any, Final
 import casadi as ca
 import numpy as np
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along

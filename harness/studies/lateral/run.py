@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.loop.compiled import Beliefs, Record, run
 from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, party
 from railgrip.studies.lateral.wheelset import (

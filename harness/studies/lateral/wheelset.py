@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from railgrip.estimators.arrays import Array
+from railgrip.estimators.belief import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.polach import named_sets
