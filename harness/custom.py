@@ -2,7 +2,7 @@
 
 import inspect
 import traceback
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -140,10 +140,7 @@ class CustomController:
         _demand_methods(own, "a controller", "start", "decide")
         self._own, self._groups = own, formation.groups
         self.needs: tuple[str, ...] = tuple(getattr(own, "needs", ()))
-        try:
-            own.start(formation)
-        except Exception as problem:
-            raise ScenarioError(_failure(own, "start", problem)) from problem
+        _called(ScenarioError, own, "start", formation)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
@@ -152,10 +149,7 @@ class CustomController:
             ControllerFailed: It raised an exception, or returned something else.
         """
         when = f" At {observation.time:.3f} s."
-        try:
-            demands = self._own.decide(_locked(observation))
-        except Exception as problem:
-            raise ControllerFailed(_failure(self._own, "decide", problem) + when) from problem
+        demands = _called(ControllerFailed, self._own, "decide", _locked(observation), when=when)
         wrong = problem_with(demands, (self._groups,))
         if wrong:
             expected = f"the demanded pressures [Pa] of {self._groups} groups, shape ({self._groups},)"
@@ -197,14 +191,10 @@ class CustomEstimator:
             EstimatorFailed: It raised an exception, or gave something else than it provides.
         """
         own = self._own
-        call = "step" if self._has_started else "start"
-        try:
-            if not self._has_started:
-                own.start(_locked(observation), self._formation)
-                self._has_started, call = True, "step"
-            estimate: Any = own.step(_locked(observation))
-        except Exception as problem:
-            raise EstimatorFailed(_failure(own, call, problem)) from problem
+        if not self._has_started:
+            _called(EstimatorFailed, own, "start", _locked(observation), self._formation)
+            self._has_started = True
+        estimate = _called(EstimatorFailed, own, "step", _locked(observation))
         if not isinstance(estimate, Estimate):
             raise EstimatorFailed(f"{_place(own, 'step')} returned {_short(estimate)}, not an Estimate.")
         values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
@@ -236,10 +226,7 @@ class CustomSensors:
         self._own, self._layout, self._period = own, layout, period
         self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
         self._shapes = _shapes(layout.reading)
-        try:
-            own.start(formation, random)
-        except Exception as problem:
-            raise ScenarioError(_failure(own, "start", problem)) from problem
+        _called(ScenarioError, own, "start", formation, random)
 
     def read(self, sample: int, truth: Array) -> Array:
         """Return the reading of a sample; NaN where there is no new one.
@@ -250,10 +237,7 @@ class CustomSensors:
         self._truth[:] = truth
         time = sample * self._period
         when = f" At {time:.3f} s."
-        try:
-            readings: Any = self._own.read(time, self._truth_by_name)
-        except Exception as problem:
-            raise SensorsFailed(_failure(self._own, "read", problem) + when) from problem
+        readings = _called(SensorsFailed, self._own, "read", time, self._truth_by_name, when=when)
         if not isinstance(readings, Mapping) or not readings.keys() <= self._shapes.keys():
             raise SensorsFailed(
                 f"{_place(self._own, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
@@ -304,7 +288,8 @@ class CustomPlant:
             PlantFailed: It raised an exception, or showed something else.
         """
         self._steps = 0
-        outputs = self._called("start", lambda: self._own.start(self._layout.formation, self._speed, self._period))
+        formation = self._layout.formation
+        outputs = _called(PlantFailed, self._own, "start", formation, self._speed, self._period, when=self._when)
         if not isinstance(outputs, Mapping) or not self._required <= outputs.keys() <= self._shapes.keys():
             raise PlantFailed(
                 f"{_place(self._own, 'start')} returned {_short(outputs)}; a plant shows "
@@ -318,7 +303,7 @@ class CustomPlant:
         """Step it and return what it shows, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        outputs = self._called("step", lambda: self._own.step(self._inputs_by_name))
+        outputs = _called(PlantFailed, self._own, "step", self._inputs_by_name, when=self._when)
         if not isinstance(outputs, Mapping) or self._output_names.symmetric_difference(outputs):
             raise PlantFailed(
                 f"{_place(self._own, 'step')} returned {_short(outputs)}, not what it showed at the start, "
@@ -329,12 +314,6 @@ class CustomPlant:
     @property
     def _when(self) -> str:
         return f" At {self._steps * self._period:.3f} s."
-
-    def _called(self, method: str, call: Callable[[], Any]) -> Any:
-        try:
-            return call()
-        except Exception as problem:
-            raise PlantFailed(_failure(self._own, method, problem) + self._when) from problem
 
     def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
         truth = np.full(self._layout.outputs, np.nan)
@@ -394,11 +373,16 @@ def _short(value: object) -> str:
 def _demand_methods(own: object, what: str, *names: str) -> None:
     missing = [name for name in names if not callable(getattr(own, name, None))]
     if missing:
-        raise ScenarioError(f"{type(own).__name__}: has no method {' and '.join(missing)}; {what} has {_and(names)}")
+        lacks, wants = " and ".join(missing), " and ".join(names)
+        raise ScenarioError(f"{type(own).__name__}: has no method {lacks}; {what} has {wants}")
 
 
-def _and(names: tuple[str, ...]) -> str:
-    return " and ".join(names)
+def _called(failed: type[Exception], own: object, method: str, *arguments: object, when: str = "") -> Any:
+    """Return what a method of the user's class returns, or raise `failed` with a sentence."""
+    try:
+        return getattr(own, method)(*arguments)
+    except Exception as problem:
+        raise failed(_failure(own, method, problem) + when) from problem
 
 
 def _place(own: object, method: str) -> str:

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,28 +40,6 @@ class RunEstimates:
     upper: Array
 
 
-class Trained(Protocol):
-    """A trained estimator."""
-
-    @property
-    def rate(self) -> int:
-        """Samples a second of the accelerations that go in."""
-        ...
-
-    def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
-        """Return the estimates of a whole run.
-
-        Args:
-            boxes: Accelerations as `online.BOXES` orders them, at `rate`, m/s², shape (n, 12), in axes of the car.
-            speed: m/s, shape (n,).
-        """
-        ...
-
-    def online(self) -> Online:
-        """Return the same estimator sample by sample."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperEstimator:
     """Abduraxman et al. (2024): filters, block means, scaling and a network 4-6-1, or the mean of several.
@@ -77,11 +55,16 @@ class PaperEstimator:
 
     @property
     def rate(self) -> int:
-        """See `Trained`."""
+        """Samples a second of the accelerations that go in."""
         return self.chain.rate
 
     def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
-        """See `Trained`; neither speed nor direction is used."""
+        """Return the estimates of a whole run; neither speed nor direction is used.
+
+        Args:
+            boxes: Accelerations as `online.BOXES` orders them, at `rate`, m/s², shape (n, 12), in axes of the car.
+            speed: m/s, shape (n,).
+        """
         blocks = self.chain.process(motions(boxes[:, :4], boxes[:, 4:8], boxes[:, 8:], self.inputs))
         friction = np.mean([network(self.scale(blocks)) for network in self.networks], axis=0)
         none = np.full(len(blocks), np.nan)
@@ -90,7 +73,7 @@ class PaperEstimator:
         )
 
     def online(self) -> Online:
-        """See `Trained`."""
+        """Return the same estimator sample by sample."""
         return paper(self.chain, self.scale, self.networks, self.inputs)
 
 
@@ -104,11 +87,11 @@ class GeneralEstimator:
 
     @property
     def rate(self) -> int:
-        """See `Trained`."""
+        """See `PaperEstimator`."""
         return self.slow.rate
 
     def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
-        """See `Trained`; an estimate at every slow sample once the features have settled."""
+        """See `PaperEstimator`; an estimate at every slow sample once the features have settled."""
         slow = self.slow(np.hstack([boxes[:, 8:], boxes[:, 4:8] - boxes[:, :4]]))
         lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=backwards)
         features = self.spectral.features(lateral, yaw, self.slow.every(speed))
@@ -122,17 +105,20 @@ class GeneralEstimator:
         )
 
     def online(self) -> Online:
-        """See `Trained`."""
+        """See `PaperEstimator`."""
         return general(self.slow, self.spectral, self.ensemble)
 
 
-def save(trained: PaperEstimator | GeneralEstimator, file: Path) -> Path:
+Trained = PaperEstimator | GeneralEstimator
+
+
+def save(trained: Trained, file: Path) -> Path:
     """Write a trained estimator; every number comes back as it was."""
     file.write_text(json.dumps({"format": FORMAT, "kind": _KIND[type(trained)], **asdict(trained)}, default=_plain))
     return file
 
 
-def load(file: Path) -> PaperEstimator | GeneralEstimator:
+def load(file: Path) -> Trained:
     """Return the estimator that `save` wrote.
 
     Raises:
@@ -190,10 +176,7 @@ def _network(content: Mapping[str, Any]) -> Network:
 
 
 _KIND: Final[Mapping[type, str]] = {PaperEstimator: "paper", GeneralEstimator: "general"}
-_READ: Final[Mapping[str, Callable[[Mapping[str, Any]], PaperEstimator | GeneralEstimator]]] = {
-    "paper": _paper,
-    "general": _general,
-}
+_READ: Final[Mapping[str, Callable[[Mapping[str, Any]], Trained]]] = {"paper": _paper, "general": _general}
 
 
 def as_fmu(online: Online) -> Source:

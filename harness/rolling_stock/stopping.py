@@ -66,12 +66,10 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
     wheel = _each([part.data for part in parts], "wheel_radius")
     mass, inertia, units = np.array([[axle.mass, axle.inertia, axle.units] for axle in train.axles]).T
-    brakes = _Brakes(
-        lever=units * _each([part.brake for part in parts], "friction_radius") / wheel,
-        sliding=_each([part.brake for part in parts], "friction_radius") / wheel,
-        **{name: _each([part.brake for part in parts], name) for name in _BRAKE},
-        **{name: _each([part.pads for part in parts], name) for name in _PADS},
-    )
+    # Of all axles, named as in [brakes] and [pads].
+    brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
+    brakes |= {name: _each([part.pads for part in parts], name) for name in _PADS}
+    brakes |= {"sliding": brakes["friction_radius"] / wheel, "lever": units * brakes["friction_radius"] / wheel}
     command = train.command
     if command is None:
         delay, developed_at = np.zeros(mass.size), 0.0
@@ -111,7 +109,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
             share = -np.expm1(-np.maximum(now - delay, 0.0) / command.time_constant)
         else:
             share = stages.share(v) * np.clip(_FILLED * (now - delay) / command.fill_time, 0.0, 1.0)
-        braking = brakes.force(v, share) + rolling
+        braking = _brake_force(brakes, v, share) + rolling
         magnets = np.array([_magnetic_force(brake, v, now) for brake in track_brakes]) if track_brakes else np.zeros(0)
         drag = 0.5 * _AIR_DENSITY * air.drag_coefficient * air.frontal_area * v**2
         deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
@@ -138,7 +136,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         deceleration=mean,
         equivalent_time=max(s / speed - speed / (2 * mean), 0.0),
         adhesion=adhesion,
-        brake_force=brakes.lever * brakes.pad_friction * brakes.pad_force(brakes.pressure_max),
+        brake_force=brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"]),
         rotating_mass=float(turning.sum()),
         coupler_force=joints,
         car_force=np.array(history),
@@ -177,33 +175,19 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
     return np.abs(np.apply_along_axis(tension, 0, solution.y)).max(axis=1)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Brakes:
-    """The brakes of all axles, each value of shape (axles,), named as in [brakes] and [pads]."""
+def _pad_force(brakes: dict[str, Vector], pressure: Vector) -> Vector:
+    """Return the normal force of both pads of a unit [N]."""
+    at_piston = np.maximum(pressure * brakes["piston_area"] - brakes["spring_force"], 0.0)
+    return brakes["efficiency"] * brakes["rigging"] * at_piston
 
-    lever: Vector
-    sliding: Vector
-    piston_area: Vector
-    rigging: Vector
-    efficiency: Vector
-    spring_force: Vector
-    pressure_max: Vector
-    pad_friction: Vector
-    speed_effect: Vector
-    speed_nominal: Vector
-    force_effect: Vector
-    force_nominal: Vector
 
-    def pad_force(self, pressure: Vector) -> Vector:
-        """Return the normal force of both pads of a unit [N]."""
-        return self.efficiency * self.rigging * np.maximum(pressure * self.piston_area - self.spring_force, 0.0)
-
-    def force(self, speed: float, share: Vector) -> Vector:
-        """Return the force at the rim [N] with a share of the highest pressure."""
-        pad_force = self.pad_force(share * self.pressure_max)
-        friction = self.pad_friction * (1 + self.speed_effect * (1 - speed * self.sliding / self.speed_nominal))
-        friction = friction * (1 - self.force_effect * (pad_force / self.force_nominal - 1))
-        return self.lever * friction * pad_force
+def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vector:
+    """Return the force at the rim [N] with a share of the highest pressure."""
+    pad_force = _pad_force(brakes, share * brakes["pressure_max"])
+    slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
+    friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
+    friction = friction * (1 - brakes["force_effect"] * (pad_force / brakes["force_nominal"] - 1))
+    return brakes["lever"] * friction * pad_force
 
 
 class _Stages:

@@ -109,7 +109,7 @@ def monitor(tell: Tell) -> list[Finding]:
     evidence = []
     for number, stop in enumerate(live(life)):
         tell(f"monitor, stop {number + 1} of {life.stops}")
-        evidence.append(evidence_of(stop.recording, stop.temperature))
+        evidence.append(evidence_of(*stop))
     verdict = verdict_of([life], [evidence], Design())
     worn, stuck = verdict.worn_delays[0], verdict.stuck_delays[0]
     # A chart that ends a hair below its threshold alarms with the next stop.

@@ -61,15 +61,15 @@ def stops():
     ids=["healthy", "worn", "stuck"],
 )
 def test_a_life_is_that_of_the_former_loop(life, samples, values):
-    stop = next(live(life, range(7, 8)))
-    read = reading_of(stop.recording, "wheelset_speed[1]")[400], reading_of(stop.recording, "cylinder_pressure[4]")[250]
-    samples_read = [*read, truth_of(stop.recording, "mu_b[4]")[-1]]
-    assert stop.recording.sizes["time"] == samples
-    assert [*samples_read, stop.temperature[0]] == pytest.approx(values, rel=1e-5)
+    recording, temperature = next(live(life, range(7, 8)))
+    read = reading_of(recording, "wheelset_speed[1]")[400], reading_of(recording, "cylinder_pressure[4]")[250]
+    samples_read = [*read, truth_of(recording, "mu_b[4]")[-1]]
+    assert recording.sizes["time"] == samples
+    assert [*samples_read, temperature[0]] == pytest.approx(values, rel=1e-5)
 
 
 def test_a_stop_tells_which_group_has_lost_friction(stops):
-    healthy, worn, _ = (evidence_of(stop.recording, stop.temperature) for stop in stops)
+    healthy, worn, _ = (evidence_of(*stop) for stop in stops)
     ratio = worn.health / healthy.health
     # Same draws, so only the loss differs; a stop that lasts longer has other noise, hence three deviations.
     assert np.abs(ratio - np.array([1.0, 0.8, 1.0, 1.0])).max() < 3.0 * worn.deviation.max()
@@ -77,7 +77,7 @@ def test_a_stop_tells_which_group_has_lost_friction(stops):
 
 
 def test_a_brake_that_does_not_release_shows_as_drag_and_as_lost_friction(stops):
-    healthy, _, sticking = (evidence_of(stop.recording, stop.temperature) for stop in stops)
+    healthy, _, sticking = (evidence_of(*stop) for stop in stops)
     # 0.8 bar leave 7.9 kN on each of three units; friction and load are known to 15 %.
     expected = 5.7 * (0.8e5 * 0.0324 - 1200.0) * 3 * 0.35 * 0.235 / 0.38 / 84e3
     assert sticking.drag - healthy.drag == pytest.approx(expected, rel=0.25)
@@ -88,9 +88,9 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
     """Nominal train at nominal load: what the filter finds is the factor that was put on the plant's friction."""
     life = Life(stops=60, seed=5)
     ratios = []
-    for stop in live(life, range(4)):
-        evidence = evidence_of(stop.recording, stop.temperature)
-        true = [truth_of(stop.recording, f"mu_b[{g + 1}]")[-200:].mean() for g in range(4)]
+    for recording, temperature in live(life, range(4)):
+        evidence = evidence_of(recording, temperature)
+        true = [truth_of(recording, f"mu_b[{g + 1}]")[-200:].mean() for g in range(4)]
         ratios.append(evidence.health / np.array(true))
     spread = np.array(ratios) / np.mean(ratios, axis=1, keepdims=True)
     # Load is taken out by the mean over groups; what is left is the evidence's own deviation, 1.5 to 5 %.
@@ -98,8 +98,8 @@ def test_health_follows_the_true_friction_over_the_nominal_law():
 
 
 def test_without_testing_the_groups_cannot_be_told_apart_and_the_evidence_says_so():
-    stop = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
-    evidence = evidence_of(stop.recording, stop.temperature)
+    recording, temperature = next(live(Life(stops=60, seed=3, testing=False), range(7, 8)))
+    evidence = evidence_of(recording, temperature)
     assert evidence.deviation.min() > 0.3
     # One combination is known all the same, a mean over all groups: that of the braking forces, which stop the train.
     variances, combinations = np.linalg.eigh(evidence.covariance)
@@ -178,15 +178,15 @@ def test_the_index_claims_the_uncertainty_it_has():
 
 def test_a_pressure_read_too_high_makes_the_pads_look_as_much_worse_as_the_evidence_allows_for(stops):
     """The same stop read with the offset of one deviation, one transducer after the other."""
-    stop = stops[0]
-    plain = evidence_of(stop.recording, stop.temperature)
+    recording, temperature = stops[0]
+    plain = evidence_of(recording, temperature)
     for g in range(4):
         name = f"cylinder_pressure[{g + 1}]"
-        pressure = reading_of(stop.recording, name)
+        pressure = reading_of(recording, name)
         biased = pressure + PRESSURE_OFFSET * (pressure > 2e4)  # a released cylinder reads zero either way
-        off = stop.recording.copy(deep=True)
+        off = recording.copy(deep=True)
         off["reading_cylinder_pressure"][:, g] = biased
-        change = evidence_of(off, stop.temperature).health - plain.health
+        change = evidence_of(off, temperature).health - plain.health
         # A disc that seems hotter excuses pads by 5 to 15 % of it; 3 to 5 % are the square of the offset. The others
         # give way to what one group is thought to brake less.
         assert change[g] == pytest.approx(-plain.offset[g], rel=0.2)
@@ -241,14 +241,14 @@ def test_a_study_counts_delays_from_the_first_broken_stop():
 
 
 def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
-    stop = stops[0]
-    ones = np.ones(stop.recording.sizes["time"])
-    discs = {f"disc_temperature[{g + 1}]": (ones * stop.temperature[g], "K") for g in range(4)}
-    write_trace(with_signals(stop.recording, discs), tmp_path / stop.recording.attrs["name"] / FILE_NAME)
+    recording, temperature = stops[0]
+    ones = np.ones(recording.sizes["time"])
+    discs = {f"disc_temperature[{g + 1}]": (ones * temperature[g], "K") for g in range(4)}
+    write_trace(with_signals(recording, discs), tmp_path / recording.attrs["name"] / FILE_NAME)
     result = stops_in(tmp_path)
-    assert result.names == (stop.recording.attrs["name"],)
+    assert result.names == (recording.attrs["name"],)
     assert not result.sentences
-    here = evidence_of(stop.recording, stop.temperature)
+    here = evidence_of(recording, temperature)
     np.testing.assert_array_equal(result.evidence[0].health, here.health)
 
 

@@ -69,8 +69,7 @@ def test_stops_that_do_not_tell_groups_apart_say_so(slid):
 
 
 def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
-    stop = next(live(Life(stops=60, seed=3), range(7, 8)))
-    recording = stop.recording
+    recording, _ = next(live(Life(stops=60, seed=3), range(7, 8)))
     columns = {"t": recording["time"].values, "v": 3.6 * reading_of(recording, "speed")}
     columns["a"] = reading_of(recording, "acceleration")
     text = MAP

@@ -38,7 +38,7 @@ def in_c(table, noise, observers, pieces=((0, STEPS),), **options):
 
 
 def test_c_and_python_agree_to_the_last_bit(drawn, table):
-    (record,) = in_c(table, drawn.noise, [one.observer for one in parties()])
+    (record,) = in_c(table, drawn.noise, parties())
     others = parties()
     beliefs = [None] * 3
     with wheelset(SPEED, {"rolling_creep": 0.0}) as plant:
@@ -52,7 +52,7 @@ def test_c_and_python_agree_to_the_last_bit(drawn, table):
                     zip(("track", "mu0", "A_falling", "B_falling", "motor_torque", *FURTHER), table[k], strict=True)
                 )
                 for j, name in enumerate(filter_.design.inputs):
-                    source = one.observer.sources[name]
+                    source = one.sources[name]
                     if source.kind == "column":
                         filter_.inputs[j] = values[source.name]
                     else:
@@ -65,8 +65,8 @@ def test_c_and_python_agree_to_the_last_bit(drawn, table):
 
 
 def test_a_run_in_pieces_is_the_run(drawn, table):
-    (whole,) = in_c(table, drawn.noise, [one.observer for one in parties()], every=10)
-    pieces = in_c(table, drawn.noise, [one.observer for one in parties()], ((0, 120), (120, STEPS)), every=10)
+    (whole,) = in_c(table, drawn.noise, parties(), every=10)
+    pieces = in_c(table, drawn.noise, parties(), ((0, 120), (120, STEPS)), every=10)
     assert np.array_equal(whole.sample, np.concatenate([piece.sample for piece in pieces]))
     assert np.array_equal(whole.outputs, np.concatenate([piece.outputs for piece in pieces]))
     for name, belief in whole.beliefs.items():
@@ -77,8 +77,8 @@ def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table):
     noise = drawn.noise.copy()
     noise[100, 1] = np.inf
     two = parties()[1:]
-    clean = Observer(name="again", filter=parties()[1].filter, sources=two[0].observer.sources)
-    (record,) = in_c(table, noise, [two[0].observer])
+    clean = Observer(name="again", filter=parties()[1].filter, sources=two[0].sources)
+    (record,) = in_c(table, noise, [two[0]])
     belief = record.beliefs["known_track"]
     assert belief.failure == 3
     assert belief.failure_sample == 101
@@ -97,7 +97,7 @@ def test_a_filter_that_diverges_is_a_result_and_the_others_go_on(drawn, table):
 )
 def test_a_source_that_is_none_is_refused(drawn, table, change, sentence):
     one = parties()[1]
-    wrong = Observer(name="wrong", filter=one.filter, sources=change(dict(one.observer.sources)))
+    wrong = Observer(name="wrong", filter=one.filter, sources=change(dict(one.sources)))
     with pytest.raises(LoopError, match=sentence):
         in_c(table, drawn.noise, [wrong])
 

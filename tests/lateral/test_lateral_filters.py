@@ -19,7 +19,7 @@ def test_the_literal_filter_is_equations_25_to_36():
     """Step by step beside a transcription with (I − KH)P and Jacobians by complex steps."""
     speed, rail = 25.0, mal.Rail(DRY.mu0, DRY.A, DRY.B)
     ours = CompiledFilter(
-        prediction("literal"), literal_density(DRY, PERIOD), READING_NOISE, PERIOD, order=1,
+        prediction("literal"), literal_density(DRY), READING_NOISE, PERIOD, order=1,
     )  # fmt: skip
     x, P = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]), np.diag([1e-6, 1e-8, 1e-10, 1e-4, 1e2])
     belief = ours.start(x, P)
@@ -133,4 +133,4 @@ def test_a_filter_that_loses_itself_is_known_by_its_innovations(plant, lost):
 def test_each_filter_is_fed_everything_it_wants():
     for name in ("literal", "known_track", "unknown_track"):
         made = party(name, DRY, Irregularity())
-        assert set(made.observer.sources) == set(made.filter.design.inputs)
+        assert set(made.sources) == set(made.filter.design.inputs)

@@ -6,7 +6,6 @@ unknown_track  as before, and of the track only its spectrum
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from math import log
 from typing import Final, Literal, get_args
@@ -69,29 +68,9 @@ def prediction(name: Name) -> CasadiPrediction:
     return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Party:
-    """A filter that is ready to run.
-
-    Attributes:
-        name: Which one.
-        filter: The compiled filter, started.
-        observer: The same, for the loop.
-    """
-
-    name: Name
-    filter: CompiledFilter
-    observer: Observer
-
-    def change_condition(self, condition: Condition) -> None:
-        """Tell the filter of a change of the rail, if it is one that is told."""
-        if self.name == "literal":
-            self.filter.retune(literal_density(condition, self.filter.design.period))
-
-
-def literal_density(condition: Condition, period: float) -> Vector:
+def literal_density(condition: Condition) -> Vector:
     """Return the process noise of the literal filter as a density, shape (5,)."""
-    return np.array(LITERAL_NOISE[condition.name]) / period
+    return np.array(LITERAL_NOISE[condition.name]) / PERIOD
 
 
 def party(
@@ -99,7 +78,7 @@ def party(
     first: Condition,
     irregularity: Irregularity,
     sensors: tuple[float, float] = PAPER_SENSORS,
-) -> Party:
+) -> Observer:
     """Return a filter at its start.
 
     Args:
@@ -110,7 +89,7 @@ def party(
     noise = np.square(sensors)
     column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
-        filter_ = CompiledFilter(prediction(name), literal_density(first, PERIOD), noise, PERIOD, order=1)
+        filter_ = CompiledFilter(prediction(name), literal_density(first), noise, PERIOD, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.inputs[:] = 0.0
@@ -131,4 +110,4 @@ def party(
         filter_ = CompiledFilter(prediction(name), density, noise, PERIOD)
         filter_.start(mean, variance)
         sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
-    return Party(name=name, filter=filter_, observer=Observer(name=name, filter=filter_, sources=sources))
+    return Observer(name=name, filter=filter_, sources=sources)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railgrip.estimators.belief import Array
 from railgrip.loop.compiled import Beliefs, Record, run
-from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, party
+from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, literal_density, party
 from railgrip.studies.lateral.wheelset import (
     CONDITIONS,
     PERIOD,
@@ -92,7 +92,8 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         begin = time.perf_counter()
         for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
             for one in parties:
-                one.change_condition(condition)
+                if one.name == "literal":  # the only one that is told
+                    one.filter.retune(literal_density(condition))
             records.append(
                 run(
                     plant,
@@ -100,7 +101,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
                     further=FURTHER,
                     readings=tuple(READINGS),
                     noise=realisation.noise[first:last],
-                    observers=[one.observer for one in parties if _alive(records, one.name)],
+                    observers=[one for one in parties if _alive(records, one.name)],
                     every=EVERY,
                 )
             )

@@ -75,21 +75,11 @@ class Life:
     pressure_offset: float = PRESSURE_OFFSET
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimulatedStop:
-    """One stop of a life.
+def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Dataset, Vector]]:
+    """Yield the stops of a life in order; `numbers` takes some of them, each the same as in the whole.
 
-    Attributes:
-        recording: What was read, with the truth of pad friction.
-        temperature: Of the discs at the start as read [K], shape (4,).
+    What was read, with the truth of pad friction, and the temperature of the discs at the start, [K] as read, (4,).
     """
-
-    recording: xarray.Dataset
-    temperature: Vector
-
-
-def live(life: Life, numbers: range | None = None) -> Iterator[SimulatedStop]:
-    """Yield the stops of a life in order; `numbers` takes some of them, each the same as in the whole."""
     lot = generator(life.seed, "life.lot")
     base = 1.0 + 0.05 * lot.standard_normal(4)
     transducers = life.pressure_offset * generator(life.seed, "life.transducers").standard_normal(4)
@@ -144,7 +134,7 @@ def _stop(
     first_friction: Vector,
     stuck: int | None,
     transducers: Vector,
-) -> SimulatedStop:
+) -> tuple[xarray.Dataset, Vector]:
     nominal = _nominal()
     full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(4)])
     speed = random.uniform(70.0, 110.0) / 3.6
@@ -188,4 +178,4 @@ def _stop(
         signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
     truth = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(4)}
     recording = recording_of(signals, period=PERIOD, truth=truth, name=f"stop-{number:04d}")
-    return SimulatedStop(recording=recording, temperature=discs + 10.0 * noise(4))
+    return recording, discs + 10.0 * noise(4)

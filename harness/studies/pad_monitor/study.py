@@ -55,7 +55,7 @@ def evidence_of_lives(
 
 
 def _evidence(life: Life) -> list[Evidence]:
-    return [evidence_of(stop.recording, stop.temperature) for stop in live(life)]
+    return [evidence_of(*stop) for stop in live(life)]
 
 
 # Read when this is imported, so that an edit during a study cannot pass for what ran.
