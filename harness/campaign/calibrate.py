@@ -8,7 +8,6 @@ their Table 1. Everything else in the table is then predicted, adhesion-based co
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from railgrip.atomic import write_text
@@ -27,21 +26,8 @@ _CLOSE = 0.05  # m: the table shows tenths of a metre; the bound that is asked f
 _ROUNDS = 25
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Fitted:
-    """One level found.
-
-    Attributes:
-        scenario: Of the library.
-        shape: Named Polach set.
-        level: Factor on the friction.
-        distance: Of slip-based control at that level [m].
-    """
-
-    scenario: str
-    shape: str
-    level: float
-    distance: float
+Fitted = tuple[str, str, float, float]
+"""Scenario of the library, named Polach set, factor on the friction, and distance [m] of slip-based control with it."""
 
 
 def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
@@ -58,7 +44,7 @@ def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
             tell(fits[-1])
     for scenario in TARGETS:
         path = LIBRARY / f"{scenario}.toml"
-        levels = {one.shape: one.level for one in fits if one.scenario == scenario}
+        levels = {shape: level for fitted, shape, level, _ in fits if fitted == scenario}
         write_text(path, with_levels(path.read_text(encoding="utf-8"), levels))
     return fits
 
@@ -105,7 +91,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
             low, over, under = level, residual, 0.5 * under
         else:
             high, under, over = level, residual, 0.5 * over
-    return Fitted(scenario=scenario, shape=shape, level=level, distance=target + residual)
+    return scenario, shape, level, target + residual
 
 
 def with_levels(text: str, levels: dict[str, float]) -> str:

@@ -5,7 +5,7 @@ draw. Where OpenModelica is on the PATH and so compiles the plants, those of the
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from railgrip.fmus.build import choose, fmu
@@ -19,21 +19,8 @@ from railgrip.trace.stop import StopRecord, read_stop
 _OTHER = "native"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Repeats:
-    """What a stop is repeated as.
-
-    Attributes:
-        nudged: With moved parameters.
-        compiled: With the plant of another compiler, compiler → stop.
-    """
-
-    nudged: tuple[PlannedStop, ...]
-    compiled: dict[str, PlannedStop]
-
-    def all(self) -> tuple[PlannedStop, ...]:
-        """Return all of them."""
-        return (*self.nudged, *self.compiled.values())
+Repeats = tuple[list[PlannedStop], dict[str, PlannedStop]]
+"""What a stop is repeated as: with moved parameters, and with the plant of another compiler, by compiler."""
 
 
 def repeats_of(stop: PlannedStop, *, count: int, relative: float) -> Repeats:
@@ -42,13 +29,9 @@ def repeats_of(stop: PlannedStop, *, count: int, relative: float) -> Repeats:
     Raises:
         FmuError: The plant cannot be built by the other compiler.
     """
-    return Repeats(
-        nudged=tuple(
-            _changed(stop, f"{stop.name}-{seed}", nudge=Nudge(relative=relative, seed=seed))
-            for seed in range(1, count + 1)
-        ),
-        compiled=dict(_other_compiler(stop)),
-    )
+    nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
+    nudged = [_changed(stop, f"{stop.name}-{nudge.seed}", nudge=nudge) for nudge in nudges]
+    return nudged, dict(_other_compiler(stop))
 
 
 def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
@@ -56,7 +39,7 @@ def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
     return replace(
         campaign,
         name=f"{campaign.name}-conditioning",
-        stops=tuple(stop for group in repeats.values() for stop in group.all()),
+        stops=tuple(stop for nudged, compiled in repeats.values() for stop in (*nudged, *compiled.values())),
         references=(),
         panels="none",
         conditioning=None,
@@ -71,14 +54,12 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
     """
     stops: dict[str, Repeated] = {}
     for stop in campaign.stops:
-        nudged = [_distance(read_stop(directory / one.name)) for one in repeats[stop.name].nudged]
+        nudged, compiled = repeats[stop.name]
+        distances = [_distance(read_stop(directory / one.name)) for one in nudged]
         stops[stop.name] = Repeated(
             digest=stop.scenario.digest(),
-            distances=tuple(sorted(nudged, key=lambda distance: (distance is None, distance))),
-            compilers={
-                compiler: _distance(read_stop(directory / one.name))
-                for compiler, one in repeats[stop.name].compiled.items()
-            },
+            distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
+            compilers={compiler: _distance(read_stop(directory / one.name)) for compiler, one in compiled.items()},
         )
     return Conditioning(relative=relative, stops=stops)
 

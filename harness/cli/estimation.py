@@ -53,18 +53,17 @@ def observability(
         with progress(f"{specification.name}: filter"):
             recording = with_estimates_as_truth(specification, recording)
     with progress(f"{specification.name}: windows"):
-        observation = observe(specification, recording)
+        points, windows = observe(specification, recording)
     ranks = [
         {
-            "at": f"{point.time:.2f} s, {point.what}",
-            "rank": f"{point.information.rank} of {len(point.information.states)}",
-            "derivatives": point.information.order,
-            "not determined": ", ".join(point.information.undetermined) or "–",
+            "at": f"{time:.2f} s, {what}",
+            "rank": f"{found.rank} of {len(found.states)}",
+            "derivatives": found.order,
+            "not determined": ", ".join(found.undetermined) or "–",
         }
-        for point in observation.points
+        for what, time, found in points
     ]
     show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
-    windows = observation.windows
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
     inputs = tuple(gate.inputs) if gate is not None else prediction_for(specification).inputs[:2]

@@ -66,16 +66,16 @@ def ride(
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
     with progress(specification.name, 1.0) as bar:
-        result = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
-    write_bytes(folder / "ride.nc", bytes(result.trace.to_netcdf(engine="h5netcdf")))
-    save(ride_figure(result.trace), folder / "ride.png")
-    last = result.trace.isel(time=-1)
+        trace, apart = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
+    write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))
+    save(ride_figure(trace), folder / "ride.png")
+    last = trace.isel(time=-1)
     sentence = f"{specification.name}: after {float(last['time']):.1f} s friction {float(last['friction']):.3f}"
     if float(last["friction_sd"]) > 0:
         sentence += f" ± {float(last['friction_sd']):.3f}"
     sentence += f", true {specification.car.friction:.3f} in the mean"
-    if result.apart is not None:
-        sentence += f"; sample by sample within {result.apart:.1e} of the same readings at once"
+    if apart is not None:
+        sentence += f"; sample by sample within {apart:.1e} of the same readings at once"
     say(sentence)
     say(f"{folder}/ride.nc")
 
@@ -186,20 +186,20 @@ def monitor(
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     with progress("reading") as bar:
-        stops = stops_in(
+        evidence, sentences = stops_in(
             folder,
             None if column_map is None else load_specification(column_map),
             lambda number, of: bar.update(doing=f"stop {number} of {of}"),
         )
-    for sentence in stops.sentences:
+    for sentence in sentences:
         say(sentence)
-    if not stops.evidence:
+    if not evidence:
         from railgrip.errors import EstimationError
 
         raise EstimationError(f"{folder}: none of its stops can be used.")
     design = Design()
-    history = watch(stops.evidence, design)
-    show_table(health_table(history, stops.names))
+    history = watch(list(evidence.values()), design)
+    show_table(health_table(history, list(evidence)))
     say(verdict_on(history, design))
     say(str(draw(history, design, out or folder / "monitor.png")))
 

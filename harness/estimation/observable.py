@@ -1,8 +1,5 @@
 """What a recording can tell about the states of a prediction: rank at points, information along the way."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
 import xarray
 
@@ -14,42 +11,17 @@ from railgrip.estimators.observability import Observability, along, observabilit
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    """A sample at which the rank was found.
-
-    Attributes:
-        what: Why it was chosen.
-        time: [s].
-        inputs: Held there, by name.
-        information: Rank, order and what is hidden.
-    """
-
-    what: str
-    time: float
-    inputs: Mapping[str, float]
-    information: Observability
+Point = tuple[str, float, Observability]
+"""A sample at which the rank was found: why it was chosen, its time [s], and rank, order and what is hidden."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Information:
-    """What a recording can tell.
-
-    Attributes:
-        points: With the largest input that opens the gate, and with it at zero.
-        windows: `smallest` (time), the smallest singular value of the scaled observability Gramian of the window that
-            begins there, and by state (time, state) `deviation`, to which the window alone tells it, in its unit, and
-            `singular`, the smallest singular value that belongs to it: the square of scale over deviation, 0 where
-            the readings say nothing.
-    """
-
-    points: tuple[Point, ...]
-    windows: xarray.Dataset
-
-
-def observe(specification: Specification, recording: xarray.Dataset) -> Information:
+def observe(specification: Specification, recording: xarray.Dataset) -> tuple[list[Point], xarray.Dataset]:
     """Return what a recording can tell about the states, at their true values where known.
+
+    Points are with the largest input that opens the gate, and with it at zero. Of windows, `smallest` (time) is the
+    smallest singular value of the scaled observability Gramian of the window that begins there, and by state (time,
+    state) `deviation` is to what the window alone tells it, in its unit, and `singular` the smallest singular value
+    that belongs to it: the square of scale over deviation, 0 where the readings say nothing.
 
     Inputs that shut a gate count as zero: that is how the filter takes them, and the noise of a released load cell
     tells nothing.
@@ -73,10 +45,8 @@ def observe(specification: Specification, recording: xarray.Dataset) -> Informat
         inputs[:, gates] = np.where(inputs[:, gates] < settings.gate.threshold, 0.0, inputs[:, gates])
     scale = by_name("[observability] scale", table.scale, prediction.states)
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
-    return Information(
-        points=_points(recording, prediction, states, inputs, gates, scale),
-        windows=_windows(recording, prediction, states, inputs, period, noise, scale, table),
-    )
+    windows = _windows(recording, prediction, states, inputs, period, noise, scale, table)
+    return _points(recording, prediction, states, inputs, gates, scale), windows
 
 
 def with_estimates_as_truth(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
@@ -110,7 +80,7 @@ def _points(
     inputs: Matrix,
     gates: list[int],
     scale: Matrix,
-) -> tuple[Point, ...]:
+) -> list[Point]:
     time = recording["time"].values
     deciding = gates or list(range(inputs.shape[1]))
     most = int(np.argmax(np.min(inputs[:, deciding], axis=1))) if deciding else 0
@@ -119,15 +89,7 @@ def _points(
         without = inputs[most].copy()
         without[place] = 0.0
         instants.append((f"the same, but no {prediction.inputs[place]}", most, without))
-    return tuple(
-        Point(
-            what=what,
-            time=float(time[k]),
-            inputs=dict(zip(prediction.inputs, inputs_at.tolist(), strict=True)),
-            information=observability(prediction, states[k], inputs_at, scale),
-        )
-        for what, k, inputs_at in instants
-    )
+    return [(what, float(time[k]), observability(prediction, states[k], held, scale)) for what, k, held in instants]
 
 
 def _windows(

@@ -70,10 +70,10 @@ def field(tell: Tell) -> list[Finding]:
     track = track_score(test_run)
     findings = [
         # Of the smoothed motion; 1e-5 are 1 cm over the run.
-        Finding(f"field {TEST}: distance, relative error", track.distance, "1", 1e-5),
-        _mean(f"field {TEST}: curvature RMSE", track.curvature, "1/m"),
-        _mean(f"field {TEST}: slope RMSE", track.slope),
-        _mean(f"field {TEST}: track force RMSE", track.force, "N"),
+        Finding(f"field {TEST}: distance, relative error", track["distance"], "1", 1e-5),
+        _mean(f"field {TEST}: curvature RMSE", track["curvature"], "1/m"),
+        _mean(f"field {TEST}: slope RMSE", track["slope"]),
+        _mean(f"field {TEST}: track force RMSE", track["force"], "N"),
     ]
     model = prediction()
     task = task_of(test_run.braking, model)
@@ -83,17 +83,17 @@ def field(tell: Tell) -> list[Finding]:
     for name, result in scores.items():
         who = f"field {TEST}, noises '{name}'"
         findings += [
-            Finding(f"{who}: braking distance, relative error", result.distance, "1", 5e-5),
-            _mean(f"{who}: adhesion RMSE", result.adhesion),
-            _mean(f"{who}: pad friction RMSE", result.pad_friction),
-            _mean(f"{who}: mean pad friction RMSE", result.mean_pad_friction),
+            Finding(f"{who}: braking distance, relative error", result["distance"], "1", 5e-5),
+            _mean(f"{who}: adhesion RMSE", result["adhesion"]),
+            _mean(f"{who}: pad friction RMSE", result["pad_friction"]),
+            _mean(f"{who}: mean pad friction RMSE", result["mean_pad_friction"]),
         ]
     best, who = scores["physical"], f"field {TEST}, the best constant"
     return [
         *findings,
-        _mean(f"{who}: adhesion RMSE", best.adhesion_constant),
-        _mean(f"{who}: pad friction RMSE", best.pad_friction_constant),
-        _mean(f"{who}: mean pad friction RMSE", best.mean_pad_friction_constant),
+        _mean(f"{who}: adhesion RMSE", best["adhesion_constant"]),
+        _mean(f"{who}: pad friction RMSE", best["pad_friction_constant"]),
+        _mean(f"{who}: mean pad friction RMSE", best["mean_pad_friction_constant"]),
     ]
 
 

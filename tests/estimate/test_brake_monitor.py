@@ -245,11 +245,11 @@ def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
     ones = np.ones(recording.sizes["time"])
     discs = {f"disc_temperature[{g + 1}]": (ones * temperature[g], "K") for g in range(4)}
     write_trace(with_signals(recording, discs), tmp_path / recording.attrs["name"] / FILE_NAME)
-    result = stops_in(tmp_path)
-    assert result.names == (recording.attrs["name"],)
-    assert not result.sentences
+    evidence, sentences = stops_in(tmp_path)
+    assert [*evidence] == [recording.attrs["name"]]
+    assert not sentences
     here = evidence_of(recording, temperature)
-    np.testing.assert_array_equal(result.evidence[0].health, here.health)
+    np.testing.assert_array_equal(evidence[recording.attrs["name"]].health, here.health)
 
 
 def test_a_life_is_run_once(monkeypatch):

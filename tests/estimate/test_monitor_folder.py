@@ -53,7 +53,7 @@ def slid(tmp_path_factory):
 
 def test_locked_wheels_do_not_pass_for_worn_pads(slid):
     """Their pads hold with less than they could; what the stop tells must lie within what it claims."""
-    evidence = stops_in(slid).evidence[0]
+    (evidence,) = stops_in(slid)[0].values()
     assert (np.abs(evidence.health - 1.0) < 3.0 * evidence.deviation).all()
     # And that is not much, for one that told all would have to have slid.
     assert evidence.deviation.max() > 0.1
@@ -95,7 +95,7 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     smaller = 0.75 * 0.0324
     with_parameter = text.replace(" }\nnoise", f', parameters = {{ A_piston = "{smaller} m^2" }} }}\nnoise', 1)
     (tmp_path / "smaller.toml").write_text(with_parameter, encoding="utf-8")
-    (health,) = (one.health for one in stops_in(folder, load_specification(tmp_path / "smaller.toml")).evidence)
+    (health,) = (one.health for one in stops_in(folder, load_specification(tmp_path / "smaller.toml"))[0].values())
     assert ((health / through.health > 1.32) & (health / through.health < 1.5)).all()
 
 

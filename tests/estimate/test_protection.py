@@ -36,11 +36,11 @@ def test_excursions_are_counted_timed_and_told_apart():
     error[42:47] = -0.05  # in the event: 5 samples
     error[80] = 0.03  # outside
     counts = excursions(*protected(error, busy), settled=0.1)
-    assert (counts.count, counts.outside) == (2, 1)
-    assert counts.longest == pytest.approx(5 * PERIOD)
-    assert counts.largest == pytest.approx(0.05)
-    assert counts.largest_outside == pytest.approx(0.03)
-    assert not counts.kept
+    assert (counts["excursions"], counts["samples_outside"]) == (2, 1)
+    assert counts["longest"] == pytest.approx(5 * PERIOD)
+    assert counts["alpha_largest"] == pytest.approx(0.05)
+    assert counts["alpha_outside"] == pytest.approx(0.03)
+    assert not counts["kept"]
 
 
 def test_a_short_excursion_in_an_event_is_allowed_and_a_long_one_is_not():
@@ -48,10 +48,10 @@ def test_a_short_excursion_in_an_event_is_allowed_and_a_long_one_is_not():
     for length, is_allowed in ((10, True), (11, False)):
         error = np.zeros(100)
         error[50 : 50 + length] = 0.05
-        assert excursions(*protected(error, busy), settled=0.0).kept is is_allowed
+        assert excursions(*protected(error, busy), settled=0.0)["kept"] is is_allowed
 
 
 def test_an_estimate_that_ended_is_over_the_limit():
     error = np.zeros(100)
     error[50:] = np.nan
-    assert not excursions(*protected(error, np.zeros(100)), settled=0.0).kept
+    assert not excursions(*protected(error, np.zeros(100)), settled=0.0)["kept"]

@@ -172,11 +172,11 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
     """A spec names car and estimator; the loop runs it and says how far it is from the record at once."""
     save(estimators["paper"], tmp_path / "mine.json")
     table = read_ride(written(tmp_path, file="mine.json", length=3.0))
-    ride = ride_beside(table, tmp_path)
-    assert ride.apart is not None
-    assert ride.apart < ROUNDING
-    assert ride.trace.sizes["time"] == pytest.approx(3.0 / 26.82 * RATE, rel=0.05)  # the held speed is near that
-    assert float(ride.trace["friction"][-1]) > 0
+    trace, apart = ride_beside(table, tmp_path)
+    assert apart is not None
+    assert apart < ROUNDING
+    assert trace.sizes["time"] == pytest.approx(3.0 / 26.82 * RATE, rel=0.05)  # the held speed is near that
+    assert float(trace["friction"][-1]) > 0
 
 
 @pytest.mark.parametrize("trusted", [False, True])

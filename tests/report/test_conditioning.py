@@ -61,7 +61,7 @@ def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(t
     (stop,) = campaign.stops
     repeats = {stop.name: repeats_of(stop, count=3, relative=1e-7)}
     again = campaign_of(campaign, repeats)
-    nudges = [one.scenario.vehicle.nudge for one in repeats[stop.name].nudged]
+    nudges = [one.scenario.vehicle.nudge for one in repeats[stop.name][0]]
     assert [(nudge.seed, nudge.relative) for nudge in nudges] == [(1, 1e-7), (2, 1e-7), (3, 1e-7)]
     assert not any(one.keep_trace for one in again.stops)
     for number, one in enumerate(again.stops):

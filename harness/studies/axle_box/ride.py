@@ -20,7 +20,6 @@ file = "build/learn/friction.json"      # from here or from the folder of this f
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -88,20 +87,6 @@ class RideFile(Table):
         )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RideResult:
-    """What a ride gave.
-
-    Attributes:
-        trace: Truth, readings and belief on the grid of the loggers.
-        apart: Largest difference in friction between the estimator sample by sample and over all readings at once;
-            None where it is not known but as an FMU.
-    """
-
-    trace: xarray.Dataset
-    apart: float | None
-
-
 def read_ride(file: Path) -> RideFile:
     """Return the ride that a TOML file describes.
 
@@ -116,8 +101,11 @@ def ride_beside(
     directory: Path,
     progress: Callable[[float], None] = lambda share: None,
     tell: Callable[[str], None] = lambda sentence: None,
-) -> RideResult:
+) -> tuple[xarray.Dataset, float | None]:
     """Run the car, and the estimator over its readings.
+
+    Truth, readings and belief on the grid of the loggers; and the largest difference in friction between the estimator
+    sample by sample and over all readings at once, None where it is not known but as an FMU.
 
     Args:
         directory: Where the file of the estimator is, if not in the working directory.
@@ -158,7 +146,7 @@ def ride_beside(
         coords={"time": ("time", np.arange(len(boxes)) / RATE, {"units": "s"})},
         attrs={"name": ride_file.name, "period": 1 / RATE, "estimator": table.file},
     )
-    return RideResult(trace=trace, apart=apart)
+    return trace, apart
 
 
 def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Array]:

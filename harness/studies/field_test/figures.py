@@ -142,12 +142,13 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
         (panels[0], common, "factor on R, Q and P at the start", "equation (14) does not see the scale"),
         (panels[1], trusted, "factor on R alone", "equation (14) rewards repeating the readings"),
     ):
-        panel.loglog(sweep.factor, sweep.deviation, color=style.BLACK, marker="o", markersize=3,
-                     label="equation (14) [m/s]")  # fmt: skip
-        panel.loglog(sweep.factor, sweep.adhesion, color=style.BLUE, marker="o", markersize=3, label="RMSE of adhesion")
-        panel.loglog(sweep.factor, sweep.pad_friction, color=style.ORANGE, marker="o", markersize=3,
-                     label="RMSE of pad friction")  # fmt: skip
-        panel.loglog(sweep.factor, sweep.nees, color=style.VERMILION, linestyle="--", label="NEES, 1 wanted")
+        for name, colour, label in (
+            ("deviation", style.BLACK, "equation (14) [m/s]"),
+            ("adhesion", style.BLUE, "RMSE of adhesion"),
+            ("pad_friction", style.ORANGE, "RMSE of pad friction"),
+        ):
+            panel.loglog(sweep["factor"], sweep[name], color=colour, marker="o", markersize=3, label=label)
+        panel.loglog(sweep["factor"], sweep["nees"], color=style.VERMILION, linestyle="--", label="NEES, 1 wanted")
         style.dress(panel, x=x, title=title)
     style.legend(panels[0])
     return drawing

@@ -22,7 +22,7 @@ from railgrip.studies.field_test.filtering import filter_of, follow, lost, predi
 from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
 from railgrip.studies.field_test.objective import terms_of
 from railgrip.studies.field_test.runs import TEST, TUNING, runs
-from railgrip.studies.field_test.score import SEEDS, Score, Spread, TrackScore, over_seeds, score, track_score
+from railgrip.studies.field_test.score import SEEDS, Figures, over_seeds, score, track_score
 from railgrip.trace.samples import truth_of
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
@@ -47,7 +47,7 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
     others = [tasks[case] for case in TUNING]
     common = common_factor(others, filter_, PHYSICAL)
     trusted = readings_trusted(others, filter_, PHYSICAL)
-    spread = over_seeds(scenarios[TEST], noises, SEEDS, tell)
+    track_spread, score_spread = over_seeds(scenarios[TEST], noises, SEEDS, tell)
     tell("figures")
     style.save(track_figure(run), out / "track.png")
     style.save(speed_figure(run.recording), out / "speed.png")
@@ -61,7 +61,7 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
 
     def pads_of(noise: Noise) -> list[float]:
         scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
-        return [one.pad_friction / one.pad_friction_constant for one in scores]
+        return [one["pad_friction"] / one["pad_friction_constant"] for one in scores]
 
     scores = {title: score(test, estimate) for title, estimate in estimates.items()}
     instants = {title: lost(test, estimate) for title, estimate in estimates.items()}
@@ -79,17 +79,17 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
         groups=Table.of(
             ("noises", "MB 1", "JTB front", "JTB rear", "MB 2"),
             [
-                (title, *(f"{a:.4f} / {m:.4f}" for a, m in zip(s.adhesion_of, s.pad_friction_of, strict=True)))
+                (title, *(f"{a:.4f} / {m:.4f}" for a, m in zip(s["adhesion_of"], s["pad_friction_of"], strict=True)))
                 for title, s in scores.items()
             ],
         ),
         lost={title: instant for title, instant in instants.items() if instant is not None},
         pads=Table.of(("noises", *tasks), [(title, *pads_of(noise)) for title, noise in noises.items()], "{:.2f}"),
-        sets=len(spread.tracks),
+        sets=len(track_spread),
         track_spread=Table.of(
-            tuple(_TRACK_SPREAD), [[_spread(spread.tracks, *of) for of in _TRACK_SPREAD.values()]], left=0
+            tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
         ),
-        score_spread=_score_spread(spread),
+        score_spread=_score_spread(score_spread),
         noises=Table.of(
             ("entry", *noises),
             [
@@ -106,27 +106,28 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
 _LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "Protopapadakis": "protopapadakis"}
 
 
-def _track(score: TrackScore) -> tuple[str, ...]:
-    return (
-        f"{100 * score.distance:+.4f} %", f"{1e3 * score.curvature:.3f}", f"{1e3 * score.slope:.2f}",
-        f"{score.force:.0f}",
-    )  # fmt: skip
+def _track(score: Figures) -> tuple[str, ...]:
+    return tuple(
+        f"{factor * score[name]:{form}}{' %' if name == 'distance' else ''}"
+        for name, form, factor in _TRACK_SPREAD.values()
+    )
 
 
-def _case(scores: Mapping[str, Score], worst: Mapping[str, float]) -> Table:
+def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:
     rows = [
         {
-            "noises": title, "(14), cases 1–5 [m/s]": worst[title], "O_6 [m/s]": s.deviation, "NIS": s.nis,
-            "NEES": s.nees, "speed RMSE [m/s]": s.speed, "distance": 100 * s.distance, "adhesion RMSE": s.adhesion,
-            "pad friction RMSE": s.pad_friction, "mean pad friction RMSE": s.mean_pad_friction,
+            "noises": title, "(14), cases 1–5 [m/s]": worst[title], "O_6 [m/s]": s["deviation"], "NIS": s["nis"],
+            "NEES": s["nees"], "speed RMSE [m/s]": s["speed"], "distance": 100 * s["distance"],
+            "adhesion RMSE": s["adhesion"], "pad friction RMSE": s["pad_friction"],
+            "mean pad friction RMSE": s["mean_pad_friction"],
         }
         for title, s in scores.items()
     ]  # fmt: skip
     constant = next(iter(scores.values()))
     best = {
-        "noises": "the best constant", "adhesion RMSE": constant.adhesion_constant,
-        "pad friction RMSE": constant.pad_friction_constant,
-        "mean pad friction RMSE": constant.mean_pad_friction_constant,
+        "noises": "the best constant", "adhesion RMSE": constant["adhesion_constant"],
+        "pad friction RMSE": constant["pad_friction_constant"],
+        "mean pad friction RMSE": constant["mean_pad_friction_constant"],
     }  # fmt: skip
     forms = {
         **dict.fromkeys(rows[0], "{:.2e}"), **dict.fromkeys(("NIS", "NEES"), "{:.3g}"), "distance": "{:+.3f} %",
@@ -147,18 +148,18 @@ _SCORE_SPREAD: Mapping[str, tuple[str, str, float]] = {
 }  # fmt: skip
 
 
-def _score_spread(spread: Spread) -> Table:
+def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:
     rows = [
         {"noises": title} | {name: _spread(scores, *of) for name, of in _SCORE_SPREAD.items()}
-        for title, scores in spread.scores.items()
+        for title, scores in spread.items()
     ]
-    scores = next(iter(spread.scores.values()))
+    scores = next(iter(spread.values()))
     best = {name: _spread(scores, f"{of}_constant", form) for name, (of, form, *_) in _SCORE_SPREAD.items()
             if name.endswith("RMSE")}  # fmt: skip
     return Table([*rows, dict.fromkeys(rows[0]) | {"noises": "the best constant"} | best], left=("noises",))
 
 
-def _spread(scores: Sequence[Score | TrackScore], name: str, form: str, factor: float = 1.0) -> str:
+def _spread(scores: Sequence[Figures], name: str, form: str, factor: float = 1.0) -> str:
     """Return mean (least … largest) of a figure over seeds."""
-    values = factor * np.array([getattr(one, name) for one in scores])
+    values = factor * np.array([one[name] for one in scores])
     return f"{values.mean():{form}} ({values.min():{form}} … {values.max():{form}})"

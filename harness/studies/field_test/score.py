@@ -1,7 +1,7 @@
 """How near the truth the filter came, and how near its sensors the track."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,62 +20,17 @@ SETTLED = 1.0
 """After the brake is applied, what the filter needs to settle [s]; the paper shows the same oscillation."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Score:
-    """Errors over one braking, from a second after the brake is applied; estimate minus truth.
-
-    Attributes:
-        deviation: O_c of equation (14) [m/s].
-        nis: Over its degrees, 1 wanted.
-        nees: Of μ_B and α, 1 wanted.
-        speed: RMSE of v [m/s].
-        distance: Error of the braking distance, from the estimated speed, relative.
-        adhesion: RMSE of α over all groups.
-        adhesion_of: Of each group, shape (4,).
-        pad_friction: RMSE of μ_B over all groups.
-        pad_friction_of: Of each group, shape (4,).
-        mean_pad_friction: Error of μ_B weighted by what each group brakes with, which is what the train feels; its
-            RMSE.
-        adhesion_constant: RMSE of the best constant for the adhesion of all groups, known only afterwards: what a
-            filter must be better than.
-        pad_friction_constant: The same of μ_B.
-        mean_pad_friction_constant: The same of the train's mean μ_B.
-    """
-
-    deviation: float
-    nis: float
-    nees: float
-    speed: float
-    distance: float
-    adhesion: float
-    adhesion_of: Array
-    pad_friction: float
-    pad_friction_of: Array
-    mean_pad_friction: float
-    adhesion_constant: float
-    pad_friction_constant: float
-    mean_pad_friction_constant: float
+Figures = dict[str, Any]
+"""Errors by name."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TrackScore:
-    """Errors of what was recovered of the track over one run.
+def score(task: Task, estimate: Estimates) -> Figures:
+    """Return the errors of a filter over a braking, from a second after the brake is applied; estimate minus truth.
 
-    Attributes:
-        distance: At the end of the run, relative.
-        curvature: RMSE [1/m].
-        slope: RMSE.
-        force: RMSE over the braking [N].
-    """
-
-    distance: float
-    curvature: float
-    slope: float
-    force: float
-
-
-def score(task: Task, estimate: Estimates) -> Score:
-    """Return the errors of a filter over a braking.
+    `deviation`, `nis` and `nees` as `terms_of`; RMSE of `speed` [m/s], of `adhesion` and `pad_friction` over all groups
+    and `…_of` each, and of `mean_pad_friction`, weighted by what each group brakes with, which is what the train feels;
+    `…_constant` is that of the best constant, known only afterwards: what a filter must be better than. `distance` is
+    the error of the braking distance, from the estimated speed, relative.
 
     Raises:
         EstimationError: The truth is not known.
@@ -92,25 +47,25 @@ def score(task: Task, estimate: Estimates) -> Score:
     share /= share.sum(axis=1, keepdims=True)
     braking = slice(task.braking.brake, None)
     true_way = float(task.truth[braking, 0].sum())
-    return Score(
-        deviation=terms.deviation,
-        nis=terms.nis,
-        nees=terms.nees,
-        speed=_rms(error[:, 0]),
-        distance=float(estimate.mean[braking, 0].sum()) / true_way - 1.0,
-        adhesion=_rms(adhesions),
-        adhesion_of=np.sqrt((adhesions**2).mean(axis=0)),
-        pad_friction=_rms(pads),
-        pad_friction_of=np.sqrt((pads**2).mean(axis=0)),
-        mean_pad_friction=_rms((pads * share).sum(axis=1)),
-        adhesion_constant=float(np.std(truth[:, of_adhesions])),
-        pad_friction_constant=float(np.std(truth[:, of_pads])),
-        mean_pad_friction_constant=float(np.std((truth[:, of_pads] * share).sum(axis=1))),
-    )
+    return {
+        "deviation": terms.deviation, "nis": terms.nis, "nees": terms.nees,
+        "speed": _rms(error[:, 0]),
+        "distance": float(estimate.mean[braking, 0].sum()) / true_way - 1.0,
+        "adhesion": _rms(adhesions),
+        "adhesion_of": np.sqrt((adhesions**2).mean(axis=0)),
+        "pad_friction": _rms(pads),
+        "pad_friction_of": np.sqrt((pads**2).mean(axis=0)),
+        "mean_pad_friction": _rms((pads * share).sum(axis=1)),
+        "adhesion_constant": float(np.std(truth[:, of_adhesions])),
+        "pad_friction_constant": float(np.std(truth[:, of_pads])),
+        "mean_pad_friction_constant": float(np.std((truth[:, of_pads] * share).sum(axis=1))),
+    }  # fmt: skip
 
 
-def track_score(run: Run) -> TrackScore:
+def track_score(run: Run) -> Figures:
     """Return the errors of the track recovered from a run.
+
+    `distance` at the end of the run, relative; RMSE of `curvature` [1/m], of `slope`, and of `force` in braking [N].
 
     Raises:
         EstimationError: The truth is not known.
@@ -119,12 +74,10 @@ def track_score(run: Run) -> TrackScore:
     course = motion.course
     slope, curvature = run.laid(course.distance)
     force = reading_of(recording, "track_force") - truth_of(recording, "track_force")
-    return TrackScore(
-        distance=float(motion.distance[-1] / truth_of(run.recording, "distance")[-1]) - 1.0,
-        curvature=_rms(course.curvature - curvature),
-        slope=_rms(course.slope - slope),
-        force=_rms(force),
-    )
+    return {
+        "distance": float(motion.distance[-1] / truth_of(run.recording, "distance")[-1]) - 1.0,
+        "curvature": _rms(course.curvature - curvature), "slope": _rms(course.slope - slope), "force": _rms(force),
+    }  # fmt: skip
 
 
 def _rms(values: Array) -> float:
@@ -134,32 +87,21 @@ def _rms(values: Array) -> float:
 SEEDS = tuple(range(1, 13))
 
 
-@dataclass(frozen=True, slots=True)
-class Spread:
-    """Errors in case 6, one for each seed.
-
-    Attributes:
-        tracks: Of what was recovered.
-        scores: Of the filter, by the title of its noises.
-    """
-
-    tracks: tuple[TrackScore, ...]
-    scores: Mapping[str, tuple[Score, ...]]
-
-
 def over_seeds(
     scenario: Scenario,
     noises: Mapping[str, Noise],
     seeds: Sequence[int],
     tell: Callable[[str], None] = lambda what: None,
     count: int = 2,
-) -> Spread:
-    """Return the errors with sensors of every seed, in the order of the seeds; `count` runs at a time.
+) -> tuple[list[Figures], dict[str, list[Figures]]]:
+    """Return the errors in case 6 with sensors of every seed, in the order of the seeds; `count` runs at a time.
+
+    Of what was recovered of the track, and of the filter, by the title of its noises.
 
     Raises:
         EstimationError: See `railgrip.studies.field_test.runs.run`.
     """
-    by_seed: dict[int, tuple[TrackScore, dict[str, Score]]] = {}
+    by_seed: dict[int, tuple[Figures, dict[str, Figures]]] = {}
     with workers(count) as pool:
         tasks = {pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises): seed for seed in seeds}
         for seed, errors in ended(tasks):
@@ -168,11 +110,10 @@ def over_seeds(
             by_seed[seed] = errors
             tell(f"sensors {len(by_seed)} of {len(seeds)}")
     rows = [by_seed[seed] for seed in seeds]
-    scores = {title: tuple(of_noises[title] for _, of_noises in rows) for title in noises}
-    return Spread(tuple(track for track, _ in rows), scores)
+    return [track for track, _ in rows], {title: [scores[title] for _, scores in rows] for title in noises}
 
 
-def _errors(scenario: Scenario, noises: Mapping[str, Noise]) -> tuple[TrackScore, dict[str, Score]]:
+def _errors(scenario: Scenario, noises: Mapping[str, Noise]) -> tuple[Figures, dict[str, Figures]]:
     """Return the errors of a run: of its track, and of the filter by the title of its noises."""
     model, field_run = prediction(), run(scenario, TEST)
     task = task_of(field_run.braking, model)

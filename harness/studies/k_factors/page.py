@@ -1,5 +1,6 @@
 """What a K factor study found: JSON, a page, a figure and rows for the screen."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,7 @@ from railgrip.report.style import band, dress, figure, lead_to_trail, legend, sa
 from railgrip.report.table import Table
 from railgrip.sources import sources_digest
 from railgrip.studies.k_factors.rare import estimates, pooled
-from railgrip.studies.k_factors.study import PROBABILITIES, Study
-from railgrip.trace.k_wet import Interval
+from railgrip.studies.k_factors.study import PROBABILITIES, Study, plain
 
 _LEVELS = (0, 3, 6, 9)
 """EBCL whose convergence is drawn."""
@@ -24,7 +24,6 @@ _LEVELS = (0, 3, 6, 9)
 _HALF_HEIGHT = 0.012  # of the panels of convergence, in K
 
 _METHOD = "exact enumeration of failure states, importance sampling about the worst points within each"
-_METHOD_IN_LOOP = "exact enumeration of failure states, subset simulation within each"
 
 FILES = ("k_factors.json", "k_factors.png", "k_factors.md")
 
@@ -32,7 +31,7 @@ FILES = ("k_factors.json", "k_factors.png", "k_factors.md")
 def table(study: Study) -> Table:
     """Return one row for each EBCL: probability, and K with its interval for each output."""
     rows = [
-        [str(level), f"{probability:g}", *(_text(k[level]) for k in study.quasi_static.k)]
+        [str(level), f"{probability:g}", *(_text(plain(k[level])) for k in study.quasi_static.k)]
         for level, probability in enumerate(PROBABILITIES)
     ]
     return Table.of(("EBCL", "P(less)", *study.brake.outputs), rows, left=0)
@@ -50,14 +49,15 @@ def sentences(study: Study) -> list[str]:
         f"{result.neglected:.1e} together.",
     ]
     if loop is not None:
+        seconds = loop["seconds"]["stop"]
         cost = [
-            f"{p:g} {stops} stops, {stops * loop.stop_seconds / study.workers / 60:.0f} min"
-            for p, stops in loop.cost.items()
+            f"{p} {stops} stops, {stops * seconds / study.workers / 60:.0f} min"
+            for p, stops in loop["estimated_stops"].items()
         ]
         lines += [
-            f"With the controller in the loop: K = {_text(loop.k)} at {loop.probability:g}, quasi-static "
-            f"{_text(loop.quasi_static)}; {loop.stops} stops, failure states sampled {loop.states}, all others "
-            f"{loop.neglected:.1e}; a stop takes a core {loop.stop_seconds:.2f} s.",
+            f"With the controller in the loop: K = {_text(loop)} at {loop['probability']:g}, quasi-static "
+            f"{_text(loop['quasi_static'])}; {loop['samples']} stops, failure states sampled {loop['states']}, all "
+            f"others {loop['neglected_probability']:.1e}; a stop takes a core {seconds:.2f} s.",
             f"The same samples and runs for less likely decelerations, estimated for {study.workers} cores: "
             f"{'; '.join(cost)}. Intervals half as wide take four times as many.",
         ]
@@ -87,7 +87,7 @@ def write(study: Study, folder: Path) -> Path:
             "plant_distance_m": study.plant_distance,
         },
         "k_dry": [
-            {"output": output, "ebcl": level, "probability": PROBABILITIES[level], **_plain(one)}
+            {"output": output, "ebcl": level, "probability": PROBABILITIES[level], **plain(one)}
             for output, of in zip(brake.outputs, result.k, strict=True)
             for level, one in enumerate(of)
         ],
@@ -98,17 +98,8 @@ def write(study: Study, folder: Path) -> Path:
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }
     if loop is not None:
-        content["loop"] = {
-            "method": _METHOD_IN_LOOP,
-            "probability": loop.probability,
-            **_plain(loop.k),
-            "quasi_static": _plain(loop.quasi_static),
-            "states": loop.states,
-            "neglected_probability": loop.neglected,
-            "samples": loop.stops,
-            "estimated_stops": {f"{p:g}": stops for p, stops in loop.cost.items()},
-        }
-        content["seconds"] |= {"stop": loop.stop_seconds, "new_stops": loop.new_stops}
+        content["loop"] = {name: value for name, value in loop.items() if name != "seconds"}
+        content["seconds"] |= loop["seconds"]
     write_json(folder / FILES[0], content)
     save(draw(study), folder / FILES[1])
     return write_page(
@@ -153,9 +144,5 @@ def draw(study: Study) -> Figure:
     return drawing
 
 
-def _text(one: Interval) -> str:
-    return f"{one.value:.4f} ({one.low:.4f}–{one.high:.4f})"
-
-
-def _plain(one: Interval) -> dict[str, float]:
-    return {"k": one.value, "low": one.low, "high": one.high}
+def _text(one: Mapping[str, float]) -> str:
+    return f"{one['k']:.4f} ({one['low']:.4f}–{one['high']:.4f})"

@@ -6,6 +6,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -105,37 +106,13 @@ class QuasiStatic:
         return sum(len(run.values) for run in self.runs[0])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class InTheLoop:
-    """K of the whole stop with the controller in the loop, at one probability.
-
-    Attributes:
-        quasi_static: K of the quasi-static brake at the same probability.
-        states: Number of failure states that were sampled.
-        neglected: Probability of all others.
-        stops: Of all runs; of them, `new_stops` were not kept from an earlier one.
-        stop_seconds: Median time of a stop on one core.
-        cost: Probability → stops that it would take with as many samples and runs.
-    """
-
-    probability: float
-    k: Interval
-    quasi_static: Interval
-    states: int
-    neglected: float
-    stops: int
-    new_stops: int
-    stop_seconds: float
-    cost: dict[float, int]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Study:
     """A brake and what was found.
 
     Attributes:
         plant_distance: Of the nominal train in the loop [m].
-        loop: None where no stops were asked for.
+        loop: See `in_the_loop`; None where no stops were asked for.
         workers: Processes that run stops.
     """
 
@@ -144,7 +121,7 @@ class Study:
     brake: QuasiStaticBrake
     plant_distance: float
     quasi_static: QuasiStatic
-    loop: InTheLoop | None
+    loop: dict[str, Any] | None
     workers: int
 
 
@@ -222,13 +199,16 @@ def in_the_loop(
     quasi_static: QuasiStatic,
     workers: int,
     tell: Tell,
-) -> InTheLoop:
-    """Return K of the whole stop with the controller in the loop, at the probability of [loop]."""
+) -> dict[str, Any]:
+    """Return K of the whole stop with the controller in the loop, at the probability of [loop].
+
+    As the file of results has it; under `seconds` the median time of a `stop` on one core and how many were run now.
+    """
     effort = specification.loop
     assert effort is not None, "asked before anything was run"
     states, neglected = _states(specification, brake.units, _NEGLECT_IN_LOOP * effort.probability)
     nominal = brake.equivalent_deceleration(nominal_distance)
-    cost = {p: _cost(specification, brake.units, p) for p in _SCALING}
+    costs = {p: _cost(specification, brake.units, p) for p in _SCALING}
     most = _cost(specification, brake.units, effort.probability)
     runs: list[Sample] = []
     with processes.workers(workers) as pool:
@@ -252,17 +232,23 @@ def in_the_loop(
                 for state in states
             ]
             runs.append(rare.pooled(parts, [state.probability for state in states]))
-    return InTheLoop(
-        probability=effort.probability,
-        k=rare.estimates(runs, [effort.probability], neglected)[0],
-        quasi_static=rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0],
-        states=len(states),
-        neglected=neglected,
-        stops=stops.requests,
-        new_stops=stops.run,
-        stop_seconds=stops.seconds,
-        cost=cost,
-    )
+    whole = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
+    return {
+        "method": "exact enumeration of failure states, subset simulation within each",
+        "probability": effort.probability,
+        **plain(rare.estimates(runs, [effort.probability], neglected)[0]),
+        "quasi_static": plain(whole),
+        "states": len(states),
+        "neglected_probability": neglected,
+        "samples": stops.requests,
+        "estimated_stops": {f"{p:g}": cost for p, cost in costs.items()},
+        "seconds": {"stop": stops.seconds, "new_stops": stops.run},
+    }
+
+
+def plain(k: Interval) -> dict[str, float]:
+    """Return K and its interval as the file of results has them."""
+    return {"k": k.value, "low": k.low, "high": k.high}
 
 
 def _states(specification: Specification, units: Sequence[int], neglect: float) -> tuple[tuple[State, ...], float]:

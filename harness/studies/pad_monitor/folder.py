@@ -1,7 +1,6 @@
 """Stops on disk, in the order of their names: results of the harness, or files that a user recorded."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,27 +20,12 @@ UNKNOWN_TEMPERATURE = 313.15
 """What discs are taken to have at the first sample where nobody tells, as the plant does: 40 °C."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FolderStops:
-    """Stops of a folder.
-
-    Attributes:
-        names: Of those that gave evidence, in order.
-        evidence: One each.
-        sentences: What was left out, mended or assumed.
-    """
-
-    names: tuple[str, ...]
-    evidence: tuple[Evidence, ...]
-    sentences: tuple[str, ...]
-
-
 def stops_in(
     folder: Path,
     specification: Specification | None = None,
     progress: Callable[[int, int], None] = lambda count, of: None,
-) -> FolderStops:
-    """Return the evidence of all stops in a folder.
+) -> tuple[dict[str, Evidence], list[str]]:
+    """Return the evidence of all stops in a folder, by name and in order, and what was left out, mended or assumed.
 
     A stop is a folder with a trace.nc in it, or, with a specification that maps their columns, a recorded file. One
     that cannot be used is left out and said.
@@ -64,8 +48,7 @@ def stops_in(
         what = f"*/{FILE_NAME}" if specification is None else ", ".join(f"*{suffix}" for suffix in FORMATS)
         hint = "; for recorded files give their map, --map FILE.toml" if specification is None else ""
         raise EstimationError(f"{folder}: there are no stops ({what}) in it{hint}.")
-    names: list[str] = []
-    evidence: list[Evidence] = []
+    evidence: dict[str, Evidence] = {}
     sentences: list[str] = []
     assumptions = 0
     for number, place in enumerate(places):
@@ -84,15 +67,12 @@ def stops_in(
                 recording = temperatures.recording
                 sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
                 assumptions += 1
-            judgement = evidence_of(recording, temperature, parameters)
+            evidence[place.name] = evidence_of(recording, temperature, parameters)
         except EstimationError as problem:
             sentences.append(f"{place.name}: left out: {problem}")
-            continue
-        names.append(place.name)
-        evidence.append(judgement)
     if assumptions:
         sentences.append(
             f"{assumptions} stops do not tell the temperature of their discs; {UNKNOWN_TEMPERATURE - 273.15:.0f} °C is "
             "assumed at their beginning, 0.7 ‰ of friction a kelvin."
         )
-    return FolderStops(names=tuple(names), evidence=tuple(evidence), sentences=tuple(sentences))
+    return evidence, sentences

@@ -1,7 +1,7 @@
 """The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and ours, judged against the truth."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,30 +37,6 @@ RECOVERY = 0.1
 """Time in which they correct a larger one [s]; a protection answers in 0.2 s."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Excursions:
-    """Where the error of adhesion is larger than `LIMIT`.
-
-    Attributes:
-        largest_outside: Largest error outside protection events [1].
-        largest: Largest error anywhere after the start has settled [1].
-        outside: Samples outside events that are over the limit.
-        count: Stretches over the limit, anywhere.
-        longest: The longest of them [s].
-    """
-
-    largest_outside: float
-    largest: float
-    outside: int
-    count: int
-    longest: float
-
-    @property
-    def kept(self) -> bool:
-        """Whether the paper's statement holds: within the limit outside events, corrected in time in them."""
-        return self.outside == 0 and self.longest <= RECOVERY
-
-
 def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
     """Return the samples outside protection events, shape (k,).
 
@@ -74,8 +50,13 @@ def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
     return (since > RECOVERY) & (time >= time[0] + settled)
 
 
-def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: float) -> Excursions:
-    """Return where an estimate of adhesion leaves the limit."""
+def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: float) -> dict[str, float]:
+    """Return where an estimate of adhesion leaves `LIMIT`, named as in `Row`.
+
+    `alpha_largest`: error anywhere after the start has settled; `alpha_outside`: outside protection events;
+    `samples_outside`: over the limit outside events; `excursions`: stretches over the limit, anywhere; `longest` of
+    them [s]; `kept`: whether the paper's statement holds, within the limit outside events, corrected in time in them.
+    """
     time = recording["time"].values
     after = time >= time[0] + settled
     error = np.abs(errors(recording, estimates, "alpha"))
@@ -84,13 +65,15 @@ def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: fl
     over = ~(error <= LIMIT) & after
     edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
     lengths = (edges[1::2] - edges[::2]) * period_of(recording)
-    return Excursions(
-        largest_outside=float(np.max(error[outside], initial=0.0)),
-        largest=float(np.max(error[after], initial=0.0)),
-        outside=int(np.sum(over & outside)),
-        count=lengths.size,
-        longest=float(np.max(lengths, initial=0.0)),
-    )
+    outside_and_over, longest = int(np.sum(over & outside)), float(np.max(lengths, initial=0.0))
+    return {
+        "alpha_largest": float(np.max(error[after], initial=0.0)),
+        "alpha_outside": float(np.max(error[outside], initial=0.0)),
+        "samples_outside": outside_and_over,
+        "excursions": lengths.size,
+        "longest": longest,
+        "kept": outside_and_over == 0 and longest <= RECOVERY,
+    }
 
 
 FILTERS = ("rig_paper", "rig_own")
@@ -110,7 +93,7 @@ Row = dict[str, Any]
 
 scenario, filter: Of the rig, and name of the estimation; period, speed_noise: of the samples [s], and 1σ of the
 roller's speed [m/s]; alpha_…, mu_b_…: of adhesion and pad friction, see `Judgement`; alpha_largest, alpha_outside,
-samples_outside, excursions, longest, kept: see `Excursions`; ended: why the filter ended early, or nothing."""
+samples_outside, excursions, longest, kept: see `excursions`; ended: why the filter ended early, or nothing."""
 
 
 def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
@@ -130,19 +113,13 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     assert isinstance(scenario.sensors, WhiteSensors)
     after = recording["time"].values >= SETTLED
     alpha, pads = (judge(recording, estimates, state, after) for state in ("alpha", "mu_b"))
-    over = excursions(recording, estimates, SETTLED)
     return {
         "scenario": scenario.name,
         "filter": name,
         "period": scenario.periods.communication,
         "speed_noise": scenario.sensors.noise["speed"].si("m/s"),
         **{f"alpha_{figure}": getattr(alpha, figure) for figure in ("rmse", "bias", "nees", "sd")},
-        "alpha_largest": over.largest,
-        "alpha_outside": over.largest_outside,
-        "samples_outside": over.outside,
-        "excursions": over.count,
-        "longest": over.longest,
-        "kept": over.kept,
+        **excursions(recording, estimates, SETTLED),
         **{f"mu_b_{figure}": getattr(pads, figure) for figure in ("rmse", "bias", "largest", "nees")},
         "mu_b_covered": pads.coverage,
         "mu_b_sd": pads.sd,
