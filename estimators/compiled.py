@@ -95,12 +95,7 @@ class CompiledFilter(StepInC):
 
     Args:
         prediction: The model; its parameters may be changed in `parameters` without compiling again.
-        process_noise: Density in (unit of the state)²/s, shape (n,) or (n, n).
-        reading_noise: Covariance of the readings, shape (m,) or (m, m).
-        period: Seconds between two steps.
-        gate: States to freeze and when, or None.
-        outlier_limit: Standard deviations beyond which a reading is left out, or None.
-        order: 1 for forward Euler, 4 for RK4; see `discretisation`.
+        process_noise, …: See `Design.of`.
 
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.

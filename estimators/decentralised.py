@@ -38,10 +38,7 @@ class DecentralisedFilter(StepInC):
 
     Args:
         consist: The train.
-        process_noise: Density in (unit of the state)²/s, shape (n,).
-        reading_noise: Variances of the readings, shape (m,).
-        period: Seconds between two steps.
-        gate: States to freeze and when, or None.
+        process_noise, …: See `Design.of`; noises are independent, shapes (n,) and (m,).
 
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.

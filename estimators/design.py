@@ -103,9 +103,9 @@ class Design:
             reading_noise: Covariance of the readings: shape (m,) of variances, or (m, m). Positive definite.
             period: Seconds, positive.
             gate: What to freeze and when, or None.
-            outlier_limit: Standard deviations beyond which a reading is left out, one for all or shape (m,), or None
-                to use every reading.
-            order: 1 for forward Euler, 4 for RK4.
+            outlier_limit: Standard deviations of its innovation beyond which a reading is left out, one for all or
+                shape (m,), or None to use every reading.
+            order: 1 for forward Euler, 4 for RK4; see `discretisation`.
 
         Raises:
             EstimatorError: One of them does not fit; the message says which.

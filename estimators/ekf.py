@@ -45,14 +45,7 @@ class ExtendedKalmanFilter:
 
     Args:
         prediction: The model, n states and m outputs.
-        process_noise: Density in (unit of the state)²/s, shape (n,) or (n, n); one period adds
-            density·period.
-        reading_noise: Covariance of the readings, shape (m,) or (m, m).
-        period: Seconds between two steps.
-        gate: States to freeze and when, or None.
-        outlier_limit: Leave out a reading further from what was expected than this many standard deviations
-            of its innovation; None uses every reading.
-        order: 1 for forward Euler, 4 for RK4; see `discretisation`.
+        process_noise, …: See `Design.of`.
 
     Raises:
         EstimatorError: The parts do not fit each other.

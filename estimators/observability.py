@@ -7,7 +7,6 @@ sensors, excitation and time.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -29,41 +28,21 @@ LARGEST_ORDER = 6
 """Derivatives to try at most; expressions of larger models grow fast."""
 
 
-class ReadingsAndRates:
-    """The map z = [y, ẏ, ÿ, …] of state and held input, by Lie derivatives of the outputs along f.
+def readings_and_rates(prediction: CasadiPrediction, order: int, x: Vector, u: Vector) -> tuple[Vector, Matrix]:
+    """Return z = [y, ẏ, ÿ, …] with derivatives up to `order`, and ∂z/∂x, by Lie derivatives of the outputs along f.
 
-    Args:
-        prediction: The model.
-        order: Highest time derivative of the readings; 0 is the readings alone.
-
-    Raises:
-        EstimatorError: The order is negative.
+    Shapes (m·(order + 1),) and (m·(order + 1), n); expressions grow with each derivative.
 
     Source: Hermann and Krener, IEEE Trans. Automatic Control 22 (1977) 728, with inputs constant in time.
     """
-
-    def __init__(self, prediction: CasadiPrediction, order: int) -> None:
-        """Differentiate `order` times; expressions grow with each."""
-        if order < 0:
-            raise EstimatorError(f"observability: order counts derivatives, 0 or more, got {order}.")
-        of = prediction.equations
-        rates = [of.output]
-        for _ in range(order):
-            rates.append(ca.jtimes(rates[-1], of.x, of.derivative))
-        stack = ca.vertcat(*rates)
-        self.order = order
-        self._parameters = prediction.parameters
-        arguments = [of.x, of.u, of.p]
-        self._map = ca.Function("map", arguments, [stack])
-        self._jacobian = ca.Function("jacobian", arguments, [ca.densify(ca.jacobian(stack, of.x))])
-
-    def map(self, x: Vector, u: Vector) -> Vector:
-        """Return z, shape (m·(order + 1),): all readings, then all their first derivatives, and so on."""
-        return np.asarray(self._map(x, u, self._parameters), dtype=np.float64)[:, 0]
-
-    def jacobian(self, x: Vector, u: Vector) -> Matrix:
-        """Return ∂z/∂x, shape (m·(order + 1), n)."""
-        return np.asarray(self._jacobian(x, u, self._parameters), dtype=np.float64)
+    of = prediction.equations
+    rates = [of.output]
+    for _ in range(order):
+        rates.append(ca.jtimes(rates[-1], of.x, of.derivative))
+    stack = ca.vertcat(*rates)
+    both = ca.Function("rates", [of.x, of.u, of.p], [stack, ca.densify(ca.jacobian(stack, of.x))])
+    z, jacobian = (np.asarray(one, dtype=np.float64) for one in both(x, u, prediction.parameters))
+    return z[:, 0], jacobian
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +104,7 @@ def observability(
         )
     rank, order, values, directions = 0, 0, np.zeros(0), np.eye(n)
     for order in range(LARGEST_ORDER + 1):
-        jacobian = ReadingsAndRates(prediction, order).jacobian(x, u) * size
+        jacobian = readings_and_rates(prediction, order, x, u)[1] * size
         # Readings and their derivatives have units of their own: every row counts by its direction only.
         lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
         rows = jacobian[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
@@ -148,24 +127,6 @@ def observability(
         null_space=null_space,
         undetermined=names,
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Information:
-    """How well noisy readings over windows of a trajectory tell the state at the start of each window.
-
-    Attributes:
-        start: First sample of each window, shape (k,).
-        smallest: Smallest singular value of the scaled Gramian of each window, shape (k,): the square of
-            (size of the state over its uncertainty) in the worst direction. Below 1 the readings tell less
-            than the typical size.
-        deviation: Standard deviation to which each state is known from the window alone, shape (k, n), in its
-            unit; infinity where the readings say nothing about it.
-    """
-
-    start: NDArray[np.intp]
-    smallest: Vector
-    deviation: Matrix
 
 
 def gramian(prediction: Prediction, x: Matrix, u: Matrix, period: float, reading_noise: ArrayLike) -> Matrix:
@@ -203,9 +164,13 @@ def along(
     scale: ArrayLike,
     window: int,
     stride: int,
-    progress: Callable[[int, int], None] = lambda count, of: None,
-) -> Information:
-    """Return how well the state is known from windows along a trajectory.
+) -> tuple[NDArray[np.intp], Vector, Matrix]:
+    """Return how well noisy readings over windows of a trajectory tell the state at the start of each window.
+
+    First sample of each window, shape (k,); smallest singular value of its scaled Gramian, shape (k,): the square of
+    (size of the state over its uncertainty) in the worst direction, below 1 where the readings tell less than the
+    typical size; and the standard deviation to which each state is known from the window alone, shape (k, n), in its
+    unit, infinity where the readings say nothing about it.
 
     Args:
         prediction: The model.
@@ -216,7 +181,6 @@ def along(
         scale: Typical size of each state, shape (n,), positive.
         window: Samples in a window.
         stride: Samples from the start of one window to the next.
-        progress: Told after each window how many of how many are done.
 
     Raises:
         EstimatorError: A window longer than the trajectory, or a size that is not positive.
@@ -234,8 +198,7 @@ def along(
         values, directions = np.linalg.eigh(information)
         smallest[i] = max(values[0], 0.0)
         deviation[i] = size * _deviation(values, directions)
-        progress(i + 1, starts.size)
-    return Information(start=starts, smallest=smallest, deviation=deviation)
+    return starts, smallest, deviation
 
 
 def _deviation(values: Vector, directions: Matrix) -> Vector:

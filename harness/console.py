@@ -91,7 +91,6 @@ def progress(name: str, total: float | None = None, *, is_count: bool = False) -
     """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
 
     Args:
-        name: What is being done.
         total: How much there is to do; None where nobody knows.
         is_count: Whether that is a number of things, and not a share.
     """

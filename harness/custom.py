@@ -264,10 +264,6 @@ class CustomPlant:
         """Take it; the loop starts it.
 
         Args:
-            own: The plant.
-            layout: Of the loop's vectors.
-            speed: At the start [m/s].
-            period: Of a step [s].
             required: Names of outputs that it cannot do without.
             command: Name of its command to the brakes.
 

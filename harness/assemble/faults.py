@@ -27,8 +27,6 @@ def faults_of(
     """Return what is broken on the way to and from the plant; None where nothing is.
 
     Args:
-        scenario: With the faults.
-        layout: Of the vectors of the loop.
         brakes: Of each group, nominal.
         outputs: Names of what the plant shows.
         valves: The plant takes positions of valves, else pressures.
@@ -78,8 +76,6 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
     """Return the plant parameters `n_units[g]` that brake units which are isolated leave.
 
     Args:
-        scenario: With the faults.
-        formation: Of the vehicle.
         units: All numeric parameters of the plant.
 
     Raises:

@@ -143,7 +143,6 @@ def assembled(
     """Open the parties of a scenario's stop; they are closed when the block ends.
 
     Args:
-        scenario: Whose parties.
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
         own: Objects in place of what the scenario names.
 

@@ -33,7 +33,6 @@ def plant_signals(
     """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
 
     Args:
-        layout: Of the vectors that it exchanges.
         pneumatic: It takes positions of valves, else pressures.
         track_force: It has to take a force of the track.
     """

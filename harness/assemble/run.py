@@ -26,7 +26,6 @@ def run_stop(
     """Run a scenario and return its stop.
 
     Args:
-        scenario: What to run.
         progress: Called with the train speed [m/s] now and then.
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
         engine: What steps the parties; the stop is the same.

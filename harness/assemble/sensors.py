@@ -27,7 +27,6 @@ def readings_of(scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, .
     """Return what the sensors of a scenario show.
 
     Args:
-        scenario: With the sensors.
         outputs: Names of what the plant shows.
 
     Raises:

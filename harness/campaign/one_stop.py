@@ -36,10 +36,6 @@ class Runner(Protocol):
 def make_folder(directory: Path, *files: str) -> None:
     """Make the folder for results, before anybody waits for one.
 
-    Args:
-        directory: The folder.
-        files: Names of those that will be written there.
-
     Raises:
         RecordError: It cannot be made or not be written, or a file's place is taken by a folder.
     """

@@ -68,7 +68,6 @@ def run_campaigns(
         campaigns: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
             for each stop.
         runner: Picklable: it runs in other processes.
-        workers: Number of processes.
         scheduler: Address of a Dask cluster that runs the stops in place of processes here; it needs no disk of ours.
         fresh: Whether to run also what is there.
         tell: Called as soon as something became of a stop.

@@ -52,9 +52,7 @@ def results_of(
 
     Args:
         kind: Shelf of the cache.
-        tasks: What to do.
         make: Returns the result of a task; called in a process of the pool.
-        pool: Of processes.
         ground: Digest of all else that decides a result, the code that makes it among it.
         tell: Told each task as its result is there, and whether it was there before.
         content: Returns what tells a task from others, as JSON has it.

@@ -105,9 +105,7 @@ def swept(
     Args:
         name: Of the scenario, for the progress.
         variant: Returns the scenario with values laid over it by key.
-        axes: Key → values.
         own: The user's objects; each stop has a copy.
-        workers: Processes.
 
     Raises:
         ScenarioError: A combination is no scenario, or an axis has no value; nothing was run.

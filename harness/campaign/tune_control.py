@@ -143,7 +143,6 @@ def search(
         actuation: Of the first of the pair that is a key there.
         slip: The second of it.
         tell: Called after each generation with its number and the best reduction against the reference.
-        pool: To run stops in.
         rails: Campaign with the axes rail and equipment.
         rail_stops: Stops of the type test in place of its rails, each with the variant rail, for the set of its own.
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.

@@ -107,13 +107,13 @@ def _windows(
         raise EstimationError(
             f"[observability] window is {table.window:g} s, the recording has {len(states) * period:g} s; shorten it."
         )
-    windows = along(prediction, states, inputs, period, noise, scale, window, stride)
+    start, smallest, deviation = along(prediction, states, inputs, period, noise, scale, window, stride)
     return xarray.Dataset(
         {
-            "smallest": (("time",), windows.smallest, {"units": "1"}),
-            "deviation": (("time", "state"), windows.deviation),
-            "singular": (("time", "state"), (scale / windows.deviation) ** 2, {"units": "1"}),
+            "smallest": (("time",), smallest, {"units": "1"}),
+            "deviation": (("time", "state"), deviation),
+            "singular": (("time", "state"), (scale / deviation) ** 2, {"units": "1"}),
         },
-        coords={"time": recording["time"].values[windows.start], "state": list(prediction.states)},
+        coords={"time": recording["time"].values[start], "state": list(prediction.states)},
         attrs={"window": table.window, "name": recording.attrs.get("name", "")},
     )

@@ -115,11 +115,8 @@ def seconds_in_c(
     """Return the time of the processor [s] for `count` steps in a loop in C, and the last outputs.
 
     Args:
-        description: Of the FMU.
         binding: All Real.
         inputs: Held throughout.
-        period: Communication step [s].
-        count: Number of steps.
     """
     channels_in, channels_out = _only_real(description, binding)
     library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))

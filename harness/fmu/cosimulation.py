@@ -48,8 +48,6 @@ class CoSimulation:
         """Check the question; nothing is loaded before `with`.
 
         Args:
-            description: Of the FMU.
-            binding: Of our signals to its variables.
             period: Communication step [s].
             parameters: Values by FMU variable, in the FMU's units.
             folder: Where the FMU is unpacked already; None unpacks it for the time of the `with`.

@@ -138,8 +138,6 @@ class Instance:
         """Load and instantiate.
 
         Args:
-            description: Of the FMU.
-            way: The interface to use.
             folder: Where it is unpacked.
             name: Of the instance, shown in its messages.
 

@@ -61,11 +61,6 @@ class IsolatedCoSimulation:
         """Check the question; no process is started before `with`.
 
         Args:
-            description: Of the FMU.
-            binding: Of our signals to its variables.
-            period: Communication step [s].
-            parameters: Values by FMU variable, in the FMU's units.
-            limits: Of its process and its patience.
             table: Of the scenario, where it can be trusted; for sentences.
 
         Raises:
@@ -283,13 +278,8 @@ def open_plant(
     """Return a plant to use in `with`: in this process when it is trusted, else in one of its own.
 
     Args:
-        description: Of the FMU.
-        binding: Of our signals to its variables.
-        period: Communication step [s].
-        parameters: Values by FMU variable, in the FMU's units.
         trusted: This project built it, or the scenario vouches for it.
         tell: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
-        limits: For an FMU in isolation.
         table: Of the scenario, where it can be trusted; for sentences.
 
     Raises:

@@ -150,7 +150,6 @@ def bind(
     """Tie our signals to the variables of an FMU.
 
     Args:
-        description: Of the FMU.
         inputs: What we can send, in the order of the input vector.
         outputs: What we can read, in the order of the output vector.
         parameters: What we set before initialisation under our own names.

@@ -160,7 +160,6 @@ def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[Deman
     """Return the phases of a demand on brakes whose full pressures are `full`, shape (groups,) [Pa].
 
     Args:
-        demand: The table.
         full: Of each group.
         origin: Name of the scenario, to open sentences with.
 

@@ -226,7 +226,6 @@ def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveL
     Args:
         slope: tan β, a gradient as railways give it, positive uphill.
         curvature: 1/R [1/m], of either sign.
-        mass: Of the train [kg].
         law: Of the curve resistance, see `curve_coefficient`.
     """
     climb = np.asarray(slope, dtype=np.float64)

@@ -49,7 +49,6 @@ def braking_of(
     Args:
         run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
             the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and what `driven` and `braked` want.
-        mass: Of the train [kg].
 
     Raises:
         EstimationError: A reading is missing, or nobody braked, or the train was still being driven then.

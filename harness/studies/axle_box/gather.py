@@ -66,11 +66,7 @@ def spectral_features(run: Run) -> Array:
 
 
 def gather(passes: Sequence[Pass], pool: Executor, *, tell: Callable[[str], None] = lambda _: None) -> list[Run]:
-    """Return the reduced runs of passes, simulating those that are not in the user's cache.
-
-    Args:
-        tell: Told the name of every run as it is there.
-    """
+    """Return the reduced runs of passes, simulating those that are not in the user's cache."""
     rests_on = ground(
         fmu(FMU), json.dumps([asdict(AXLE_BOX), asdict(SLOW), VEHICLE]).encode(),
         railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,

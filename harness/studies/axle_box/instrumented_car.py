@@ -133,9 +133,6 @@ class Ride:
 def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lambda share: None) -> Ride:
     """Simulate a run, sampled at `rate` a second.
 
-    Args:
-        progress: Told the share that is done.
-
     Raises:
         PlantFailed: The FMU failed.
         railgrip.errors.FmuError: It cannot be built.

@@ -74,7 +74,6 @@ def judge_own(
     """Return the report on a user's runs and the estimators trained on them, by the name of their files.
 
     Args:
-        runs: Of all speeds.
         recipe: Of the networks of the paper's kind, one for each speed class.
         tell: Told each piece that is done; `own_pieces` says how often.
 

@@ -109,7 +109,6 @@ def ride_beside(
 
     Args:
         directory: Where the file of the estimator is, if not in the working directory.
-        progress: Told the share that is done.
         tell: Gets a sentence for the user when an FMU runs in a process of its own.
 
     Raises:

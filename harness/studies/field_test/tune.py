@@ -82,7 +82,6 @@ def tune(
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
         tasks: Brakings, all of one period.
         checkpoint: File (`.npz`) where the search is kept after every stage, and found again.
-        tell: Called after every generation with its number and the best value so far.
 
     Raises:
         EstimationError: The checkpoint belongs to another search, or the brakings have different periods.

@@ -232,8 +232,8 @@ def _observability(trace: Trace) -> dict[str, Any]:
     # y, dy, psi, dpsi, log mu0: sizes of a normal run.
     scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
     for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
-        information = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
-        deviations = information.deviation[:, 4] * trace.mu0[information.start]
+        begins, _, deviation = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
+        deviations = deviation[:, 4] * trace.mu0[begins]
         measures[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
     starts = np.arange(0, len(x) - window + 1, window)
     measures["condition"] = trace.condition[starts].tolist()

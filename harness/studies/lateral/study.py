@@ -70,11 +70,7 @@ class Result:
 def conduct(
     plan: Plan, *, workers: int = 2, tell: Callable[[Case, bool], None] = lambda case, was_there: None
 ) -> tuple[Result, ...]:
-    """Return the results of all runs of a plan, in its order; those in the user's cache are not run again.
-
-    Args:
-        tell: Told of every finished run, and whether it had been there.
-    """
+    """Return the results of all runs of a plan, in its order; those in the user's cache are not run again."""
     # Compiled here once, so that the workers find everything made.
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
     # What the compiler made, not the files it read: another vehicle in the library changes nothing here.

@@ -102,7 +102,6 @@ def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
 
     Args:
         full: Pressures that are braked with, shape (4,) [Pa].
-        testing: Whether groups are released in turn.
         residual: Pressure that stays in the cylinders of each group whatever is demanded, shape (4,) [Pa].
     """
     brake, release = full.copy(), np.zeros(4)
