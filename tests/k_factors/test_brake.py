@@ -58,8 +58,8 @@ def test_a_drawn_train_stops_in_the_loop_as_the_quasi_static_one(vt642, availabl
 def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch):
     """10⁷ draws, failures drawn like everything else; one step of speed in one part, on both sides, for speed.
 
-    Of trains without a failure, 99.9 % of all, every other one is braked and counts for two: they decide the quantile of
-    one in a thousand, those with failures the rarer ones.
+    Of trains without a failure, 99.9 % of all, every other one is braked and counts for two: they decide the quantile
+    of one in a thousand, those with failures the rarer ones.
     """
     specification, scenario, _ = vt642
     monkeypatch.setattr(brake_module, "PARTS", 1)
