@@ -10,7 +10,7 @@ import pytest
 from railgrip.rolling_stock.files import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import installed
-from railgrip.studies.trains import sanders
+from railgrip.studies.trains import sanders, stops
 from railgrip.studies.trains.report import write_report
 from railgrip.studies.trains.stops import DryStop, Filling, ProtectedStop, multiplied, protected_stop
 
@@ -92,8 +92,15 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
     assert "280 m/s" in html
 
 
-def test_the_stop_with_estimator_and_valves_runs_in_the_compiled_engine(monkeypatch):
-    monkeypatch.setattr("railgrip.studies.trains.stops._ROUNDS", 1)  # more are for the time
+def test_the_stop_with_estimator_and_valves_runs_in_the_compiled_engine(monkeypatch, tmp_path):
+    """With two of its four cars, which a coupler holds: half of the train is a quarter of what it takes to build."""
+    for name in ("dry.toml", "protected.toml"):
+        text = (stops.LIBRARY / name).read_text(encoding="utf-8")
+        (tmp_path / name).write_text(text.replace('"emu387"', f'"{tmp_path}/half.toml"'), encoding="utf-8")
+    whole = installed(Path("emu387"), "trains").read_text(encoding="utf-8")
+    (tmp_path / "half.toml").write_text(multiplied(whole, 2), encoding="utf-8")
+    monkeypatch.setattr(stops, "LIBRARY", tmp_path)
+    monkeypatch.setattr(stops, "_ROUNDS", 1)  # more are for the time
     stop = protected_stop(0.01)
     assert 20.0 < stop.simulated < 60.0  # the rail holds 0.08 g from 80 km/h: 28 s at best
     assert stop.processor > 0
