@@ -6,7 +6,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
-        test suite test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains clean
+        test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -81,10 +81,12 @@ trains: $(READY)  ## trains of this project against published stops, UIC 540 and
 bench: fmus  ## speed, as medians and ratios in one run
 	$(RUN) -m railgrip bench
 
-# Types are checked on one core for a minute: beside the tests, which fill what is left of two.
+# The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones
-	@$(MAKE) --no-print-directory --jobs 2 check suite
-	$(RUN) -m railgrip regress
+	@$(MAKE) --no-print-directory --jobs 2 suite kept
+
+kept: check
+	$(RUN) -m railgrip regress --workers 1
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 suite: $(DEV)
