@@ -6,8 +6,8 @@ from functools import cache
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters, within
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

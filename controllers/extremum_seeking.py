@@ -9,8 +9,8 @@ import casadi as ca
 
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.constant_slip import slip_control
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters, within
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose
+from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
+from railgrip.controllers.sampled import Draft, Expression, Formula, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import ClassVar, get_type_hints
 
 from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
 from railgrip.controllers.observation import Observation
-from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose
+from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
 
 NOT_SEEN = float("nan")
 
@@ -55,11 +55,6 @@ class Tuning:
 def parameters(draft: Draft, meanings: Mapping[str, tuple[str, str]]) -> dict[str, Expression]:
     """Return the symbols of new parameters, by name."""
     return {name: draft.parameter(name, unit, text) for name, (unit, text) in meanings.items()}
-
-
-def within(value: Expression, low: Expression, high: Expression) -> Expression:
-    """Return a value, or the bound that it passes; `low` for one that is no number."""
-    return choose(value > low, choose(value < high, value, high), low)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -142,6 +142,11 @@ def every(*conditions: Expression) -> Expression:
     return result
 
 
+def within(value: Expression, low: Expression, high: Expression) -> Expression:
+    """Return a value, or the bound that it passes; `low` for one that is no number."""
+    return choose(value > low, choose(value < high, value, high), low)
+
+
 def either(*conditions: Expression) -> Expression:
     """Return whether at least one condition holds."""
     result = conditions[0]

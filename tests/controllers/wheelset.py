@@ -26,7 +26,9 @@ def shown(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
     return Observation(time, speed, acceleration, wheels, np.array(slip), False, adhesion, pad_friction, pressure, full)
 
 
-def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad_friction=0.35, lag=0.02, groups=1):
+def simulate(
+    controller, seconds, *, peak_slip=0.03, peak=lambda time, group: 0.06, pad_friction=0.35, lag=0.02, groups=1
+):
     """Return slip and adhesion over time of braked wheelsets at constant speed, one column for each if there are more.
 
     α = 2 α* s* s/(s*² + s²), with its only maximum α* at s*; ω̇ from the torque balance; pressure follows the demand
@@ -36,17 +38,17 @@ def simulate(controller, seconds, *, peak_slip=0.03, peak=lambda time: 0.06, pad
     each, omega, pressure = range(groups), [SPEED / 0.38] * groups, [0.0] * groups
     slips, adhesions = [], []
     for k in range(round(seconds / 1e-3)):
-        most = peak(k * 1e-3)
+        most = [peak(k * 1e-3, g) for g in each]
 
-        def adhesion_at(slip, most=most):
-            return 2 * most * peak_slip * slip / (peak_slip**2 + slip**2)
+        def adhesion_at(slip, g, most=most):
+            return 2 * most[g] * peak_slip * slip / (peak_slip**2 + slip**2)
 
         slip = [1 - 0.38 * omega[g] / SPEED for g in each]
-        adhesion = [adhesion_at(slip[g]) for g in each]
+        adhesion = [adhesion_at(slip[g], g) for g in each]
         observation = shown(k * 1e-3, SPEED, 0.0, slip, tuple(adhesion), (pad_friction,) * groups, tuple(pressure))
         for g, demand in enumerate(controller.decide(observation)):
             for _ in range(10):
-                force = adhesion_at(1 - 0.38 * omega[g] / SPEED) * GROUP.load
+                force = adhesion_at(1 - 0.38 * omega[g] / SPEED, g) * GROUP.load
                 pressure[g] += (demand - pressure[g]) * 1e-4 / lag
                 torque = 2 * pad_friction * 5.7 * max(pressure[g] * 0.0324 - 1200, 0.0) * 0.22
                 omega[g] = max(omega[g] + 1e-4 * (force * 0.38 - torque) / 209.0, 0.0)
