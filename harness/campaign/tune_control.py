@@ -12,6 +12,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any, cast
@@ -63,17 +64,10 @@ _SETS = 24
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class Objective:
-    """Mean of ln(distance) over stops: every rail counts by the share of its own distance that a change saves."""
-
-    names: tuple[str, ...]
-    stops: tuple[Scenario, ...]
-
-    def __call__(self, point: Vector) -> float:
-        """Return it for the logarithms of what is searched."""
-        values = parameters_of(self.names, point)
-        return float(np.mean([math.log(_distance(_with(values, stop))) for stop in self.stops]))
+def mean_logarithm(names: tuple[str, ...], stops: tuple[Scenario, ...], point: Vector) -> float:
+    """Return the mean of ln(distance) over stops: every rail counts by the share of its own distance that is saved."""
+    values = parameters_of(names, point)
+    return float(np.mean([math.log(_distance(_with(values, stop))) for stop in stops]))
 
 
 def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
@@ -157,7 +151,7 @@ def search(
     scenarios = [stop.scenario for stop in rail_stops]
     ranges = RANGES[law][actuation, slip]
     stops = tuple(_under(law, slip, scenario) for scenario in scenarios)
-    objective = Objective(tuple(ranges), stops)
+    objective = partial(mean_logarithm, tuple(ranges), stops)
     reference = list(pool.map(_distance, [_under(REFERENCE, "read", scenario) for scenario in scenarios]))
     reference_mean = float(np.mean(np.log(reference)))
     # Sobol's points come in powers of two; twice as many as parameters are few for differential evolution, not too few.
@@ -169,7 +163,7 @@ def search(
     spread = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
 
-    def mapped(function: Objective, points: Iterable[Vector]) -> list[float]:
+    def mapped(function: Callable[[Vector], float], points: Iterable[Vector]) -> list[float]:
         return list(pool.map(function, points))
 
     def note(intermediate_result: Any) -> None:

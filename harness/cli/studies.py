@@ -124,7 +124,7 @@ def tune(
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
     with progress("generations", generations, is_count=True) as bar:
-        optimum = search_for(
+        noise, value, history = search_for(
             kind,
             tasks,
             model,
@@ -137,16 +137,16 @@ def tune(
         f"--out {out}"
     )
     save_noise(
-        optimum.noise,
+        noise,
         out,
         title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
         command=command,
-        results={"objective": optimum.value, "generations": float(len(optimum.history))},
+        results={"objective": value, "generations": float(len(history))},
     )
-    say(f"{kind}: {optimum.value:.6f} m/s after {len(optimum.history)} generations")
+    say(f"{kind}: {value:.6f} m/s after {len(history)} generations")
     filter_ = filter_of(model, tasks[0].period)
-    for case, task in zip(field_runs, tasks, strict=True) if optimum.value < DIVERGED else ():
-        instant = lost(task, follow(task, filter_, optimum.noise))
+    for case, task in zip(field_runs, tasks, strict=True) if value < DIVERGED else ():
+        instant = lost(task, follow(task, filter_, noise))
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
     say(str(out))

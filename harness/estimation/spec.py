@@ -21,7 +21,7 @@ states = ["mu_b"]
 inputs = ["pad_force"]
 threshold = "1.5 kN"
 
-[course]                                    # optional: track force of a train from its own run, see `course`
+[course]                                    # optional: track force of a train from its own run, see `sources`
 mass = "84 t"
 curve_law = "bogie"
 
@@ -41,18 +41,48 @@ from pydantic import Field, model_validator
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
-from railgrip.estimation.track.tables import LOW_PASS, TRUST, LowPass, Trust
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.scenario.load import demand_kind, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
-from railgrip.scenario.quantity import Magnitude, in_units
-from railgrip.scenario.table import Duration, Mass, Name, Seed, Table, broken
+from railgrip.scenario.quantity import Magnitude, Unit, in_units
+from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
 from railgrip.scenario.track import CurveLaw
 from railgrip.trace.samples import period_of
 from railgrip.trace.table import DataTable
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
+
+class LowPass(Table):
+    """How far to smooth."""
+
+    plan: Length = Field(description="cut-off wavelength of north and east")
+    height: Length = Field(description="of the height")
+    base: Length = Field(description="Δs of the differences")
+
+
+class Trust(Table):
+    """Standard deviations of the sensors of motion."""
+
+    speed: Annotated[float, Unit("m/s", above=0)] = Field(description="of the speed sensor")
+    scale: Annotated[float, Unit("1", above=0)] = Field(description="of its scale")
+    acceleration: Annotated[float, Unit("m/s**2", above=0)] = Field(description="of the mean of the accelerometers")
+    bias: Annotated[float, Unit("m/s**2", above=0)] = Field(description="of their bias and gradient at the start")
+    drift: Positive = Field(description="of these, per √s [m/s2/√s]")
+    jerk: Positive = Field(description="change of acceleration, per √s [m/s2/√s]")
+    position: Annotated[float, Unit("m", above=0)] = Field(description="of GNSS along the track")
+
+
+LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
+"""For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
+long; shorter waves are the receiver's. An estimate, not fitted to any case."""
+
+TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
+"""Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is the gradient that
+changes by 5 ‰ in 5 s, `jerk` a brake that is applied within a second."""
+
+
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 

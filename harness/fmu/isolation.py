@@ -18,7 +18,7 @@ from dataclasses import asdict
 from pathlib import Path
 from secrets import token_hex
 from types import TracebackType
-from typing import Final, Self
+from typing import Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -220,15 +220,9 @@ class IsolatedCoSimulation:
     def _nonsense(self) -> PlantFailed:
         return self._fail("crash", "its process answered nonsense")
 
-    def _fail(self, reason: str, detail: str) -> PlantFailed:
-        self._failure = PlantFailed(
-            Failure(
-                file=self._description.file.name,
-                time=self.time,
-                reason="timeout" if reason == "timeout" else "crash",
-                detail=detail,
-            )
-        )
+    def _fail(self, reason: Literal["timeout", "crash"], detail: str) -> PlantFailed:
+        name = self._description.file.name
+        self._failure = PlantFailed(Failure(file=name, time=self.time, reason=reason, detail=detail))
         self._end()
         return self._failure
 

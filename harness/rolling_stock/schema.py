@@ -7,6 +7,7 @@ keys, for what is ours. No physical value has a default.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
@@ -445,13 +446,7 @@ class Train(Table):
         for number, members in enumerate(self.groups):
             axle, shared_by = self.axles[members[0]], self.bogie_of(number).data.valve
             keys.append((shared_by, {"axle": axle.group, "bogie": axle.bogie, "car": axle.car}[shared_by]))
-        counts: list[int] = []
-        for index, key in enumerate(keys):
-            if index and key == keys[index - 1]:
-                counts[-1] += 1
-            else:
-                counts.append(1)
-        return tuple(counts)
+        return tuple(len(list(same)) for _, same in groupby(keys))
 
     @property
     def distributor_of_car(self) -> tuple[Distributor | None, ...]:
@@ -462,11 +457,6 @@ class Train(Table):
     def accelerator_of_car(self) -> tuple[Accelerator | None, ...]:
         """Accelerator of the brake pipe of each car, None where it has none."""
         return tuple(self.accelerators[car.accelerator] if car.accelerator else None for car in self.cars)
-
-    @property
-    def axles_per_car(self) -> tuple[int, ...]:
-        """Number of axles of each car; of a bogie under two cars each has its share."""
-        return tuple(sum(axle.car == number for axle in self.axles) for number in range(len(self.cars)))
 
     @property
     def mass(self) -> float:

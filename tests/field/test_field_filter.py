@@ -14,13 +14,12 @@ from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braked, braking_of
 from railgrip.estimation.track.braking import driven as driven_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.studies.field_test.degeneracy import common_factor
 from railgrip.studies.field_test.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
 from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
 from railgrip.studies.field_test.objective import terms_of, value
 from railgrip.studies.field_test.runs import Run, cases
 from railgrip.studies.field_test.runs import run as run_case
-from railgrip.studies.field_test.score import score, track_score
+from railgrip.studies.field_test.score import common_factor, score, track_score
 from railgrip.studies.field_test.tune import Search, tune
 from railgrip.trace.samples import reading_of, truth_of, with_signals
 
@@ -185,7 +184,7 @@ def test_an_interrupted_search_ends_as_one_that_was_not(task, model, tmp_path: P
     whole = search(2, tmp_path / "whole.npz")
     search(1, tmp_path / "parts.npz")
     assert search(2, tmp_path / "parts.npz") == whole
-    assert len(whole.history) == 2
+    assert len(whole[2]) == 2
     with pytest.raises(EstimationError, match="belongs to another search"):
         tune(
             "consistent", [task], model, Search(population=8, generations=2, stage=1, seed=3, workers=1),

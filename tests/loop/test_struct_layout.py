@@ -5,12 +5,12 @@ import ctypes
 import pytest
 from synthetic import LAYOUT
 
-from railgrip.fmu import set_step_get
+from railgrip.fmu import cosimulation
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.loop import compiled, compiled_cycle, driver, faults, library, plausible, rail, sensors
 
 LOOP = {part: (library.KERNEL / part).read_text() for part in (*library._PARTS, "cycle.c", "run.c")}
-SOURCES = LOOP | {"set_step_get.c": set_step_get.KERNEL.read_text(), "layout.h": LAYOUT.header()}
+SOURCES = LOOP | {"cosimulation.c": cosimulation.KERNEL.read_text(), "layout.h": LAYOUT.header()}
 
 
 @pytest.mark.parametrize(
@@ -30,8 +30,8 @@ SOURCES = LOOP | {"set_step_get.c": set_step_get.KERNEL.read_text(), "layout.h":
         ("faults.c", "Faults", faults._Faults),
         ("cycle.c", "Formula", compiled_cycle._Formula),
         ("cycle.c", "Cycle", compiled_cycle.cycle_struct(LAYOUT)),
-        ("set_step_get.c", "Channel", set_step_get._Channel),
-        ("set_step_get.c", "SetStepGet", set_step_get._SetStepGet),
+        ("cosimulation.c", "Channel", cosimulation._Channel),
+        ("cosimulation.c", "SetStepGet", cosimulation._SetStepGet),
         ("run.c", "Filter", compiled._Filter),
         ("run.c", "Run", compiled._Run),
     ],

@@ -22,7 +22,7 @@ def test_quantities_are_read_in_their_units(tables):
     assert train.mass == pytest.approx(88e3)
     assert [axle.position for axle in train.axles[:4]] == pytest.approx([2.25, 4.75, 19.25, 21.75])
     assert train.axles[4].position == pytest.approx(26.25)
-    assert train.axles_per_car == (4, 4)
+    assert [axle.car for axle in train.axles] == [0] * 4 + [1] * 4
     assert len(train.groups) == 8
 
 
@@ -93,7 +93,7 @@ def test_coupled_axles_turn_as_one_and_valves_are_shared_as_the_bogie_says(table
 
 def test_of_a_shared_bogie_each_car_has_half():
     train = load_train(Path("vt642"))
-    assert train.axles_per_car == (3, 3)
+    assert [axle.car for axle in train.axles] == [0] * 3 + [1] * 3
     behind = [axle.position - train.axles[0].position for axle in train.axles]
     assert behind == pytest.approx([0, 1.9, 15.625, 18.275, 32, 33.9])
     assert train.groups == ((0, 1), (2,), (3,), (4, 5))

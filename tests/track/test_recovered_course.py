@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from railgrip.errors import EstimationError
+from railgrip.estimation.spec import LowPass, Trust
 from railgrip.estimation.track.course import course_of
 from railgrip.estimation.track.motion import motion_of, smooth
-from railgrip.estimation.track.tables import LowPass, Trust
 from railgrip.track.geodesy import Place
 from railgrip.track.laid import LaidTrack, grades_of
 from railgrip.track.laid import course_of as laid_course

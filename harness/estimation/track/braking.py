@@ -7,8 +7,8 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
+from railgrip.estimation.spec import LOW_PASS, TRUST, LowPass, Trust
 from railgrip.estimation.track.motion import Motion, motion_of
-from railgrip.estimation.track.tables import LOW_PASS, TRUST, LowPass, Trust
 from railgrip.scenario.track import CurveLaw, force_along
 from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
 from railgrip.track.geodesy import Place, local
@@ -22,7 +22,6 @@ class Braking:
     """A braking to be estimated.
 
     Attributes:
-        name: Of the recording.
         recording: From the first sample of coasting to the last, with `track_force` beside the readings.
         motion: Of the whole run.
         first: Where `recording` begins in the run.

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.track.tables import LowPass
+from railgrip.estimation.spec import LowPass
 from railgrip.estimators.belief import Array
 
 GRID = 1.0

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from railgrip.estimation.spec import LowPass, Trust
 from railgrip.estimation.track.course import Course, course_of
-from railgrip.estimation.track.tables import LowPass, Trust
 from railgrip.estimators.belief import Array
 
 

@@ -20,7 +20,7 @@ RATE: Final = 5120
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accelerometer:
-    """One kind of accelerometer on its plate.
+    """One kind of accelerometer on its plate; that of the axle boxes.
 
     Attributes:
         offset: Lowest and highest offset, m/s².
@@ -32,26 +32,17 @@ class Accelerometer:
         rolling: Vibration of rolling wheels above 50 Hz, m/s² a m/s of speed.
     """
 
-    offset: tuple[float, float]
-    drift: float
-    walk: float
-    noise: float
-    gain_error: float
-    plate_frequency: float
-    plate_damping: float
-    rolling: float
+    offset: tuple[float, float] = (266.0, 272.0)
+    drift: float = 5e-3
+    walk: float = 2e-3
+    noise: float = 5e-3
+    gain_error: float = 0.01
+    plate_frequency: float = 640.0
+    plate_damping: float = 0.05
+    rolling: float = 0.1
 
 
-AXLE_BOX: Final = Accelerometer(
-    offset=(266.0, 272.0),
-    drift=5e-3,
-    walk=2e-3,
-    noise=5e-3,
-    gain_error=0.01,
-    plate_frequency=640.0,
-    plate_damping=0.05,
-    rolling=0.1,
-)
+AXLE_BOX: Final = Accelerometer()
 
 
 def measure(

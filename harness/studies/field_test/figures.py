@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from railgrip.estimation.track.braking import Braking, braked, driven
 from railgrip.estimators.compiled import Estimates
 from railgrip.report import style
-from railgrip.studies.field_test.degeneracy import Sweep
 from railgrip.studies.field_test.filtering import Task
 from railgrip.studies.field_test.noise import GROUPS
 from railgrip.studies.field_test.objective import R_WHEEL
 from railgrip.studies.field_test.runs import Run
+from railgrip.studies.field_test.score import Sweep
 from railgrip.trace.samples import reading_of
 
 MB1, JTB1 = 0, 1

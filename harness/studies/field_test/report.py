@@ -10,7 +10,6 @@ from railgrip.report.page import write_page
 from railgrip.report.table import Table
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import CurveLaw, curve_coefficient
-from railgrip.studies.field_test.degeneracy import common_factor, readings_trusted
 from railgrip.studies.field_test.figures import (
     degeneracy_figure,
     friction_figure,
@@ -22,7 +21,15 @@ from railgrip.studies.field_test.filtering import filter_of, follow, lost, predi
 from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
 from railgrip.studies.field_test.objective import terms_of
 from railgrip.studies.field_test.runs import TEST, TUNING, runs
-from railgrip.studies.field_test.score import SEEDS, Figures, over_seeds, score, track_score
+from railgrip.studies.field_test.score import (
+    SEEDS,
+    Figures,
+    common_factor,
+    over_seeds,
+    readings_trusted,
+    score,
+    track_score,
+)
 from railgrip.trace.samples import truth_of
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}

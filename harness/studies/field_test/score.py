@@ -8,7 +8,7 @@ import numpy as np
 from railgrip.campaign.workers import ended, workers
 from railgrip.errors import EstimationError, RailgripError
 from railgrip.estimators.belief import Array
-from railgrip.estimators.compiled import Estimates
+from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.scenario.schema import Scenario
 from railgrip.studies.field_test.filtering import Task, filter_of, follow, prediction, task_of
 from railgrip.studies.field_test.noise import GROUPS, Noise
@@ -92,9 +92,8 @@ def over_seeds(
     noises: Mapping[str, Noise],
     seeds: Sequence[int],
     tell: Callable[[str], None] = lambda what: None,
-    count: int = 2,
 ) -> tuple[list[Figures], dict[str, list[Figures]]]:
-    """Return the errors in case 6 with sensors of every seed, in the order of the seeds; `count` runs at a time.
+    """Return the errors in case 6 with sensors of every seed, in the order of the seeds.
 
     Of what was recovered of the track, and of the filter, by the title of its noises.
 
@@ -102,7 +101,7 @@ def over_seeds(
         EstimationError: See `railgrip.studies.field_test.runs.run`.
     """
     by_seed: dict[int, tuple[Figures, dict[str, Figures]]] = {}
-    with workers(count) as pool:
+    with workers(2) as pool:
         tasks = {pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises): seed for seed in seeds}
         for seed, errors in ended(tasks):
             if isinstance(errors, RailgripError):
@@ -119,3 +118,36 @@ def _errors(scenario: Scenario, noises: Mapping[str, Noise]) -> tuple[Figures, d
     task = task_of(field_run.braking, model)
     filter_ = filter_of(model, task.period)
     return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}
+
+
+COMMON = 10.0 ** np.arange(-4, 5, 1.0)
+TRUSTED = 10.0 ** np.arange(-8, 3, 1.0)
+
+
+Sweep = dict[str, Array]
+"""Figures over brakings for each `factor`: worst `deviation`, means of `adhesion`, `pad_friction` and `nees`."""
+
+
+def common_factor(tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> Sweep:
+    """Return what a factor on R, Q and the first covariance does: nothing to the mean, everything to its spread."""
+    return _sweep(tasks, filter_, COMMON, lambda f: (noise.scaled(f, f), f))
+
+
+def readings_trusted(tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> Sweep:
+    """Return what a factor on R alone does: towards zero the filter repeats its readings, and (14) goes to zero."""
+    return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scaled(f, 1.0), 1.0))
+
+
+def _sweep(
+    tasks: Sequence[Task],
+    filter_: CompiledFilter,
+    factors: Array,
+    setting: Callable[[float], tuple[Noise, float]],
+) -> Sweep:
+    rows: list[dict[str, float]] = []
+    for factor in factors:
+        noise, start = setting(float(factor))
+        scores = [score(task, follow(task, filter_, noise, start)) for task in tasks]
+        means = {name: float(np.mean([s[name] for s in scores])) for name in ("adhesion", "pad_friction", "nees")}
+        rows.append({"factor": float(factor), "deviation": max(s["deviation"] for s in scores)} | means)
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}

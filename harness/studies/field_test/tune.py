@@ -40,10 +40,7 @@ class Search:
 
     Attributes:
         population: Candidates.
-        generations: In all.
         stage: Generations between two checkpoints.
-        seed: Of everything that is drawn.
-        workers: Threads.
     """
 
     population: int
@@ -53,21 +50,6 @@ class Search:
     workers: int
 
 
-@dataclass(frozen=True, slots=True)
-class Optimum:
-    """Where a search ended.
-
-    Attributes:
-        noise: The best.
-        value: Of its objective.
-        history: Best value after each generation.
-    """
-
-    noise: Noise
-    value: float
-    history: tuple[float, ...]
-
-
 def tune(
     kind: Kind,
     tasks: Sequence[Task],
@@ -75,8 +57,8 @@ def tune(
     search: Search,
     checkpoint: Path,
     tell: Callable[[int, float], None] = lambda generation, best: None,
-) -> Optimum:
-    """Return the noises that minimise an objective over brakings.
+) -> tuple[Noise, float, list[float]]:
+    """Return the noises that minimise an objective over brakings, its value, and the best after each generation.
 
     Args:
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
@@ -135,7 +117,7 @@ def tune(
                 np.savez(file, population=population, history=np.array(history), identity=np.array(identity))
             if len(history) == before:
                 break
-    return Optimum(best, lowest, tuple(history))
+    return best, lowest, history
 
 
 def _first(search: Search, limits: Sequence[tuple[float, float]]) -> Array:

@@ -113,7 +113,6 @@ class Study:
     Attributes:
         plant_distance: Of the nominal train in the loop [m].
         loop: See `in_the_loop`; None where no stops were asked for.
-        workers: Processes that run stops.
     """
 
     specification: Specification

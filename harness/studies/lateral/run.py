@@ -53,7 +53,6 @@ class Trace:
     """What happened, at every recorded instant.
 
     Attributes:
-        case: What decided it.
         time: Shape (k,) [s].
         period: Between instants [s].
         truth: Of the plant by name, shape (k,); creep, force and friction are means of both wheels.
@@ -61,7 +60,6 @@ class Trace:
         condition: Number of the true condition in `CONDITIONS`, shape (k,).
         track: Position [m], shape (k,).
         changes: Instants at which a condition begins [s].
-        beliefs: Of each filter.
         wall: Seconds that the loop took.
     """
 
