@@ -102,6 +102,7 @@ def test_a_missing_scenario_of_a_campaign_is_named(project):
         campaign(project, "")
 
 
+@pytest.mark.usefixtures("in_process")
 def test_some_stops_are_repeated_again_and_the_others_stay(railgrip, project):
     text = (project / "pair.toml").read_text(encoding="utf-8")
     (project / "pair.toml").write_text(f'conditioning = "pair.json"\n{text}', encoding="utf-8")
