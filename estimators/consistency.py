@@ -20,6 +20,12 @@ def _chi_square(probability: ArrayLike, degrees: ArrayLike) -> NDArray[np.float6
     return 2.0 * gammaincinv(np.asarray(degrees) / 2.0, probability)
 
 
+def _chi_square_each(probability: float, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a quantile for each of many steps, which use the same few numbers of readings, shape (k,)."""
+    different, place = np.unique(degrees, return_inverse=True)
+    return _chi_square(probability, different)[place]
+
+
 WINDOW = 100
 """Steps over which `loss_step` judges: one odd reading, or the first steps of a start, must not decide."""
 
@@ -39,7 +45,7 @@ def nis_ratio(nis: ArrayLike, degrees: ArrayLike) -> float | None:
     """
     values, counts = np.asarray(nis, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
     read = counts > 0
-    return float(np.median(values[read] / _chi_square(0.5, counts[read]))) if read.any() else None
+    return float(np.median(values[read] / _chi_square_each(0.5, counts[read]))) if read.any() else None
 
 
 def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = None) -> int | None:
@@ -59,7 +65,7 @@ def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = N
     steps = np.flatnonzero(there > 0)
     if steps.size == 0:
         return None
-    bound = FAR**2 * _chi_square(0.999, np.maximum(counts[steps], 1.0))
+    bound = FAR**2 * _chi_square_each(0.999, np.maximum(counts[steps], 1.0))
     against = ~(values[steps] <= bound) | (2.0 * counts[steps] < there[steps])
     window = min(WINDOW, steps.size)
     total = np.concatenate([[0], np.cumsum(against)])

@@ -68,7 +68,9 @@ def _delay(truth: Array, estimate: Array, period: float) -> Array:
     longest = min(round(_LONGEST_DELAY / period), len(truth) // 2)
     shifts = np.arange(0, longest + 1, step)
     count = len(truth) - longest
-    squares = np.stack([np.mean((estimate[s : s + count] - truth[:count]) ** 2, axis=0) for s in shifts])
+    rows, fixed = np.ascontiguousarray(estimate.T), np.ascontiguousarray(truth[:count].T)
+    errors = (rows[:, s : s + count] - fixed for s in shifts)
+    squares = np.stack([np.einsum("ij,ij->i", error, error) for error in errors])
     return np.asarray(shifts[np.argmin(squares, axis=0)] * period, dtype=np.float64)
 
 
