@@ -19,9 +19,9 @@ settings.load_profile("busy")
 
 LONGEST = {
     "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
-    "test_train_fmus.py", "test_signals.py", "test_trains_study.py", "test_brake.py",
+    "test_train_fmus.py", "test_signals.py", "test_curves_along_the_track.py", "test_brake.py",
 }  # fmt: skip
-"""Files of half a minute and more."""
+"""Files of twenty seconds and more."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

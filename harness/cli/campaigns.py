@@ -45,7 +45,6 @@ def campaign(
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
     from railgrip.campaign.run import CampaignRun
     from railgrip.report.distances import rows_of
-    from railgrip.report.index import write_report
     from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign
 
@@ -57,6 +56,8 @@ def campaign(
         raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
 
     def draw(number: int, drawing: Callable[[str], None]) -> None:
+        from railgrip.report.index import write_report  # takes half a second to load, in which stops may run already
+
         one = runs[number]
         write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
 
