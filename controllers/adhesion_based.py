@@ -24,7 +24,7 @@ from railgrip.controllers.sampled import Draft, Expression, Formula, choose, eit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeakSeekingTuning(Tuning):
-    """Parameters of the peak seeker; one set serves every scenario.
+    """Parameters of peak seeking; one set serves every scenario.
 
     A `margin` of zero is the peak itself; a small positive one keeps a rise of adhesion along the track from being
     taken for an effect of the slip. `adhesion_max` is 0.15 in the TSI, 0.13 for short fixed formations.
@@ -36,7 +36,7 @@ class PeakSeekingTuning(Tuning):
     rise: Annotated[float, "1", "share of the equivalent torque added while seeking upwards"]
     fall: Annotated[float, "1", "share of it taken away while seeking downwards"]
     slip_rate_max: Annotated[float, "1/s", "largest relative slip rate that a torque may cause"]
-    slip_rate_min: Annotated[float, "1/s", "relative slip rate below which the seeker goes upwards"]
+    slip_rate_min: Annotated[float, "1/s", "relative slip rate below which slip is led upwards"]
     dwell: Annotated[float, "s", "shortest time between two changes of direction"]
     slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"]
     creep_small: Annotated[float, "m/s", "creep speed that adds to it: errors of the train speed that are no scale"]

@@ -163,11 +163,11 @@ def _law_of(
     """Return a law, its parameters, and those of them that other tables of a scenario set."""
     actuation, period = scenario.actuation.kind, {"period": scenario.periods.controller}
     if kind in ("adhesion_based", "adhesion_literal"):
-        seeker = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
+        law_class = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
         base = tuning.PEAK_SEEKING[actuation]
         if isinstance(scenario.controller, AdhesionLaw) and scenario.controller.tuning == "type_test":
             base = replace(base, **_searched(scenario, scenario.controller, "estimated"))
-        return seeker, base, period | {"adhesion_max": scenario.limits.alpha_max}
+        return law_class, base, period | {"adhesion_max": scenario.limits.alpha_max}
     if kind == "slope_seeking":
         lag = scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0
         return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max, "pressure_lag": lag}

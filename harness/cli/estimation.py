@@ -57,11 +57,11 @@ def observability(
     ranks = [
         {
             "at": f"{time:.2f} s, {what}",
-            "rank": f"{found.rank} of {len(found.states)}",
-            "derivatives": found.order,
-            "not determined": ", ".join(found.undetermined) or "–",
+            "rank": f"{result.rank} of {len(result.states)}",
+            "derivatives": result.order,
+            "not determined": ", ".join(result.undetermined) or "–",
         }
-        for what, time, found in points
+        for what, time, result in points
     ]
     show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
     _write_windows(windows, folder / "observability.csv")

@@ -182,7 +182,7 @@ def monitor(
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
     from railgrip.estimation.spec import load_specification
     from railgrip.studies.pad_monitor.folder import stops_in
-    from railgrip.studies.pad_monitor.page import draw, health_table, verdict_on
+    from railgrip.studies.pad_monitor.page import draw, health_table, summary_of
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     with progress("reading") as bar:
@@ -200,7 +200,7 @@ def monitor(
     design = Design()
     history = watch(list(evidence.values()), design)
     show_table(health_table(history, list(evidence)))
-    say(verdict_on(history, design))
+    say(summary_of(history, design))
     say(str(draw(history, design, out or folder / "monitor.png")))
 
 
@@ -217,13 +217,13 @@ def monitor_study(
     """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
     from railgrip.campaign.workers import workers as processes
     from railgrip.studies.pad_monitor.page import draw
-    from railgrip.studies.pad_monitor.study import evidence_of_lives, lives, verdict_of
+    from railgrip.studies.pad_monitor.study import assessment_of, evidence_of_lives, lives
     from railgrip.studies.pad_monitor.watch import Design, watch
 
     design, plan = Design(), lives(seeds, stops, pressure_offset)
     with progress("lives", seeds, is_count=True) as bar, processes(workers) as pool:
         evidence = evidence_of_lives(plan, pool, lambda count: bar.update(amount=count))
-    show_table(verdict_of(plan, evidence, design).table())
+    show_table(assessment_of(plan, evidence, design).table())
     say(str(draw(watch(evidence[0], design), design, out / "life.png")))
 
 

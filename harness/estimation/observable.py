@@ -89,7 +89,7 @@ def _points(
         without = inputs[most].copy()
         without[place] = 0.0
         instants.append((f"the same, but no {prediction.inputs[place]}", most, without))
-    return [(what, float(time[k]), observability(prediction, states[k], held, scale)) for what, k, held in instants]
+    return [(what, float(time[k]), observability(prediction, states[k], u, scale)) for what, k, u in instants]
 
 
 def _windows(

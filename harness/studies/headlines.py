@@ -101,7 +101,7 @@ def monitor(tell: Tell) -> list[Finding]:
     """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
     from railgrip.studies.pad_monitor.evidence import evidence_of
     from railgrip.studies.pad_monitor.life import Life, live
-    from railgrip.studies.pad_monitor.study import verdict_of
+    from railgrip.studies.pad_monitor.study import assessment_of
     from railgrip.studies.pad_monitor.watch import Design
 
     # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
@@ -110,13 +110,13 @@ def monitor(tell: Tell) -> list[Finding]:
     for number, stop in enumerate(live(life)):
         tell(f"monitor, stop {number + 1} of {life.stops}")
         evidence.append(evidence_of(*stop))
-    verdict = verdict_of([life], [evidence], Design())
-    worn, stuck = verdict.worn_delays[0], verdict.stuck_delays[0]
+    assessment = assessment_of([life], [evidence], Design())
+    worn, stuck = assessment.worn_delays[0], assessment.stuck_delays[0]
     # A chart that ends a hair below its threshold alarms with the next stop.
     return [
         Finding("monitor: stops until lost friction is found", worn, "stops", 1.0),
         Finding("monitor: stops until a sticking brake is found", stuck, "stops", 1.0),
-        Finding("monitor: false alarms", float(verdict.false_alarms), "1", 0.5),
+        Finding("monitor: false alarms", float(assessment.false_alarms), "1", 0.5),
     ]
 
 

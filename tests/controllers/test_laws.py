@@ -13,30 +13,30 @@ from railgrip.controllers.slope_seeking import SlopeSeeking
 from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE, VALVE_BANDS
 
 
-def seeker(**changes):
+def peak_seeking(**changes):
     return AdhesionBased([GROUP], replace(PEAK_SEEKING["ideal"], **changes))
 
 
 @pytest.mark.parametrize(("peak_slip", "patience"), [(0.01, 1.0), (0.03, 1.0), (0.1, 2.0), (0.2, 4.0)])
-def test_the_seeker_finds_the_peak_wherever_it_lies(peak_slip, patience):
+def test_peak_seeking_finds_the_peak_wherever_it_lies(peak_slip, patience):
     """At least 96 % of α* on average: the margin costs 0.1 %, hunting a few percent; slip levels that are fixed at
     10-15 % use 16 % of a peak at 1 % slip (the curve above: 2·x/(1 + x²) at x = 12.5). A broad peak takes longer to
     climb: at 20 % the slip answers a torque with J v/(r² dF/ds) = 0.25 s, and `rise` adds 15 % of torque."""
-    _, adhesion = simulate(seeker(), patience + 2.0, peak_slip=peak_slip)
+    _, adhesion = simulate(peak_seeking(), patience + 2.0, peak_slip=peak_slip)
     assert adhesion[round(patience * 1000) :].mean() > 0.96 * 0.06
 
 
-def test_the_seeker_is_not_carried_away_by_a_rail_that_gets_better():
+def test_peak_seeking_is_not_carried_away_by_a_rail_that_gets_better():
     """Adhesion doubles within 2 s: α̇ > 0 whatever the slip does, the term that the paper's proof drops."""
-    slip, adhesion = simulate(seeker(), 4.0, peak=lambda time, group: 0.05 + 0.025 * min(max(time - 1.5, 0), 2))
+    slip, adhesion = simulate(peak_seeking(), 4.0, peak=lambda time, group: 0.05 + 0.025 * min(max(time - 1.5, 0), 2))
     assert slip[1500:].max() < PEAK_SEEKING["ideal"].slip_vent
     wanted = 0.05 + 0.025 * np.clip(np.arange(1500, 4000) * 1e-3 - 1.5, 0, 2)
     assert np.mean(adhesion[1500:] / wanted) > 0.93
 
 
-def test_the_seeker_survives_a_rail_that_suddenly_gets_worse():
+def test_peak_seeking_survives_a_rail_that_suddenly_gets_worse():
     """Adhesion halves at once: the wheel must not lock, and finds the new peak within a second."""
-    slip, adhesion = simulate(seeker(), 4.0, peak=lambda time, group: 0.08 if time < 2 else 0.04)
+    slip, adhesion = simulate(peak_seeking(), 4.0, peak=lambda time, group: 0.08 if time < 2 else 0.04)
     assert slip.max() < 0.9
     assert adhesion[3000:].mean() > 0.93 * 0.04
 
@@ -45,18 +45,18 @@ def test_the_seeker_survives_a_rail_that_suddenly_gets_worse():
 def test_adhesion_stays_below_what_may_be_used(peak_slip):
     """A rail of 0.3 with α_max 0.15; 0.005 for the pressure's lag of 20 ms. On the steeper curve the limit is reached
     at a slip so small that the wheel counts as rolling."""
-    _, adhesion = simulate(seeker(), 3.0, peak=lambda time, group: 0.3, peak_slip=peak_slip)
+    _, adhesion = simulate(peak_seeking(), 3.0, peak=lambda time, group: 0.3, peak_slip=peak_slip)
     assert adhesion.max() < 0.155
     assert adhesion[1500:].mean() > 0.13
 
 
 @pytest.mark.parametrize("error", [0.9, 1.1])
-def test_the_seeker_bears_a_wrong_pad_friction(error):
+def test_peak_seeking_bears_a_wrong_pad_friction(error):
     """10 % either way is what pads spread; the torque it believes in is wrong by that."""
 
     class Mistaken:
         def __init__(self):
-            self.law = seeker()
+            self.law = peak_seeking()
 
         def decide(self, observation):
             return self.law.decide(observation._replace(pad_friction=(0.35 * error,)))
@@ -66,9 +66,9 @@ def test_the_seeker_bears_a_wrong_pad_friction(error):
 
 
 def test_the_literal_law_chatters_around_the_peak():
-    """Bang-bang through a lag of 20 ms with derivatives filtered over 10 ms: worse than the seeker, better than none
+    """Bang-bang through a lag of 20 ms with derivatives filtered over 10 ms: worse than peak seeking, better than none
     (locked: α(1)/α* = 0.06). Over a few milliseconds, which only ideal sensors allow, it chatters as finely as the
-    seeker hunts."""
+    peak seeking hunts."""
     slower = replace(PEAK_SEEKING["ideal"], filter_time=10e-3)
     literal, own = LiteralAdhesionBased([GROUP], slower), AdhesionBased([GROUP], slower)
     chatter, found = simulate(literal, 4.0)[1][1500:].mean(), simulate(own, 4.0)[1][1500:].mean()
@@ -123,10 +123,10 @@ def test_below_the_lowest_speed_the_brake_is_applied():
     observation = shown(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
     for law in (SlipBased([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], PEAK_SEEKING["ideal"])):
         assert law.decide(observation) == (3.4e5,)
-    # The seeker's limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
+    # Its limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
     torque = (0.15 - 0.003) * GROUP.load * 0.38
     wanted = (torque / (2 * 0.35 * 0.22) / 5.7 + 1200.0) / 0.0324
-    assert seeker().decide(observation)[0] == pytest.approx(wanted, rel=1e-9)
+    assert peak_seeking().decide(observation)[0] == pytest.approx(wanted, rel=1e-9)
 
 
 def climber(**changes):

@@ -9,7 +9,7 @@ from railgrip.studies.pad_monitor import study as monitor_study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.studies.pad_monitor.study import Verdict, verdict_of
+from railgrip.studies.pad_monitor.study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
 from railgrip.trace.samples import reading_of, truth_of, with_signals
@@ -227,17 +227,19 @@ def test_the_trend_is_the_slope_of_health_with_its_deviation():
 
 
 def test_the_bound_of_the_rate_is_the_rule_of_three_when_nothing_alarmed():
-    verdict = Verdict(lives=1, stops=1, worn_delays=(), stuck_delays=(), kinds_right=1.0, healthy=3000, false_alarms=0)
-    assert verdict.rate_bound == pytest.approx(3.0 / 3000, rel=2e-3)  # ln 20 = 2.9957
+    assessment = Assessment(
+        lives=1, stops=1, worn_delays=(), stuck_delays=(), kinds_right=1.0, healthy=3000, false_alarms=0
+    )
+    assert assessment.rate_bound == pytest.approx(3.0 / 3000, rel=2e-3)  # ln 20 = 2.9957
 
 
 def test_a_study_counts_delays_from_the_first_broken_stop():
     life = Life(stops=120, seed=0, worn=50, worn_group=2, stuck=None, stuck_group=3)
-    verdict = verdict_of([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
-    assert verdict.false_alarms == 0
-    assert verdict.healthy == (50 - 20) + 100 + 2 * 100
-    assert verdict.worn_delays[0] is not None
-    assert 1 < verdict.worn_delays[0] <= 10
+    assessment = assessment_of([life], [row(120, 3, loss=0.2, begin=50)], DESIGN)
+    assert assessment.false_alarms == 0
+    assert assessment.healthy == (50 - 20) + 100 + 2 * 100
+    assert assessment.worn_delays[0] is not None
+    assert 1 < assessment.worn_delays[0] <= 10
 
 
 def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):

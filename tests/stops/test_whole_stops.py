@@ -65,7 +65,7 @@ def test_both_ways_to_the_prediction_give_the_same_estimates():
     [
         ("full_brake", 5e-4),
         ("slip_two_state", 5e-4),
-        # The seeker reverses at the zero of a product of derivatives: in which millisecond that happens depends on the
+        # Peak seeking reverses at the zero of a product of derivatives: in which millisecond that happens hangs on the
         # last digits, and a reversal earlier or later moves the stop by some 0.1 %. It is the law, not the plant.
         ("adhesion_based", 3e-3),
     ],

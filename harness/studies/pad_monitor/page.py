@@ -32,7 +32,7 @@ def health_table(history: History, names: Sequence[str]) -> Table:
     return Table(rows, left=rows[0])
 
 
-def verdict_on(history: History, design: Design) -> str:
+def summary_of(history: History, design: Design) -> str:
     """Return a sentence on what the stops could tell, and what more is wanted."""
     count = len(history.index)
     opening = f"{count} stops, {history.chart_points} of which told the groups apart"

@@ -63,7 +63,7 @@ _SOURCES = ground(evidence, life)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Assessment:
     """What a study found.
 
     Attributes:
@@ -117,7 +117,7 @@ def _delays(delays: Sequence[int | None]) -> str:
     return f"median {np.median(finite):.0f}, at most {max(finite)}; {len(finite)} of {len(delays)} found"
 
 
-def verdict_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Verdict:
+def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Assessment:
     """Return what the monitor makes of lives whose evidence is known: delays and false alarms."""
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []
@@ -139,7 +139,7 @@ def verdict_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], des
         others = set(range(4)) - {one.worn_group, one.stuck_group}
         healthy += len(others) * (one.stops - design.reference)
         false_alarms += sum(alarm.group in others for alarm in alarms)
-    return Verdict(
+    return Assessment(
         lives=len(plan),
         stops=sum(one.stops for one in plan),
         worn_delays=tuple(worn_delays),
