@@ -12,7 +12,7 @@ ROOMS = ("fmus", "estimators", "controllers", "harness")
 # Room or module → what it may import of ours; the longest matching name decides.
 ALLOWED = {
     "railgrip.errors": (),
-    "railgrip.atomic": (),
+    "railgrip.files": (),
     "railgrip.cache": (),
     "railgrip.fmus": ("railgrip.fmus",),
     "railgrip.fmus.__main__": ("railgrip.fmus", "railgrip.console", "railgrip.report.table"),
@@ -36,12 +36,12 @@ ALLOWED = {
                        "railgrip.scenario", "railgrip.estimators.consistency"),
     "railgrip.report": ("railgrip.report", "railgrip.trace", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
-    "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.scratch",
+    "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.files",
                      "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction",
                      "railgrip.loop.ports.CInterface"),
 }  # fmt: skip
 
-GROUND = ("railgrip.errors", "railgrip.atomic", "railgrip.cache")
+GROUND = ("railgrip.errors", "railgrip.files", "railgrip.cache")
 """What every room may import."""
 
 

@@ -10,8 +10,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from railgrip.atomic import write_text
 from railgrip.campaign.workers import workers
+from railgrip.files import write_text
 from railgrip.scenario.load import load
 
 TARGETS = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}

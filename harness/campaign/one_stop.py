@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
+from railgrip.campaign.sources import sources_digest
 from railgrip.errors import RecordError, ScenarioError
 from railgrip.scenario.schema import Scenario
-from railgrip.sources import sources_digest
 from railgrip.trace.stop import FILES, Stop, write_stop
 
 SOURCES = "sources"

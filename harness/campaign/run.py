@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from railgrip.atomic import PARTIAL, write_bytes, write_json
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
+from railgrip.campaign.sources import sources_digest
 from railgrip.errors import InputError, RailgripError, RecordError
+from railgrip.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.compilers import OURS, makers
@@ -17,8 +18,6 @@ from railgrip.report.results import CAMPAIGN_FILE
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.custom import Custom
-from railgrip.scratch import scratch
-from railgrip.sources import sources_digest
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import STOP_FILE, read_stop
 

@@ -16,8 +16,8 @@ from typing import Final, ParamSpec, TypeVar
 import pebble
 
 from railgrip.errors import InputError, RailgripError, for_user
+from railgrip.files import scratch
 from railgrip.interrupted import deaf_children
-from railgrip.scratch import scratch
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 

@@ -82,9 +82,9 @@ def conditioning(
     fresh: Fresh = False,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
-    from railgrip.atomic import write_text
     from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
     from railgrip.campaign.run import CampaignRun
+    from railgrip.files import write_text
     from railgrip.report.table import Table, yes_no
     from railgrip.scenario.campaign import load_campaign
     from railgrip.scenario.conditioning import text_of
@@ -241,11 +241,11 @@ def tune_control(
     What is not searched of a law stays in its file as it is. What --cases finds of a law that the tables of the papers
     hang on goes into a file of its own, `<law>.type_test.toml`.
     """
-    from railgrip.atomic import write_text
     from railgrip.campaign.one_stop import make_folder
     from railgrip.campaign.tune_control import EQUIPMENT, RANGES, search, text_of
     from railgrip.campaign.workers import workers as processes
     from railgrip.controllers.tuning import file_of
+    from railgrip.files import write_text
 
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:

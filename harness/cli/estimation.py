@@ -81,10 +81,10 @@ def estimate(
     data: Data = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
-    from railgrip.atomic import write_bytes
     from railgrip.estimation.plausible import strange_estimates, strange_signals
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
+    from railgrip.files import write_bytes
     from railgrip.report.estimated import estimated
 
     specification = load_specification(file, overrides or [])

@@ -93,9 +93,9 @@ def map_(
     from railgrip.assemble.plant import plant_signals
     from railgrip.assemble.trial import findings, tried
     from railgrip.assemble.vehicle import catalogue_brakes, catalogue_counts, counts_of
-    from railgrip.draft import drafted
     from railgrip.errors import PlantFailed
     from railgrip.fmu import bind, describe, open_plant
+    from railgrip.fmu.draft import drafted
     from railgrip.formation import Formation
     from railgrip.signals import layout_of
 

@@ -59,7 +59,7 @@ def ride(
     ] = None,
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
-    from railgrip.atomic import write_bytes
+    from railgrip.files import write_bytes
     from railgrip.report.style import save
     from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 
@@ -255,7 +255,7 @@ def k_factors(
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
     """Run the study of the paper and write its report, figures, estimators and their FMUs."""
-    from railgrip.atomic import write_text
+    from railgrip.files import write_text
     from railgrip.studies.axle_box.figures import draw
     from railgrip.studies.axle_box.study import FULL, QUICK, estimators_of, pieces, study
     from railgrip.studies.axle_box.tables import report
@@ -273,7 +273,7 @@ def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
 
 def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
     """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
-    from railgrip.atomic import write_text
+    from railgrip.files import write_text
     from railgrip.studies.axle_box.own import judge_own, own_pieces, read_own
     from railgrip.studies.axle_box.users import read_folder, read_labels
 
@@ -294,8 +294,8 @@ def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path
 
 def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
     """Write every estimator as a file of numbers and as an FMU."""
-    from railgrip.atomic import replacing
     from railgrip.estimators.learned.trained import as_fmu, save
+    from railgrip.files import replacing
     from railgrip.fmus.native.package import pack
 
     for name, one in trained.items():

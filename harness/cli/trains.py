@@ -23,7 +23,7 @@ def new(
     file: Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="File to write; it must not be there yet.")],
 ) -> None:
     """Write a train file to begin with: two cars, every key explained."""
-    from railgrip.atomic import write_text
+    from railgrip.files import write_text
     from railgrip.rolling_stock.files import beginning
 
     if file.suffix != ".toml":

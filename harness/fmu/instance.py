@@ -29,10 +29,10 @@ from fmpy.fmi2 import (
 )
 
 from railgrip.errors import Failure, FmuError, PlantFailed, Reason
+from railgrip.files import scratch
 from railgrip.fmu.archive import digest
 from railgrip.fmu.description import Description, Interface
 from railgrip.fmu.parameters import Assignment
-from railgrip.scratch import scratch
 
 Way = Literal["co-simulation", "model exchange"]
 

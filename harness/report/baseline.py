@@ -38,8 +38,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, NonNegativeInt, model_validator
 
-from railgrip.atomic import write_json, write_text
 from railgrip.errors import RecordError, ScenarioError
+from railgrip.files import write_json, write_text
 from railgrip.report import table
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Result, Results

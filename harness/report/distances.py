@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from railgrip.atomic import write_json
+from railgrip.files import write_json
 from railgrip.report.compilers import from_elsewhere, makers
 from railgrip.report.conditioning import spread_text
 from railgrip.report.distribution import distribution_table, distributions_of

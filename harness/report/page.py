@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railgrip.atomic import write_text
+from railgrip.files import write_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from railgrip.atomic import write_text
 from railgrip.errors import RecordError
+from railgrip.files import write_text
 from railgrip.report.baseline import Accepted, Baseline
 from railgrip.report.reference import best, is_published, is_tuned, label, law_of
 from railgrip.report.table import Table, percent

@@ -8,8 +8,8 @@ from typing import Any
 
 import xarray
 
-from railgrip.atomic import write_json
 from railgrip.errors import RecordError, Unwritten
+from railgrip.files import write_json
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE

@@ -14,8 +14,8 @@ import synthetic_runner
 from railgrip.__main__ import main
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import is_there
+from railgrip.campaign.sources import sources_digest
 from railgrip.scenario.campaign import load_campaign
-from railgrip.sources import sources_digest
 
 
 def stops_in(folder):

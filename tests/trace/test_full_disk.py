@@ -16,9 +16,9 @@ import xarray
 from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
-from railgrip.atomic import replacing, write_text
 from railgrip.campaign.run import is_there
 from railgrip.errors import Unwritten, for_user
+from railgrip.files import replacing, write_text
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
-from railgrip.atomic import replacing, write_text
 from railgrip.errors import RecordError
+from railgrip.files import replacing, write_text
 from railgrip.scenario.load import load
 from railgrip.signals import PLANT, SENT
 from railgrip.trace.netcdf import read_trace, write_trace

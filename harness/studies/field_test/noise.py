@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.spec import NoiseTable
 from railgrip.estimators.belief import Array
+from railgrip.files import replacing
 from railgrip.scenario.load import read_toml, validated
 
 LIBRARY = Path(__file__).parent / "library"

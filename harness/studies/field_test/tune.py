@@ -15,10 +15,10 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from railgrip.atomic import replacing
 from railgrip.errors import EstimationError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.files import replacing
 from railgrip.studies.field_test.filtering import Task, filter_of
 from railgrip.studies.field_test.noise import NAMES, PHYSICAL, Noise
 from railgrip.studies.field_test.objective import Kind, evaluate

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 
 from railgrip.assemble.files import plant_description
 from railgrip.assemble.parties import versions
-from railgrip.atomic import write_json
+from railgrip.campaign.sources import sources_digest
+from railgrip.files import write_json
 from railgrip.report.page import write_page
 from railgrip.report.style import band, dress, figure, lead_to_trail, legend, save
 from railgrip.report.table import Table
-from railgrip.sources import sources_digest
 from railgrip.studies.k_factors.rare import estimates, pooled
 from railgrip.studies.k_factors.study import PROBABILITIES, Study, plain
 

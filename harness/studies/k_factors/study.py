@@ -14,13 +14,13 @@ from railgrip.assemble import braking_distance
 from railgrip.assemble.files import plant_description
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.campaign import workers as processes
+from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.store import ground, results_of
 from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
-from railgrip.sources import sources_digest
 from railgrip.studies.k_factors import rare
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.rare import Sample, State

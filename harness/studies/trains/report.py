@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from railgrip.atomic import write_json
+from railgrip.files import write_json
 from railgrip.report import style
 from railgrip.report.page import image, write_page
 from railgrip.report.table import Table

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 
-from railgrip.atomic import write_text
+from railgrip.files import write_text
 from railgrip.report import style
 from railgrip.report.page import image, write_page
 from railgrip.report.results import Results

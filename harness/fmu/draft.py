@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from railgrip.errors import FmuError
-from railgrip.fmu import Description, Signal
-from railgrip.fmu.description import Causality, Variable
+from railgrip.fmu.description import Causality, Description, Variable
+from railgrip.fmu.mapping import Signal
 from railgrip.units import unit
 
 _ALSO = {

@@ -7,7 +7,7 @@ import tempfile
 import pytest
 
 from railgrip.campaign.workers import workers
-from railgrip.scratch import locked, scratch
+from railgrip.files import locked, scratch
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the locks are POSIX")
 

@@ -1,0 +1,116 @@
+"""Files that are whole or not there, and temporary folders that go with their process, however it ends.
+
+A temporary folder carries the number of its process, which also holds a lock on it. Of a process that was killed the
+system frees the lock; the next one that wants a folder removes what lies there without.
+"""
+
+import json
+import math
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from railgrip.errors import Unwritten
+
+PARTIAL = ".*.partial"
+"""Pattern of what a process that was killed while writing leaves behind."""
+
+
+@contextmanager
+def replacing(path: Path) -> Generator[Path]:
+    """Yield a path to write beside `path`; it takes its place when the block ends well, else vanishes.
+
+    Ctrl-C counts as a failure: whoever finds `path` finds all of it.
+
+    Raises:
+        Unwritten: The disk is full, or may not be written.
+    """
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            yield partial
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as problem:
+        raise Unwritten(f"{path}: cannot be written: {problem.strerror or problem}") from problem
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a whole text file, or leave what was there; see `replacing`."""
+    write_bytes(path, text.encode())
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a whole JSON file, null in place of numbers that are none: JSON has neither NaN nor infinity."""
+    write_text(path, json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a whole file, or leave what was there; see `replacing`."""
+    with replacing(path) as partial:
+        partial.write_bytes(content)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(element) for key, element in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(element) for element in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+_PREFIX: Final = "railgrip-"
+_FRESH: Final = 60.0  # s
+
+
+@contextmanager
+def scratch(purpose: str) -> Generator[Path]:
+    """Yield a temporary folder, removed at the end; `purpose` is part of its name."""
+    _remove_stale(Path(tempfile.gettempdir()), purpose)
+    # A library that is still mapped may not be removable on some platforms; there the system clears it later.
+    with (
+        tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{purpose}-{os.getpid()}-", ignore_cleanup_errors=True) as name,
+        locked(Path(name)),
+    ):
+        yield Path(name)
+
+
+@contextmanager
+def locked(folder: Path) -> Generator[bool]:
+    """Hold the lock of a folder, which the system releases however this process ends; yield whether it was free."""
+    if os.name != "posix":
+        yield False  # such locks are POSIX; nothing is removed elsewhere
+        return
+    import fcntl
+
+    number = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW)
+    try:
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            free = True
+        except OSError:
+            free = False
+        yield free
+    finally:
+        os.close(number)
+
+
+@cache
+def _remove_stale(temporary: Path, purpose: str) -> None:
+    """Remove what runs left behind that were killed; once in a process."""
+    for folder in temporary.glob(f"{_PREFIX}{purpose}-[0-9]*-*"):
+        with suppress(OSError):
+            status = folder.lstat()
+            # One that was made this minute may not have its lock yet.
+            if os.name == "posix" and status.st_uid == os.geteuid() and time.time() - status.st_mtime > _FRESH:
+                with locked(folder) as free:
+                    if free:
+                        shutil.rmtree(folder, ignore_errors=True)
