@@ -9,6 +9,7 @@ their Table 1. Everything else in the table is then predicted, adhesion-based co
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 from railgrip.campaign.workers import workers
 from railgrip.files import write_text
@@ -26,8 +27,13 @@ _CLOSE = 0.05  # m: the table shows tenths of a metre; the bound that is asked f
 _ROUNDS = 25
 
 
-Fitted = tuple[str, str, float, float]
-"""Scenario of the library, named Polach set, factor on the friction, and distance [m] of slip-based control with it."""
+class Fitted(NamedTuple):
+    """Scenario of the library, named Polach set, factor on the friction, distance [m] of slip-based control with it."""
+
+    scenario: str
+    shape: str
+    level: float
+    distance: float
 
 
 def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
@@ -44,7 +50,7 @@ def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
             tell(fits[-1])
     for scenario in TARGETS:
         path = LIBRARY / f"{scenario}.toml"
-        levels = {shape: level for fitted, shape, level, _ in fits if fitted == scenario}
+        levels = {one.shape: one.level for one in fits if one.scenario == scenario}
         write_text(path, with_levels(path.read_text(encoding="utf-8"), levels))
     return fits
 
@@ -91,7 +97,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
             low, over, under = level, residual, 0.5 * under
         else:
             high, under, over = level, residual, 0.5 * over
-    return scenario, shape, level, target + residual
+    return Fitted(scenario, shape, level, target + residual)
 
 
 def with_levels(text: str, levels: dict[str, float]) -> str:

@@ -21,7 +21,7 @@ T = TypeVar("T")
 _NAME = "result"
 
 
-def ground(*parts: ModuleType | Path | bytes) -> str:
+def digest_of(*parts: ModuleType | Path | bytes) -> str:
     """Return a digest of what results rest on.
 
     Args:

@@ -214,7 +214,10 @@ def calibrate() -> None:
 
     with progress("levels, some ten stops each"):
         fit_levels(
-            lambda one: say(f"{one[0]}, {one[1]}: level {one[2]:.5f}, {one[3]:.1f} m (wanted {TARGETS[one[0]]} m)")
+            lambda one: say(
+                f"{one.scenario}, {one.shape}: level {one.level:.5f}, {one.distance:.1f} m "
+                f"(wanted {TARGETS[one.scenario]} m)"
+            )
         )
 
 

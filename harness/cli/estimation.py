@@ -139,12 +139,12 @@ def _print_errors(recording: "xarray.Dataset", estimates: "xarray.Dataset") -> N
     rows = [
         {
             "state": state,
-            "rmse": judgement["rmse"],
-            "of the best constant": judgement["constant"],
-            "bias": judgement["bias"],
-            "largest": judgement["largest"],
-            "NEES": judgement["nees"],
-            "within 2 sd": judgement["coverage"],
+            "rmse": judgement.rmse,
+            "of the best constant": judgement.constant,
+            "bias": judgement.bias,
+            "largest": judgement.largest,
+            "NEES": judgement.nees,
+            "within 2 sd": judgement.coverage,
         }
         for state in states
         for judgement in (judge(recording, estimates, state),)

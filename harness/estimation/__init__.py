@@ -23,7 +23,7 @@ outputs, arrays as scalars `cylinder_pressure[1]`. What the plant knows and no f
     )
     estimates = estimate(recorded, prediction, settings)                      # xarray: mean, sd, innovation, nis
     estimates["mean"].sel(state="alpha")
-    judge(recorded, estimates, "mu_b")["rmse"]
+    judge(recorded, estimates, "mu_b").rmse
 
 Names without index in `Settings` stand for every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a
 TOML file; `python -m railgrip estimate FILE.toml` runs one, `python -m railgrip observability FILE.toml` asks what

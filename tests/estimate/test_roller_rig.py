@@ -58,7 +58,7 @@ def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
     assert estimates.attrs["ended"] == ""
     steady = sand["time"].values > 4.0
     judgement = judge(sand, estimates, "alpha", steady)
-    assert judgement["rmse"] < 0.3 * judgement["constant"]
+    assert judgement.rmse < 0.3 * judgement.constant
     constant = estimates.copy(deep=True)
     constant["mean"].loc[{"state": "alpha"}] = truth_of(sand, "alpha")[steady].mean()
     assert not excursions(sand, constant, settled=0.5)["kept"]
@@ -67,9 +67,9 @@ def test_adhesion_is_kept_within_002_on_the_sanded_roller(sand, name):
 def test_equation_20_claims_far_less_than_it_knows_and_ours_about_what_it_knows(sand):
     after = sand["time"].values > 4.0
     paper, own = (estimate_of(load_specification(LIBRARY / f"{n}.toml"), sand) for n in ("rig_paper", "rig_own"))
-    assert judge(sand, paper, "mu_b", after)["nees"] < 0.01
-    assert 0.1 < judge(sand, own, "mu_b", after)["nees"] < 10.0
-    assert judge(sand, own, "alpha", after)["rmse"] < judge(sand, paper, "alpha", after)["rmse"]
+    assert judge(sand, paper, "mu_b", after).nees < 0.01
+    assert 0.1 < judge(sand, own, "mu_b", after).nees < 10.0
+    assert judge(sand, own, "alpha", after).rmse < judge(sand, paper, "alpha", after).rmse
 
 
 def test_short_brakings_under_oil_slide_at_two_to_five_hundredths():

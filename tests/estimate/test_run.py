@@ -130,7 +130,7 @@ def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
         off = np.random.default_rng(1000 + seed).standard_normal(4) * [0.3, 0.1, 0.04, 0.02]
         start = dict(zip(("w", "v", "mu_b", "alpha"), np.array([60.0, 30.0, 0.35, 0.08]) + off, strict=True))
         estimates = estimate(recording, undragged, replace(honest, start=start))
-        last.append([judge(recording, estimates, s, np.arange(60) == 59)["nees"] for s in ("mu_b", "alpha")])
+        last.append([judge(recording, estimates, s, np.arange(60) == 59).nees for s in ("mu_b", "alpha")])
     # 60 runs of one degree each: the mean has a standard deviation of sqrt(2/60) = 0.18; four of them.
     assert np.mean(last, axis=0) == pytest.approx([1.0, 1.0], abs=4 * 0.18)
 
@@ -148,7 +148,7 @@ def test_inputs_may_be_held_or_averaged(undragged):
     errors = {}
     for between in ("held", "mean"):
         estimates = estimate(recording, undragged, replace(sharp, between=between))
-        errors[between] = abs(judge(recording, estimates, "mu_b", time > 0.3)["bias"])
+        errors[between] = abs(judge(recording, estimates, "mu_b", time > 0.3).bias)
     assert errors["mean"] < 0.2 * errors["held"]
 
 

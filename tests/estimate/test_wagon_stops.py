@@ -102,8 +102,8 @@ def test_the_printed_factor_puts_the_rest_on_the_pads(stop):
     for pads in ("mu_b[1]", "mu_b[2]"):
         # Better than what it started from; pads that hardly move within the window are no test of more.
         baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
-        assert judge(stop, believed(stop), pads, braking)["rmse"] < 0.8 * baseline_error
-    assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking)["bias"] > 0.3
+        assert judge(stop, believed(stop), pads, braking).rmse < 0.8 * baseline_error
+    assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
 
 
 def test_one_adhesion_for_wheelsets_that_brake_unequally_is_a_bias_of_their_pads():
@@ -111,6 +111,6 @@ def test_one_adhesion_for_wheelsets_that_brake_unequally_is_a_bias_of_their_pads
     unequal = run("wagon_unequal")
     braking = (unequal["time"].values > 6.0) & (unequal["time"].values < 9.5)
     estimated = believed(unequal)
-    assert abs(judge(unequal, estimated, "alpha", braking)["bias"]) < 0.002
-    assert judge(unequal, estimated, "mu_b[1]", braking)["bias"] < -0.03
-    assert judge(unequal, estimated, "mu_b[2]", braking)["bias"] > 0.03
+    assert abs(judge(unequal, estimated, "alpha", braking).bias) < 0.002
+    assert judge(unequal, estimated, "mu_b[1]", braking).bias < -0.03
+    assert judge(unequal, estimated, "mu_b[2]", braking).bias > 0.03

@@ -15,7 +15,7 @@ import railgrip.studies.axle_box.accelerometer
 import railgrip.studies.axle_box.instrumented_car
 import railgrip.studies.axle_box.reduction
 import railgrip.track.irregularity
-from railgrip.campaign.store import ground, results_of
+from railgrip.campaign.store import digest_of, results_of
 from railgrip.estimators.belief import Array
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
@@ -67,7 +67,7 @@ def spectral_features(run: Run) -> Array:
 
 def gather(passes: Sequence[Pass], pool: Executor, *, tell: Callable[[str], None] = lambda _: None) -> list[Run]:
     """Return the reduced runs of passes, simulating those that are not in the user's cache."""
-    rests_on = ground(
+    rests_on = digest_of(
         fmu(FMU), json.dumps([asdict(AXLE_BOX), asdict(SLOW), VEHICLE]).encode(),
         railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,
         sys.modules[__name__], railgrip.studies.axle_box.reduction,

@@ -15,7 +15,7 @@ from railgrip.assemble.files import plant_description
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.campaign import workers as processes
 from railgrip.campaign.sources import sources_digest
-from railgrip.campaign.store import ground, results_of
+from railgrip.campaign.store import digest_of, results_of
 from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.scenario.quantity import Magnitude
@@ -41,7 +41,10 @@ class Stops:
 
     def __init__(self, scenario: Scenario, pool: Executor) -> None:
         """Run nothing yet."""
-        self._pool, self._ground = pool, ground(sources_digest().encode(), plant_description(scenario).digest.encode())
+        self._pool, self._ground = (
+            pool,
+            digest_of(sources_digest().encode(), plant_description(scenario).digest.encode()),
+        )
         self._seconds: list[float] = []
         self.requests = self.run = 0
 

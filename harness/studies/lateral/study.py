@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import railgrip.estimators
 import railgrip.loop.compiled
-from railgrip.campaign.store import ground, results_of
+from railgrip.campaign.store import digest_of, results_of
 from railgrip.campaign.workers import workers as processes
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
@@ -75,7 +75,7 @@ def conduct(
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
     # What the compiler made, not the files it read: another vehicle in the library changes nothing here.
     models = [lower(name) for name in (*CLASSES.values(), "RailBraking.FMUs.LateralContact")]
-    rests_on = ground(
+    rests_on = digest_of(
         fmu("LateralWheelset"),
         *(function.serialize().encode() for model in models for function in (model.derivative, model.output)),
         repr([(p.name, p.start) for model in models for p in model.parameters]).encode(),

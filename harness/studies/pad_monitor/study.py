@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railgrip.campaign.store import ground, results_of
+from railgrip.campaign.store import digest_of, results_of
 from railgrip.fmus.build import fmu
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor import evidence, life
@@ -50,7 +50,7 @@ def evidence_of_lives(
 ) -> list[list[Evidence]]:
     """Return the evidence of every stop of each life, from the user's cache or by running it."""
     count = itertools.count(1)
-    rests_on = ground(fmu(PLANT), _SOURCES.encode())
+    rests_on = digest_of(fmu(PLANT), _SOURCES.encode())
     return results_of(KIND, plan, _evidence, pool, rests_on, lambda life, was_there: tell(next(count)))
 
 
@@ -59,7 +59,7 @@ def _evidence(life: Life) -> list[Evidence]:
 
 
 # Read when this is imported, so that an edit during a study cannot pass for what ran.
-_SOURCES = ground(evidence, life)
+_SOURCES = digest_of(evidence, life)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

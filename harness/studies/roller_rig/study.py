@@ -1,7 +1,7 @@
 """The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and ours, judged against the truth."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +113,7 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     """Return how a filter did on a run."""
     assert isinstance(scenario.sensors, WhiteSensors)
     after = recording["time"].values >= SETTLED
-    alpha, pads = (judge(recording, estimates, state, after) for state in ("alpha", "mu_b"))
+    alpha, pads = (asdict(judge(recording, estimates, state, after)) for state in ("alpha", "mu_b"))
     return {
         "scenario": scenario.name,
         "filter": name,
