@@ -32,21 +32,61 @@ static void model(int (*function)(const double **, double **, casadi_int *, doub
     function(arguments, results, whole, work, 0);
 }
 
-/* sum = start + factor[0] rows[at[0]] + factor[1] rows[at[1]] + ...; `sum` may be `start`. */
-static inline void combine(double *sum, const double *start, int count, const double *factor, const int *at,
-                           const row *rows)
+/* sum = start + factor[0] rows[at[0]] + factor[1] rows[at[1]] + ..., of the vectors `from` to `to` of a row, which are
+   constants; `sum` may be `start`. */
+static inline void combine_part(int from, int to, double *sum, const double *start, int count, const double *factor,
+                                const int *at, const row *rows)
 {
     lane total[LANES];
-    for (int l = 0; l < LANES; l++)
+    for (int l = from; l < to; l++)
         total[l] = ((const lane *)start)[l];
     for (int k = 0; k < count; k++) {
         const lane *term = (const lane *)rows[at[k]];
         const double times = factor[k];
-        for (int l = 0; l < LANES; l++)
+        for (int l = from; l < to; l++)
             total[l] += times * term[l];
     }
-    for (int l = 0; l < LANES; l++)
+    for (int l = from; l < to; l++)
         ((lane *)sum)[l] = total[l];
+}
+
+static inline void combine(double *sum, const double *start, int count, const double *factor, const int *at,
+                           const row *rows)
+{
+    combine_part(0, LANES, sum, start, count, factor, at, rows);
+}
+
+/* Where of a symmetric matrix one half is wanted: row i of it from column i on, or up to that, to the next quarter of a row. */
+#define QUARTER(i) ((i) * 8 / LANE_BYTES * 4 / LANES)
+
+static void combine_from(int i, double *sum, const double *start, int count, const double *factor, const int *at,
+                         const row *rows)
+{
+    switch (QUARTER(i)) {
+    case 0: combine_part(0, LANES, sum, start, count, factor, at, rows); break;
+    case 1: combine_part(LANES / 4, LANES, sum, start, count, factor, at, rows); break;
+    case 2: combine_part(2 * LANES / 4, LANES, sum, start, count, factor, at, rows); break;
+    case 3: combine_part(3 * LANES / 4, LANES, sum, start, count, factor, at, rows); break;
+    }
+}
+
+static void combine_to(int i, double *sum, const double *start, int count, const double *factor, const int *at,
+                       const row *rows)
+{
+    switch (QUARTER(i)) {
+    case 0: combine_part(0, (LANES + 3) / 4, sum, start, count, factor, at, rows); break;
+    case 1: combine_part(0, (2 * LANES + 3) / 4, sum, start, count, factor, at, rows); break;
+    case 2: combine_part(0, (3 * LANES + 3) / 4, sum, start, count, factor, at, rows); break;
+    case 3: combine_part(0, LANES, sum, start, count, factor, at, rows); break;
+    }
+}
+
+/* Add one to the i-th number, as part of its vector: one stored alone would have the next load of the vector wait. */
+static inline void add_one(double *values, int i)
+{
+    const int each = LANE_BYTES / 8;
+    static const double ONE[2 * LANE_BYTES / 8] = {[LANE_BYTES / 8 - 1] = 1.0};
+    ((lane *)values)[i / each] += *(const lane *)(ONE + each - 1 - i % each);
 }
 
 static void divide(double *values, double by)
@@ -99,40 +139,53 @@ static void advance(const double *block, const double *free, double *mean, doubl
 #endif
 }
 
-/* phi = sum over k <= ORDER of (T A)^k / k!, by Horner's scheme; `jacobian` becomes T A. */
-static void transition(double period, const double *free, double *jacobian, row *phi)
+/* next = I + T A last / k; k is a constant. */
+static inline void horner(int k, const double *jacobian, const row *last, row *next)
 {
     static const row zero;
-    row last[N];
+    double scaled[A_COUNT];
 
+    for (int at = 0; at < A_ROW[N]; at++)
+        scaled[at] = jacobian[at] / k;
     for (int i = 0; i < N; i++) {
-        combine(phi[i], zero, 0, 0, 0, 0);
-        for (int at = A_ROW[i]; at < A_ROW[i + 1]; at++) {
-            jacobian[at] *= period * free[i];
-            phi[i][A_COLUMN[at]] = jacobian[at] / ORDER;
-        }
-        phi[i][i] += 1.0;
-    }
-    for (int k = ORDER - 1; k >= 1; k--) {
-        double scaled[A_COUNT];
-        for (int at = 0; at < A_ROW[N]; at++)
-            scaled[at] = jacobian[at] / k;
-        for (int i = 0; i < N; i++)
-            combine(last[i], phi[i], 0, 0, 0, 0);
-        for (int i = 0; i < N; i++) {
-            combine(phi[i], zero, A_ROW[i + 1] - A_ROW[i], scaled + A_ROW[i], A_COLUMN + A_ROW[i], last);
-            phi[i][i] += 1.0;
-        }
+        combine(next[i], zero, A_ROW[i + 1] - A_ROW[i], scaled + A_ROW[i], A_COLUMN + A_ROW[i], last);
+        add_one(next[i], i);
     }
 }
 
-/* phi P phi' + Q, exactly symmetric: the upper triangle, mirrored. */
-static void spread(const double *block, const double *free, const row *phi, row *predicted)
+/* phi = sum over k <= ORDER of (T A)^k / k!, by Horner's scheme; `jacobian` becomes T A. */
+static void transition(double period, const double *free, double *jacobian, row *phi, row *other)
+{
+    static const row zero;
+    row *first = ORDER % 2 ? phi : other;
+
+    for (int i = 0; i < N; i++) {
+        combine(first[i], zero, 0, 0, 0, 0);
+        for (int at = A_ROW[i]; at < A_ROW[i + 1]; at++) {
+            jacobian[at] *= period * free[i];
+            first[i][A_COLUMN[at]] = jacobian[at] / ORDER;
+        }
+        first[i][i] += 1.0;
+    }
+#if ORDER > 3
+    horner(3, jacobian, (const row *)other, phi);
+#endif
+#if ORDER > 2
+    horner(2, jacobian, (const row *)phi, other);
+#endif
+#if ORDER > 1
+    horner(1, jacobian, (const row *)other, phi);
+#endif
+}
+
+/* phi P phi' + Q, exactly symmetric: the upper triangle, mirrored. Room for other matrices is passed on, here and below:
+   few of them fit into the nearest cache. */
+static void spread(const double *block, const double *free, const row *phi, row *turned, row *predicted)
 {
     static const row zero;
     const row *prior = (const row *)(block + COVARIANCE), *noise = (const row *)(block + SPREAD);
     double factor[PHI_COUNT];
-    row turned[N] = {{0}}, sum;
+    row sum;
 
     for (int i = 0; i < N; i++)
         for (int at = PHI_ROW[i]; at < PHI_ROW[i + 1]; at++)
@@ -142,10 +195,12 @@ static void spread(const double *block, const double *free, const row *phi, row 
         combine(sum, zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, prior);
         for (int j = 0; j < N; j++)
             turned[j][i] = sum[j];
+        for (int j = N; j < WIDTH; j++)
+            turned[i][j] = 0.0;
     }
     for (int i = 0; i < N; i++) {
         const int first = PHI_ROW[i];
-        combine(predicted[i], zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, turned);
+        combine_from(i, predicted[i], zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, (const row *)turned);
         for (int j = 0; j < i; j++)
             predicted[i][j] = predicted[j][i];
         for (int j = i; j < N; j++)
@@ -174,12 +229,12 @@ static int factorise(int r, double S[M][M])
 }
 
 /* Condition on the readings; writes mean and covariance into `block`. */
-static int condition(double *block, const double *free, const double *mean, const row *P)
+static int condition(double *block, const double *free, const double *mean, const row *P, row *turned)
 {
     static const row zero;
     const double *seen = block + SEEN, *noise = block + READING_NOISE;
     double expectation[M], H[H_COUNT], residual[M], S[M][M], R[M][M], minus[M];
-    row PH[M], gain[M], sum;              /* P H' and K, by columns: row a is column a of the r used readings */
+    row PH[M], gain[M], excess[M];        /* P H' and K, by columns: row a is column a of the r used readings */
     int used[M], all[M], related[M], relative[M][M], r = 0;
 
     model(expected, mean, block, expectation, H);
@@ -243,19 +298,27 @@ static int condition(double *block, const double *free, const double *mean, cons
         return MEAN_NOT_FINITE;
 
     /* Joseph form in two products: L = (I - K H) P, then L (I - K H)' + K R K' = L - (L H' - K R) K'. Rounding of the
-       first is scaled down by I - K H in the second, as in the form written out, at a third of the cost. */
+       first is scaled down by I - K H in the second, as in the form written out, at a third of the cost. All by columns,
+       for what H and R take together are then rows: row j of `turned` is column j of L, `excess` those of -(L H' - K R). */
     row *covariance = (row *)(block + COVARIANCE);
-    for (int i = 0; i < N; i++) {
+    for (int j = 0; j < N; j++) {
         for (int a = 0; a < r; a++)
-            minus[a] = -gain[a][i];
-        combine(sum, P[i], r, minus, all, PH);
-        double excess[M];
-        for (int a = 0; a < r; a++) {
-            const int first = H_ROW[used[a]], count = H_ROW[used[a] + 1] - first;
-            excess[a] = -dot(count, H + first, H_COLUMN + first, sum) - dot(related[a], R[a], relative[a], minus);
-        }
-        combine(covariance[i], sum, r, excess, all, gain);
-        for (int j = 0; j < i; j++)
+            minus[a] = -PH[a][j];
+        combine(turned[j], P[j], r, minus, all, gain);
+    }
+    for (int a = 0; a < r; a++) {
+        const int first = H_ROW[used[a]], count = H_ROW[used[a] + 1] - first;
+        row known;
+        combine(known, zero, count, H + first, H_COLUMN + first, (const row *)turned);
+        combine(excess[a], zero, related[a], R[a], relative[a], gain);
+        for (int l = 0; l < LANES; l++)
+            ((lane *)excess[a])[l] -= ((const lane *)known)[l];
+    }
+    for (int j = 0; j < N; j++) {
+        for (int a = 0; a < r; a++)
+            minus[a] = gain[a][j];
+        combine_to(j, covariance[j], turned[j], r, minus, all, excess);
+        for (int i = 0; i < j; i++)
             covariance[i][j] = covariance[j][i];
     }
     for (int i = 0; i < N; i++)
@@ -267,7 +330,7 @@ static int condition(double *block, const double *free, const double *mean, cons
 int STEP(double *block)
 {
     double free[N], mean[N], jacobian[A_COUNT];
-    row phi[N], predicted[N];
+    row phi[N], predicted[N], other[N];
 
     for (int i = 0; i < N; i++)
         free[i] = 1.0;
@@ -277,7 +340,7 @@ int STEP(double *block)
     advance(block, free, mean, jacobian);
     if (!all_finite(mean, N))
         return PREDICTED_MEAN_NOT_FINITE;
-    transition(block[PERIOD], free, jacobian, phi);
-    spread(block, free, (const row *)phi, predicted);
-    return condition(block, free, mean, (const row *)predicted);
+    transition(block[PERIOD], free, jacobian, phi, other);
+    spread(block, free, (const row *)phi, other, predicted);
+    return condition(block, free, mean, (const row *)predicted, other);
 }
