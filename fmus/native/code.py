@@ -101,10 +101,11 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     loops, start = system.loops, system.start_loops
     texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
     ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
+    slope = [system.derivative, jacobian(system), ft]
     definitions: list[tuple[str, list[SX], list[SX]]] = [
         ("f_ode", here, [system.derivative]),
-        *([("f_jacobian", here, [system.derivative, jacobian(system), ft])] if "cs" in interfaces else []),
-        ("f_outputs", here, [outputs]),
+        *([("f_jacobian", here, [*slope, system.indicators])] if "cs" in interfaces else []),
+        ("f_outputs", here, [outputs, system.indicators]),
         ("f_locals", here, [locals_]),
         ("f_indicators", here, [system.indicators]),
         ("f_loop", here, _newton(loops)),

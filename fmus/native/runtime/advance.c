@@ -48,14 +48,15 @@ static int locate(Instance *m, double t, double *h) {
     return 0;
 }
 
-/* Take one internal step towards `target`; `event` tells whether it ended at a state event. */
-static int internal_step(Instance *m, double target, int *event) {
+/* Take one internal step towards `target`; `linear` tells whether the model is linearised there, `event` then whether
+ * the step ended at a state event. */
+static int internal_step(Instance *m, double target, int linear, int *event) {
     State *s = &m->s;
     Work *w = &m->w;
     const double t = s->v[TIME], order = s->v[SOLVER] == 3 ? 1.0 / 3 : 0.25;
     int rejected = 0, worst = 0;
     memcpy(w->x0, s->v + X, NX * sizeof(double));
-    if (linearise(m, t, w->x0, w->f0, w->jacobian, w->ft)) return 1;
+    if (!linear && linearise(m, t)) return 1;
     for (;;) {
         double rest = target - t, h = s->h;
         /* Two equal steps rather than one and a sliver. */
@@ -73,17 +74,17 @@ static int internal_step(Instance *m, double target, int *event) {
             grown = h * scale;
             /* A step that was cut short by the communication point says nothing against the size before it. */
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
-            *event = 0;
-            if (NZ) {
+            /* Whoever takes a step mostly asks for outputs next; those of a loop want it solved first. */
+            int whole = h == rest, shown = whole && !NG;
+            if (shown)
+                outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
+            else
                 indicators(s, t + h, w->x1, w->z1);
-                if (crossed(s, w->z1)) {
-                    *event = 1;
-                    indicators(s, t, w->x0, w->z0);
-                    if (locate(m, t, &h)) return 1;
-                }
-            }
+            *event = crossed(s, w->z1);
+            if (*event && locate(m, t, &h)) return 1;
             s->v[STEPS]++;
-            accept(m, !*event && h == rest ? target : t + h);
+            accept(m, !*event && whole ? target : t + h);
+            s->stale_outputs = *event || !shown;
             return 0;
         }
         rejected = 1;
@@ -99,17 +100,24 @@ static int internal_step(Instance *m, double target, int *event) {
     }
 }
 
-/* Whether the inputs set since the last call make something happen at once. */
-static int input_event(Instance *m) {
+/* Whether the inputs set since the last call make something happen at once; `linear` tells whether the model was
+ * linearised to find out. */
+static int input_event(Instance *m, int *linear) {
     State *s = &m->s;
-    double z[NZ + 1];
+    Work *w = &m->w;
     if (!s->inputs_set) return 0;
     s->inputs_set = 0;
     if (DISCRETE_INPUTS) return 1;
     if (!NZ) return 0;
+    if (NX && !NG) {
+        memcpy(w->x0, s->v + X, NX * sizeof(double));
+        if (linearise(m, s->v[TIME])) return -1;
+        *linear = !crossed(s, w->z0);
+        return !*linear;
+    }
     if (NG && loops(m, s->v[TIME], s->v + X)) return -1;
-    indicators(s, s->v[TIME], s->v + X, z);
-    return crossed(s, z);
+    indicators(s, s->v[TIME], s->v + X, w->z0);
+    return crossed(s, w->z0);
 }
 
 /* Whether so many internal steps were taken that this may never end: the model chatters, or is far too stiff. */
@@ -122,7 +130,7 @@ static int endless(Instance *m) {
 /* Advance to time `end`. */
 static int advance(Instance *m, double end) {
     State *s = &m->s;
-    int jumped, crowd = 0, now;
+    int jumped, crowd = 0, now, linear = 0;
     double last = -INFINITY;
     double more = ATTEMPTS_PER_SECOND * (end - s->v[TIME]);
     more = more > ATTEMPTS_AT_LEAST ? more : ATTEMPTS_AT_LEAST;
@@ -131,13 +139,13 @@ static int advance(Instance *m, double end) {
         dependent_parameters(s);
         s->hi = next_time_event(s);
     }
-    if ((now = input_event(m)) != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
+    if ((now = input_event(m, &linear)) != 0 && (now < 0 || events(m, 0, &jumped))) return 1;
     while (s->v[TIME] < end || s->hi <= end) {
         double target = s->hi < end ? s->hi : end;
         int event = 0;
         if (NX) {
-            while (!event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target))
-                if (endless(m) || internal_step(m, target, &event)) return 1;
+            for (; !event && target - s->v[TIME] > 4 * DBL_EPSILON * fabs(target); linear = 0)
+                if (endless(m) || internal_step(m, target, linear, &event)) return 1;
         } else {
             double z[NZ + 1];
             m->attempts--;

@@ -58,6 +58,14 @@ static void indicators(State *s, double t, const double *x, double *z) {
     if (NZ) f_indicators(a, r);
 }
 
+/* Outputs and indicators, sharing what they share. */
+static void outputs_and_indicators(State *s, double t, const double *x, double *outputs, double *z) {
+    t = inside(s, t);
+    const double *a[] = ARGUMENTS(s, &t, x);
+    double *r[] = { outputs, z };
+    if (NO || NZ) f_outputs(a, r);
+}
+
 static void dependent_parameters(State *s) {
     const double *a[] = { s->v + P };
     double *r[] = { s->v + P + NF, s->instant };
@@ -136,17 +144,17 @@ static int fresh_algebraics(Instance *m, int locals) {
     State *s = &m->s;
     if (prepare(m)) return 1;
     if (!(locals ? s->stale_locals : s->stale_outputs)) return 0;
-    double t = inside(s, s->v[TIME]);
+    double t = inside(s, s->v[TIME]), z[NZ + 1];
     if (NG && loops(m, t, s->v + X)) return 1;
-    const double *a[] = ARGUMENTS(s, &t, s->v + X);
-    double *r[] = { s->v + (locals ? L : O) };
-    if (locals) {
-        if (NL) f_locals(a, r);
-        s->stale_locals = 0;
-    } else {
-        if (NO) f_outputs(a, r);
+    if (!locals) {
+        outputs_and_indicators(s, t, s->v + X, s->v + O, z);
         s->stale_outputs = 0;
+        return 0;
     }
+    const double *a[] = ARGUMENTS(s, &t, s->v + X);
+    double *r[] = { s->v + L };
+    if (NL) f_locals(a, r);
+    s->stale_locals = 0;
     return 0;
 }
 

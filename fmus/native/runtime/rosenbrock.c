@@ -4,13 +4,14 @@
  * Sources: RODAS4 (order 4(3), 6 stages) Hairer and Wanner, Solving ODEs II (1996), §IV.7; RODAS3 (order 3(2),
  * 4 stages) Sandu et al., Atmospheric Environment 31 (1997) 3459. */
 
-/* Derivatives, their Jacobian and their partial derivative in time, sharing what they share. */
-static int linearise(Instance *m, double t, const double *x, double *dx, double *jacobian, double *ft) {
+/* Derivatives, their Jacobian, their partial derivative in time and indicators at (t, work.x0), sharing what they share. */
+static int linearise(Instance *m, double t) {
     State *s = &m->s;
+    Work *w = &m->w;
     t = inside(s, t);
-    if (NG && loops(m, t, x)) return 1;
-    const double *a[] = ARGUMENTS(s, &t, x);
-    double *r[] = { dx, jacobian, ft };
+    if (NG && loops(m, t, w->x0)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, w->x0);
+    double *r[] = { w->f0, w->jacobian, w->ft, w->z0 };
     f_jacobian(a, r);
     s->v[EVALUATIONS]++;
     s->v[JACOBIANS]++;
