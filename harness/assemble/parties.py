@@ -138,13 +138,17 @@ class Assembled:
 
 @contextmanager
 def assembled(
-    scenario: Scenario, tell: Callable[[str], None] = lambda sentence: None, own: OwnParties = SCENARIOS_OWN
+    scenario: Scenario,
+    tell: Callable[[str], None] = lambda sentence: None,
+    own: OwnParties = SCENARIOS_OWN,
+    capacity: int | None = None,
 ) -> Generator[Assembled]:
     """Open the parties of a scenario's stop; they are closed when the block ends.
 
     Args:
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
         own: Objects in place of what the scenario names.
+        capacity: Of the recorder; all samples without it.
 
     Raises:
         ScenarioError: The scenario asks for something that its parties cannot do.
@@ -232,7 +236,7 @@ def assembled(
             ),
             start_speed=scenario.start.speed,
             stop_speed=scenario.limits.stop_speed,
-            recorder=Recorder(signals, formation, samples + 1),
+            recorder=Recorder(signals, formation, min(capacity or samples + 1, samples + 1)),
         )
         yield Assembled(
             vehicle=vehicle,

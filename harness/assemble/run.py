@@ -44,7 +44,8 @@ def run_stop(
 
 def braking_distance(scenario: Scenario) -> float | None:
     """Return only the distance [m], None where the train does not come to stand: for searches over many stops."""
-    ending, trace = _unjudged(scenario)
+    # Where a driver demands the brake in the course of it, that sample is looked for; else first and last will do.
+    ending, trace = _unjudged(scenario, capacity=2 if scenario.demand is None else None)
     return distance_of(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
 
 
@@ -60,7 +61,7 @@ def trace_of(scenario: Scenario) -> xarray.Dataset:
     return trace
 
 
-def _unjudged(scenario: Scenario) -> tuple[Ending, xarray.Dataset]:
-    with assembled(scenario) as parts:
+def _unjudged(scenario: Scenario, capacity: int | None = None) -> tuple[Ending, xarray.Dataset]:
+    with assembled(scenario, capacity=capacity) as parts:
         ending = parts.run()
     return ending, parts.recorder.trace(max(ending.samples, 1), scenario.periods.communication)

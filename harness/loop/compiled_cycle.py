@@ -73,7 +73,7 @@ def cycle_struct(layout: Layout) -> type[ctypes.Structure]:
             *((name, ctypes.c_double) for name in ("period", "stop_speed")),
             ("rows", ctypes.c_void_p),
             *((name, ctypes.c_double * size) for name, size in vectors.items()),
-            *((name, ctypes.c_longlong) for name in ("present_count", "width")),
+            *((name, ctypes.c_longlong) for name in ("present_count", "width", "capacity")),
             *(
                 (name, ctypes.c_longlong)
                 for name in ("seen_count", "sensors_every", "estimator_every", "controller_every", "row")
@@ -151,9 +151,9 @@ def run(parties: Parties, progress: Callable[[float], None] | None = None) -> En
             if progress is not None:
                 progress(state.truth[at_speed])
     finally:
-        recorder.written = state.written
+        recorder.written = min(state.written, len(recorder.rows))
         if isinstance(state_estimator, StateEstimator):
-            complete(recorder.rows[: state.written], recorder, state_estimator)
+            complete(recorder.rows[: recorder.written], recorder, state_estimator)
     time, distance, speed = state.sample * clock.period, state.truth[at_distance], state.truth[at_speed]
     if outcome == _STANDING:
         return standstill(distance, time, state.written)
@@ -190,7 +190,7 @@ class _Parts:
             free_wheel=self._formula(None if state_estimator is None else getattr(state_estimator, "free_wheel", None)),
             plausibility=ctypes.addressof(self.plausibility), period=clock.period, stop_speed=parties.stop_speed,
             sensors_every=clock.sensors, estimator_every=clock.estimator, controller_every=clock.controller,
-            rows=self._at(recorder.rows), width=recorder.rows.shape[1],
+            rows=self._at(recorder.rows), width=recorder.rows.shape[1], capacity=recorder.rows.shape[0],
             true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(layout.sent_signals).start,
             read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
             driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,

@@ -63,7 +63,7 @@ def decisions(
     layout, plant, rail, sensors = parties.layout, parties.plant, parties.rail, parties.sensors
     actuation, driver, faults, law = parties.actuation, parties.driver, parties.faults, parties.law
     clock, stop_speed, recorder = parties.clock, parties.stop_speed, parties.recorder
-    rows = recorder.rows
+    rows, last = recorder.rows, len(recorder.rows) - 1
     truth_columns, input_columns, reading_columns = (
         recorder.block(s) for s in (layout.plant_signals, layout.sent_signals, layout.reading_signals)
     )
@@ -99,7 +99,7 @@ def decisions(
                 return without_reading(str(failed), k)
             if faults is not None:
                 reading = faults.show(k, reading)
-            row = rows[k]
+            row = rows[min(k, last)]
             row[truth_columns] = truth
             row[input_columns] = inputs
             row[reading_columns] = reading
@@ -151,6 +151,6 @@ def decisions(
             if driver_columns is not None:
                 inputs[sent_force] += driver.force
     finally:
-        recorder.written = count
-        watch.complete(rows[:count])
+        recorder.written = min(count, len(rows))
+        watch.complete(rows[: recorder.written])
     return horizon(speed, distance, clock, count)

@@ -21,7 +21,8 @@ class Recorder:
     `rows[k, at["speed"]] = speed`.
 
     Attributes:
-        rows: Shape (capacity, width). Memory is taken as they are written: what was not written means nothing.
+        rows: Shape (capacity, width). Memory is taken as they are written: what was not written means nothing. The last
+            one is that of every sample beyond the capacity, one after the other.
         written: Number of rows that the loop filled, from the first on.
         columns: Signal name → columns of a row.
         at: Signal name → first column.
@@ -43,11 +44,13 @@ class Recorder:
         return slice(self.columns[signals[0].name].start, self.columns[signals[-1].name].stop)
 
     def trace(self, count: int, period: float) -> xarray.Dataset:
-        """Return the first `count` rows, sampled every `period` [s] from the brake demand on, as a trace.
+        """Return the first `count` rows, or all, sampled every `period` [s] from the brake demand on, as a trace.
 
         The arrays are views: the recorder must not be written to afterwards.
         """
-        blocks = {signal: self.rows[:count, self.columns[signal.name]] for signal in self._signals}
+        blocks = {
+            signal: self.rows[: min(count, len(self.rows)), self.columns[signal.name]] for signal in self._signals
+        }
         return trace_of(blocks, self._formation, period)
 
 

@@ -1,5 +1,8 @@
 """What the communication step does to a stop."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 from synthetic import LIBRARY
 
@@ -26,3 +29,10 @@ def test_half_and_quarter_step_move_a_stop_no_more_than_its_last_digits_do():
     moved = np.array([distance(step) / full - 1.0 for step in ("0.5 ms", "0.25 ms")])
     assert np.abs(moved).max() <= last_digits < 3e-3
     assert abs(distance("0.5 ms", period="0.5 ms") / full - 1.0) > 3e-3
+
+
+def test_half_a_step_moves_stops_of_slope_seeking_by_less_than_a_twentieth_of_a_percent():
+    """In the mean over six lots of instruments; its standard error is some 0.012 %, that of 0.03 % of one stop."""
+    example = runpy.run_path(str(Path(__file__).parents[2] / "docs/examples/halved_step.py"))
+    half = example["moved"]("plain", "slope_seeking", lots=6)["half the step"]
+    assert 0.0 < np.abs(half).max() and abs(half.mean()) < 0.05

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railgrip.assemble import run_stop
+from railgrip.assemble import assembled, braking_distance, run_stop
 from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.fmus.build import fmu
@@ -173,3 +173,23 @@ def test_what_cannot_be_called_from_c_is_said():
         ScenarioError, match=r"trapezoid: the compiled engine .*: the estimator is not a compiled filter"
     ):
         run_stop(question, engine=Engine.COMPILED)
+
+
+@pytest.mark.parametrize("engine", [Engine.PYTHON, Engine.COMPILED])
+def test_a_stop_that_keeps_two_samples_ends_where_one_that_keeps_all_does(engine):
+    question = load(LIBRARY / "plain.toml", ["start.speed=20 km/h"])
+    with assembled(question, capacity=2) as parts:
+        ending = parts.run(engine=engine)
+        rows = parts.recorder.rows
+    whole = run_stop(question, engine=engine)
+    assert rows.shape[0] == parts.recorder.written == 2
+    assert (ending.reason, ending.samples) == (whole.reason, whole.trace.sizes["time"])
+    for name in ("distance", "speed", "estimate_slip", "estimate_adhesion_sd"):
+        ends = whole.trace[name].values[[0, -1]].reshape(2, -1)
+        assert rows[:, parts.recorder.columns[name]].tobytes() == ends.tobytes(), name
+
+
+@pytest.mark.parametrize("scenario", ["plain", "service_steps"])
+def test_the_distance_alone_is_that_of_the_whole_stop(scenario):
+    question = load(LIBRARY / f"{scenario}.toml", ["start.speed=30 km/h"])
+    assert braking_distance(question) == run_stop(question).metrics.distance

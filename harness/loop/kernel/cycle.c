@@ -56,7 +56,7 @@ typedef struct {
     double truth[OUTPUTS], inputs[INPUTS], latest[READINGS], fresh[READINGS], believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
     double reference[1 + GROUPS];                /* speed for the filter; 1 for each group that is to be released */
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
-    long long present_count, width, seen_count;
+    long long present_count, width, capacity, seen_count; /* numbers of a row; rows, the last for all samples beyond */
     long long sensors_every, estimator_every, controller_every, row, true_at, sent_at, read_at, believed_at, spread_at, innovation_at;
     long long demand_at, driver_at, traction_at, reference_at, law_at, law_count; /* -1: it is not kept */
     long long any, news;                         /* whether a reading has come; one since the last step of the belief */
@@ -209,7 +209,7 @@ EXPORT int cycle(Cycle *c, long long until)
 {
     for (; c->sample < until; c->sample++) {
         const long long k = c->sample;
-        double *row = c->rows + k * c->width;
+        double *row = c->rows + (k < c->capacity ? k : c->capacity - 1) * c->width;
 
         if (k > 0) {
             copy(c->taken, c->inputs, INPUTS);

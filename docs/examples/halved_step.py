@@ -1,0 +1,64 @@
+"""Prints what half a communication step does to stops: python docs/examples/halved_step.py [LOTS].
+
+Each lot of instruments stops three times: as it is, with half the step, and with the plant's parameters moved by 1e-7.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import railgrip.scenario
+from railgrip.assemble import braking_distance
+from railgrip.scenario.load import read_toml, scenario_of
+from railgrip.scenario.merge import merged, read_overrides
+
+SCENARIOS = Path(railgrip.scenario.__file__).parent
+LAWS = {"slope_seeking": "compiled", "adhesion_based": "compiled", "slip_three_state": "none"}
+"""Laws and their kind of estimator."""
+
+CHANGES = {
+    "half the step": ("periods.communication=0.5 ms",),
+    "moved": ("vehicle.nudge.relative=1e-7", "vehicle.nudge.seed=1"),
+}
+
+
+def distance(rail: str, law: str, lot: int, *changes: str) -> float:
+    """Return the distance of a stop from 80 km/h with service sensors [m].
+
+    The cylinders follow the demand: half a step would end on the samples of the valves' dead times.
+
+    Raises:
+        RuntimeError: The train does not come to a stand.
+    """
+    service = read_toml(SCENARIOS / "equipment/service.toml")
+    tables = {name: table for name, table in service.items() if name not in ("vehicle", "actuation")}
+    train = merged(read_toml(SCENARIOS / f"library/{rail}.toml"), tables)
+    overrides = [f"controller.kind={law}", f"estimator.kind={LAWS[law]}", f"seed={lot}", *changes]
+    scenario = scenario_of(merged(train, read_overrides(overrides)), directory=SCENARIOS / "library", origin=rail)
+    metres = braking_distance(scenario)
+    if metres is None:
+        raise RuntimeError(f"{rail}, {law}, lot {lot}: the train does not come to a stand")
+    return metres
+
+
+def moved(rail: str, law: str, lots: int) -> dict[str, np.ndarray]:
+    """Return by how much each change moves the stops of all lots [%], shape (lots,)."""
+    as_it_is = np.array([distance(rail, law, lot) for lot in range(1, lots + 1)])
+    return {
+        name: 100.0 * (np.array([distance(rail, law, lot, *changes) for lot in range(1, lots + 1)]) / as_it_is - 1.0)
+        for name, changes in CHANGES.items()
+    }
+
+
+if __name__ == "__main__":
+    LOTS = int(sys.argv[1]) if len(sys.argv) > 1 else 16
+    print(f"{LOTS} lots: mean with its standard error, and standard deviation of one stop [%]")
+    for rail in ("plain", "trapezoid"):
+        for law in LAWS:
+            for name, change in moved(rail, law, LOTS).items():
+                one = np.std(change, ddof=1)
+                print(
+                    f"{rail:10} {law:17} {name:14} {np.mean(change):+.3f} ± {one / LOTS**0.5:.3f}  {one:.3f}",
+                    flush=True,
+                )
