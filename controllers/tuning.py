@@ -18,7 +18,7 @@ SlipSource = Literal["read", "estimated"]
 """How a law knows the slip: from readings alone, or from an estimator."""
 
 
-TWICE = frozenset({"slip_three_state", "adhesion_based"})
+TWICE = frozenset({"slip_two_state", "slip_three_state", "adhesion_based"})
 """Laws searched on the campaign `training`, which the tables of the papers hang on, and once more on the training
 cases of the type test. The others have one set for valves, searched on those cases."""
 
