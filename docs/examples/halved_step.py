@@ -54,7 +54,5 @@ if __name__ == "__main__":
         for law in LAWS:
             for name, change in moved(rail, law, LOTS).items():
                 one = np.std(change, ddof=1)
-                print(
-                    f"{rail:10} {law:17} {name:14} {np.mean(change):+.3f} ± {one / LOTS**0.5:.3f}  {one:.3f}",
-                    flush=True,
-                )
+                mean = f"{np.mean(change):+.3f} ± {one / change.size**0.5:.3f}"
+                print(f"{rail:10} {law:17} {name:14} {change.size:3}  {mean}  {one:.3f}", flush=True)

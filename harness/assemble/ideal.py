@@ -134,9 +134,10 @@ class _Tracking:
 
         T = F r + J/r (κ (s* − s) v − (1 − s) v̇),   F r at most as α_max allows
 
-    F is the true braking force, scaled by what the peak of the creep curve will be over what it is once the valves have
-    answered; s* lies a little below the slip of that peak, where a slide is still stable. No controller is shown this
-    much; one that anticipated the whole rail could still do a little better.
+    s* lies a little below the slip at which the creep curve will peak once the valves have answered, where a slide is
+    still stable. Below it F is what the curve gives at s*, so that a wheel gets there whatever the band of valves
+    leaves of the second term; above it, the true braking force, scaled by how the peak will change. No controller is
+    shown this much; one that anticipated the whole rail could still do a little better.
     """
 
     def __init__(self, vehicle: VehicleData, recorder: Recorder) -> None:
@@ -148,7 +149,7 @@ class _Tracking:
         self._limit, self._ahead = scenario.limits.alpha_max, 0.0
         if scenario.actuation.kind == "pneumatic":
             self._ahead = _DEAD_TIME
-        self._due, self._slip, self._change = 0.0, np.zeros(0), np.zeros(0)
+        self._due, self._slip, self._most, self._change = 0.0, np.zeros(0), np.zeros(0), np.zeros(0)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa]; of the observation only the time is looked at."""
@@ -162,31 +163,33 @@ class _Tracking:
             self._due = observation.time + _PEAK_PERIOD
             self._look(observation.time, distance, speed, load)
         group_load = self._formation.summed(load)
-        adhesion = np.minimum(row[at["group_adhesion"]] * self._change, self._limit)
         slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
-        turning = _RATE * (_BELOW * self._slip - slip) * speed - (1.0 - slip) * deceleration
-        torque = adhesion * group_load * brake.r_wheel + brake.J / brake.r_wheel * turning
-        pad_force = torque / (brake.n_units * row[at["pad_friction"]] * brake.r_friction)
-        pressure = (pad_force / (brake.eta_rigging * brake.i_rigging) + brake.F_spring) / brake.A_piston
+        adhesion = np.where(slip < self._slip, self._most, row[at["group_adhesion"]] * self._change)
+        turning = _RATE * (self._slip - slip) * speed - (1.0 - slip) * deceleration
+        torque = np.minimum(adhesion, self._limit) * group_load * brake.r_wheel + brake.J / brake.r_wheel * turning
+        # Of a brake that is isolated there is no pad.
+        pads = np.maximum(brake.n_units * row[at["pad_friction"]] * brake.r_friction, _NO_PAD)
+        pressure = (torque / pads / (brake.eta_rigging * brake.i_rigging) + brake.F_spring) / brake.A_piston
         return tuple(np.clip(pressure, 0.0, brake.p_max).tolist())
 
     def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
-        """Find the slip of the peak when the valves will have answered, and how much higher that is than now's."""
+        """Find slip and adhesion to hold when the valves will have answered, and how much higher the peak is then."""
         ahead = self._ahead
         times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
         friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
         numbers = self._profile.curve_numbers(times, places)
-        slips: list[float] = []
-        changes: list[float] = []
+        found: list[tuple[float, float, float]] = []
         for members in self._formation.members():
             contact = self._contact
             if numbers is not None:
                 contact = partial(contact, curve=np.moveaxis(self._curves[numbers[:, members]], -1, 0))
-            slip, each = peak(contact, speeds, loads[:, members], friction[:, members])
-            now, then = np.sum(each * loads[:, members], axis=1)
-            slips.append(float(slip[1]))
-            changes.append(float(then / now))
-        self._slip, self._change = np.array(slips), np.array(changes)
+            own, rail = loads[:, members], friction[:, members]
+            slip, each = peak(contact, speeds, own, rail)
+            now, then = np.sum(each * own, axis=1)
+            held = np.broadcast_to(_BELOW * slip[:, None], own.shape)
+            most = np.sum(contact(held, np.broadcast_to(speeds[:, None], own.shape), own, rail) * own, axis=1)[1]
+            found.append((_BELOW * slip[1], most / own[1].sum(), then / now))
+        self._slip, self._most, self._change = np.array(found).T
 
 
 _SLOWEST = 0.5  # m/s; below, slip is a ratio of two small numbers
@@ -194,6 +197,7 @@ _PEAK_PERIOD = 0.05  # s; friction of scenarios changes over tenths of a second
 _DEAD_TIME = 0.05  # s, that valves of the library's trains take
 _RATE = 10.0  # 1/s; valves fill and vent within some tenths of a second, and their predictor looks ahead
 _BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of its adhesion
+_NO_PAD = 1e-6  # m
 
 
 def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
