@@ -20,4 +20,5 @@ CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "whole stops, slip-based control": partial(
         stop.of_scenario, "slip-based control", "controller.kind=slip_two_state", "estimator.kind=none"
     ),
+    "stops in two processes": stop.of_workers,
 }

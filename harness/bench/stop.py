@@ -1,4 +1,4 @@
-"""What a stop costs: the build of the FMUs, a cycle of the loop; and what a train costs as it grows."""
+"""What a stop costs: the build of the FMUs, a cycle of the loop, many at once; and what a train costs as it grows."""
 
 import os
 import resource
@@ -13,10 +13,12 @@ from railgrip.assemble import braking_distance, run_stop
 from railgrip.bench.fmi import plant_step
 from railgrip.bench.timing import Row, microseconds
 from railgrip.cache import VARIABLE
+from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.engine import Engine
 from railgrip.fmu.description import describe
 from railgrip.fmus.build import build, build_class
 from railgrip.fmus.recipe import read_recipes
+from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import load
 
 BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
@@ -46,6 +48,28 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     yield "  a cycle of the compiled engine, figures included", f"{compiled:.0f} µs", ""
     yield "  the same without a trace", f"{bare:.1f} µs", "10 µs"
     yield "  Python over compiled", f"{python / compiled:.1f}", ""
+
+
+def of_workers(count: int = 24) -> Iterator[Row]:
+    """Yield how many stops two processes end while one ends one.
+
+    From the first that ends to the last: starting a process takes seconds, once.
+    """
+    stops = tuple(
+        PlannedStop(name=f"{lot}", variants={}, scenario=load(Path("trapezoid"), [f"seed={lot}"]), keep_trace=False)
+        for lot in range(count)
+    )
+    campaign = Campaign(name="bench", description="", stops=stops, references=())
+    rates: list[float] = []
+    for workers in (1, 2):
+        ends: list[float] = []
+        with tempfile.TemporaryDirectory() as folder:
+            run_campaigns(
+                [CampaignRun(campaign, Path(folder))], run_stop,
+                workers=workers, tell=lambda report, ends=ends: ends.append(perf_counter()),
+            )  # fmt: skip
+        rates.append((count - workers) / (ends[-1] - ends[workers - 1]))
+    yield "stops that two processes end, over one", f"{rates[1] / rates[0]:.2f}", "1.9"
 
 
 def of_consists() -> Iterator[Row]:
