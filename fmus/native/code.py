@@ -107,7 +107,6 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
         *([("f_jacobian", here, [*slope, system.indicators])] if "cs" in interfaces else []),
         ("f_outputs", here, [outputs, system.indicators]),
         ("f_locals", here, [locals_]),
-        ("f_indicators", here, [system.indicators]),
         ("f_loop", here, _newton(loops)),
         ("f_assertions", here, [column([a.holds for a in system.assertions]), column(texts)]),
         ("f_directional", [*here, along_x, along_u, along_p], [direction[:nx], direction[nx:]]),

@@ -51,19 +51,17 @@ static int derivatives(Instance *m, double t, const double *x, double *dx) {
     return 0;
 }
 
-static void indicators(State *s, double t, const double *x, double *z) {
-    t = inside(s, t);
-    const double *a[] = ARGUMENTS(s, &t, x);
-    double *r[] = { z };
-    if (NZ) f_indicators(a, r);
-}
-
-/* Outputs and indicators, sharing what they share. */
+/* Outputs and indicators, which share most of their operations. */
 static void outputs_and_indicators(State *s, double t, const double *x, double *outputs, double *z) {
     t = inside(s, t);
     const double *a[] = ARGUMENTS(s, &t, x);
     double *r[] = { outputs, z };
     if (NO || NZ) f_outputs(a, r);
+}
+
+static void indicators(State *s, double t, const double *x, double *z) {
+    double outputs[NO + 1];
+    if (NZ) outputs_and_indicators(s, t, x, outputs, z);
 }
 
 static void dependent_parameters(State *s) {
