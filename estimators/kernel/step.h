@@ -154,10 +154,10 @@ static inline void horner(int k, const double *jacobian, const row *last, row *n
 }
 
 /* phi = sum over k <= ORDER of (T A)^k / k!, by Horner's scheme; `jacobian` becomes T A. */
-static void transition(double period, const double *free, double *jacobian, row *phi, row *other)
+static void transition(double period, const double *free, double *jacobian, row *phi)
 {
     static const row zero;
-    row *first = ORDER % 2 ? phi : other;
+    row other[N], *first = ORDER == 1 ? phi : other;
 
     for (int i = 0; i < N; i++) {
         combine(first[i], zero, 0, 0, 0, 0);
@@ -167,25 +167,20 @@ static void transition(double period, const double *free, double *jacobian, row 
         }
         first[i][i] += 1.0;
     }
-#if ORDER > 3
+#if ORDER == 4
     horner(3, jacobian, (const row *)other, phi);
-#endif
-#if ORDER > 2
     horner(2, jacobian, (const row *)phi, other);
-#endif
-#if ORDER > 1
     horner(1, jacobian, (const row *)other, phi);
 #endif
 }
 
-/* phi P phi' + Q, exactly symmetric: the upper triangle, mirrored. Room for other matrices is passed on, here and below:
-   few of them fit into the nearest cache. */
-static void spread(const double *block, const double *free, const row *phi, row *turned, row *predicted)
+/* phi P phi' + Q, exactly symmetric: the upper triangle, mirrored. */
+static void spread(const double *block, const double *free, const row *phi, row *predicted)
 {
     static const row zero;
     const row *prior = (const row *)(block + COVARIANCE), *noise = (const row *)(block + SPREAD);
     double factor[PHI_COUNT];
-    row sum;
+    row turned[N] = {{0}}, sum;
 
     for (int i = 0; i < N; i++)
         for (int at = PHI_ROW[i]; at < PHI_ROW[i + 1]; at++)
@@ -195,12 +190,10 @@ static void spread(const double *block, const double *free, const row *phi, row 
         combine(sum, zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, prior);
         for (int j = 0; j < N; j++)
             turned[j][i] = sum[j];
-        for (int j = N; j < WIDTH; j++)
-            turned[i][j] = 0.0;
     }
     for (int i = 0; i < N; i++) {
         const int first = PHI_ROW[i];
-        combine_from(i, predicted[i], zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, (const row *)turned);
+        combine_from(i, predicted[i], zero, PHI_ROW[i + 1] - first, factor + first, PHI_COLUMN + first, turned);
         for (int j = 0; j < i; j++)
             predicted[i][j] = predicted[j][i];
         for (int j = i; j < N; j++)
@@ -229,12 +222,12 @@ static int factorise(int r, double S[M][M])
 }
 
 /* Condition on the readings; writes mean and covariance into `block`. */
-static int condition(double *block, const double *free, const double *mean, const row *P, row *turned)
+static int condition(double *block, const double *free, const double *mean, const row *P)
 {
     static const row zero;
     const double *seen = block + SEEN, *noise = block + READING_NOISE;
     double expectation[M], H[H_COUNT], residual[M], S[M][M], R[M][M], minus[M];
-    row PH[M], gain[M], excess[M];        /* P H' and K, by columns: row a is column a of the r used readings */
+    row PH[M], gain[M], excess[M], turned[N]; /* P H' and K, by columns: row a is column a of the r used readings */
     int used[M], all[M], related[M], relative[M][M], r = 0;
 
     model(expected, mean, block, expectation, H);
@@ -309,7 +302,7 @@ static int condition(double *block, const double *free, const double *mean, cons
     for (int a = 0; a < r; a++) {
         const int first = H_ROW[used[a]], count = H_ROW[used[a] + 1] - first;
         row known;
-        combine(known, zero, count, H + first, H_COLUMN + first, (const row *)turned);
+        combine(known, zero, count, H + first, H_COLUMN + first, turned);
         combine(excess[a], zero, related[a], R[a], relative[a], gain);
         for (int l = 0; l < LANES; l++)
             ((lane *)excess[a])[l] -= ((const lane *)known)[l];
@@ -330,7 +323,7 @@ static int condition(double *block, const double *free, const double *mean, cons
 int STEP(double *block)
 {
     double free[N], mean[N], jacobian[A_COUNT];
-    row phi[N], predicted[N], other[N];
+    row phi[N], predicted[N];
 
     for (int i = 0; i < N; i++)
         free[i] = 1.0;
@@ -340,7 +333,7 @@ int STEP(double *block)
     advance(block, free, mean, jacobian);
     if (!all_finite(mean, N))
         return PREDICTED_MEAN_NOT_FINITE;
-    transition(block[PERIOD], free, jacobian, phi, other);
-    spread(block, free, (const row *)phi, other, predicted);
-    return condition(block, free, mean, (const row *)predicted, other);
+    transition(block[PERIOD], free, jacobian, phi);
+    spread(block, free, (const row *)phi, predicted);
+    return condition(block, free, mean, (const row *)predicted);
 }
