@@ -1,4 +1,4 @@
-"""The extended Kalman filter of `ekf`, generated as C for one model."""
+"""The extended Kalman filter of `ekf`, generated as C for one model: CasADi functions or an FMU."""
 
 import ctypes
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.design import Design, Gate
 from railgrip.estimators.discretisation import ORDER, Order
 from railgrip.estimators.generated import generate
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import PredictionInC
 from railgrip.fmus.native.toolchain import shared_library
 
 DIVERGED = {
@@ -21,6 +21,9 @@ DIVERGED = {
     3: "Filter: the readings threw the mean to a value that is not finite.",
 }
 """What the failures of `step.h` mean, mostly in the words of `ekf`."""
+
+MODEL_FAILED = 4
+"""The failure of `step.h` that the prediction itself explains."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,8 +83,7 @@ class StepInC:
         if outcome:
             raise FilterDiverged(self.failure(outcome))
 
-    @staticmethod
-    def failure(outcome: int) -> str:
+    def failure(self, outcome: int) -> str:
         """Return what it means when the function of `entry` gives this number, other than 0."""
         return DIVERGED[outcome]
 
@@ -112,7 +114,7 @@ class CompiledFilter(StepInC):
 
     def __init__(
         self,
-        prediction: CasadiPrediction,
+        prediction: PredictionInC,
         process_noise: ArrayLike,
         reading_noise: ArrayLike,
         period: float,
@@ -122,7 +124,8 @@ class CompiledFilter(StepInC):
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
         self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
-        code = generate(prediction, design)
+        code = generate(prediction.in_c(), design.gated_states, design.gating_inputs, design.order)
+        self._prediction = prediction
         n, m = len(design.states), len(design.outputs)
         # From the allocator of numpy and never replaced: C keeps working on this very memory.
         self._block = block = np.zeros(max(place.stop for place in code.layout.values()))
@@ -150,6 +153,10 @@ class CompiledFilter(StepInC):
         self._run.restype = ctypes.c_int
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
         self._last: Estimate | None = None
+
+    def failure(self, outcome: int) -> str:
+        """Return what it means when a step ends with this number, other than 0."""
+        return self._prediction.failure() if outcome == MODEL_FAILED else super().failure(outcome)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""
@@ -231,7 +238,7 @@ class CompiledFilter(StepInC):
             ctypes.byref(outcome),
         )
         if outcome.value:
-            raise FilterDiverged(DIVERGED[outcome.value], after=int(steps))
+            raise FilterDiverged(self.failure(outcome.value), after=int(steps))
         return estimates
 
     def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:

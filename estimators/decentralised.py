@@ -13,7 +13,8 @@ from railgrip.estimators.belief import Matrix
 from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import Design, Gate, index
-from railgrip.estimators.generated import LANES, in_c, places, table
+from railgrip.estimators.generated import LANES, places, table
+from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.native import Model
 
 RANK = 9

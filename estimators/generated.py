@@ -1,17 +1,15 @@
 """The C of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on it."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.estimators.design import Design
 from railgrip.estimators.discretisation import Order
-from railgrip.estimators.prediction import CasadiPrediction, Equations
+from railgrip.estimators.model_in_c import ModelInC, Pattern
 
 LANES = 4
 """Rows of the covariance are padded to a multiple of this: the doubles of one AVX register."""
@@ -21,8 +19,8 @@ LANES = 4
 class Code:
     """C sources of a filter and the memory they work on.
 
-    Their one function `int step(double *block)` advances the belief in `block` by one period: 0 when it
-    could, else what `step.h` says in its first enum.
+    Their function `int step(double *block)` advances the belief in `block` by one period and returns 0, or the failure
+    as `step.h` numbers it.
 
     Attributes:
         sources: File name to text; every `.c` is to be compiled.
@@ -36,18 +34,19 @@ class Code:
     width: int
 
 
-def generate(prediction: CasadiPrediction, design: Design) -> Code:
-    """Return the C of the filter `design` over `prediction`; numbers are in the block, only shapes in the text."""
-    return _code(prediction.equations, design.gated_states, design.gating_inputs, design.order)
-
-
 @lru_cache(maxsize=16)
-def _code(of: Equations, gated_states: tuple[int, ...], gating_inputs: tuple[int, ...], order: Order) -> Code:
-    n, m = of.derivative.numel(), of.output.numel()
+def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tuple[int, ...], order: Order) -> Code:
+    """Return the C of a filter over a model; numbers are in the block, only shapes in the text.
+
+    Args:
+        model: The prediction.
+        gated_states, gating_inputs, order: See `Design`.
+    """
+    n, m = len(model.derivative_pattern), len(model.output_pattern)
     width = -(-n // LANES) * LANES
     layout = places(
         {
-            "MEAN": n, "COVARIANCE": n * width, "HELD": of.u.numel(), "SEEN": m, "PARAMETERS": of.p.numel(),
+            "MEAN": n, "COVARIANCE": n * width, "HELD": model.inputs, "SEEN": m, "PARAMETERS": model.parameters,
             "SPREAD": n * width, "READING_NOISE": m * m, "PERIOD": 1, "THRESHOLD": 1, "LIMIT_SQUARED": m, "SQUARED": 1,
             "USED": m, "EXPECTED": m,
         }
@@ -56,49 +55,27 @@ def _code(of: Equations, gated_states: tuple[int, ...], gating_inputs: tuple[int
         (file for file in (files("railgrip.estimators") / "kernel").iterdir() if file.name.endswith((".c", ".h"))),
         key=lambda file: file.name,
     )
-    sizes = {"N": n, "M": m, "INPUTS": of.u.numel(), "WIDTH": width, "ORDER": order, "GATES": len(gated_states)}
-    sizes |= {part: place.start for part, place in layout.items()}
-    gates = {"GATE_STATE": gated_states, "GATE_INPUT": gating_inputs}
-    return Code(
-        sources={file.name: file.read_text(encoding="utf-8") for file in kernel} | _shape(of, sizes, gates, order),
-        layout=layout,
-        width=width,
+    transition = _transition_pattern(model.derivative_pattern, order)
+    numbers = {"N": n, "M": m, "INPUTS": model.inputs, "WIDTH": width, "ORDER": order, "GATES": len(gated_states)}
+    numbers |= {part: place.start for part, place in layout.items()} | dict(model.sizes)
+    tables = {"GATE_STATE": gated_states, "GATE_INPUT": gating_inputs}
+    patterns = {"A": model.derivative_pattern, "H": model.output_pattern, "PHI": transition}
+    for name, pattern in patterns.items():
+        # One more than needed, since C knows no empty arrays.
+        numbers[f"{name}_COUNT"] = 1 + sum(map(len, pattern))
+        tables[f"{name}_ROW"] = np.cumsum([0, *map(len, pattern)]).tolist()
+        tables[f"{name}_COLUMN"] = tuple(column for row in pattern for column in row)
+    sources = {file.name: file.read_text(encoding="utf-8") for file in kernel}
+    sources["sizes.h"] = "".join(f"#define {name} {number}\n" for name, number in numbers.items())
+    sources["shape.h"] = "\n".join(
+        (
+            "#define CASADI_SYMBOL_EXPORT static",
+            '#include "sizes.h"',
+            *(table(name, values) for name, values in tables.items()),
+            model.text,
+        )
     )
-
-
-def _shape(of: Equations, sizes: dict[str, int], gates: dict[str, tuple[int, ...]], order: Order) -> dict[str, str]:
-    """Return the texts of sizes.h, with sizes and layout, and of shape.h, which adds sparsity tables and the model."""
-    arguments, names = [of.x, of.u, of.p], ["x", "u", "p"]
-    # Jacobians transposed, because CasADi stores columns and step.h reads rows.
-    slopes, observations = of.derivative_jacobian.T, of.output_jacobian.T
-    functions = [
-        ca.Function("slope", arguments, [of.derivative], names, ["f"]),
-        ca.Function("slope_and_jacobian", arguments, [of.derivative, slopes], names, ["f", "A"]),
-        ca.Function("expected", arguments, [of.output, observations], names, ["h", "H"]),
-    ]
-    workspace, text = in_c(functions)
-    phi = _transition_pattern(slopes.sparsity(), order)
-    counts = {"A_COUNT": 1 + slopes.nnz(), "H_COUNT": 1 + observations.nnz(), "PHI_COUNT": int(phi.sum())}
-    numbers = sizes | workspace | counts
-    tables = {
-        "A_ROW": slopes.sparsity().colind(),
-        "A_COLUMN": slopes.sparsity().row(),
-        "H_ROW": observations.sparsity().colind(),
-        "H_COLUMN": observations.sparsity().row(),
-        "PHI_ROW": np.concatenate([[0], np.cumsum(phi.sum(axis=1))]).tolist(),
-        "PHI_COLUMN": np.nonzero(phi)[1].tolist(),
-    } | gates
-    return {
-        "sizes.h": "".join(f"#define {name} {number}\n" for name, number in numbers.items()),
-        "shape.h": "\n".join(
-            (
-                "#define CASADI_SYMBOL_EXPORT static",
-                '#include "sizes.h"',
-                *(table(name, values) for name, values in tables.items()),
-                text,
-            )
-        ),
-    }
+    return Code(sources=sources, layout=layout, width=width)
 
 
 def places(sizes: Mapping[str, int]) -> dict[str, slice]:
@@ -107,33 +84,18 @@ def places(sizes: Mapping[str, int]) -> dict[str, slice]:
     return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
 
-def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return the sizes of the arrays that CasADi functions in C want to work in, large enough for each, and the C."""
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions:
-        generator.add(function)
-    sizes = {
-        "ARGUMENTS": max(function.sz_arg() for function in functions),
-        "RESULTS": max(function.sz_res() for function in functions),
-        # One more than needed, since C knows no empty arrays.
-        "WHOLE": 1 + max(function.sz_iw() for function in functions),
-        "WORK": 1 + max(function.sz_w() for function in functions),
-    }
-    return sizes, generator.dump()
-
-
 def table(name: str, values: Iterable[int]) -> str:
     """Return a constant C array; one element at least, since C knows no empty ones."""
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
 
 
-def _transition_pattern(columns: ca.Sparsity, order: int) -> NDArray[np.bool_]:
-    """Return where Φ may differ from zero, shape (n, n), from the pattern of A transposed."""
-    n = columns.size1()
-    pattern = np.zeros((n, n), dtype=bool)
-    row, column = columns.get_triplet()
-    pattern[column, row] = True
+def _transition_pattern(slopes: Pattern, order: int) -> Pattern:
+    """Return where Φ may differ from zero, from the pattern of A."""
+    n = len(slopes)
+    pattern: NDArray[np.bool_] = np.zeros((n, n), dtype=bool)
+    for row, columns in enumerate(slopes):
+        pattern[row, list(columns)] = True
     reach = np.eye(n, dtype=bool)
     for _ in range(order):
         reach |= pattern @ reach
-    return reach
+    return tuple(tuple(np.flatnonzero(row).tolist()) for row in reach)

@@ -1,7 +1,7 @@
 """The model inside a filter: what it must offer, and the one made from CasADi functions."""
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Protocol, runtime_checkable
 
 import casadi as ca
@@ -9,6 +9,7 @@ import numpy as np
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
+from railgrip.estimators.model_in_c import ModelInC, model_in_c
 from railgrip.fmus.native import Model
 
 
@@ -56,6 +57,25 @@ class Prediction(Variables, Protocol):
         ...
 
 
+@runtime_checkable
+class PredictionInC(Variables, Protocol):
+    """A prediction that a filter in C evaluates.
+
+    Attributes:
+        parameters: What its C finds at `block + PARAMETERS`.
+    """
+
+    parameters: Vector
+
+    def in_c(self) -> ModelInC:
+        """Return the C."""
+        ...
+
+    def failure(self) -> str:
+        """Return, in a sentence, why its C did not return 0."""
+        ...
+
+
 class Equations:
     """f, h and their sparse Jacobians as CasADi expressions of x, u and p.
 
@@ -96,6 +116,13 @@ class Equations:
             )
         self.derivative_jacobian = ca.jacobian(self.derivative, self.x)
         self.output_jacobian = ca.jacobian(self.output, self.x)
+
+    @cached_property
+    def in_c(self) -> ModelInC:
+        """The functions and their Jacobians as C."""
+        return model_in_c(
+            self.x, self.u, self.p, self.derivative, self.output, self.derivative_jacobian, self.output_jacobian
+        )
 
 
 @lru_cache(maxsize=16)
@@ -161,6 +188,14 @@ class CasadiPrediction:
         self._output = _Evaluator(of, of.output, self.parameters)
         self._derivative_jacobian = _Evaluator(of, of.derivative_jacobian, self.parameters)
         self._output_jacobian = _Evaluator(of, of.output_jacobian, self.parameters)
+
+    def in_c(self) -> ModelInC:
+        """Return the same functions as C."""
+        return self.equations.in_c
+
+    def failure(self) -> str:
+        """Return why its C did not return 0, which CasADi's functions always do."""
+        return "Filter: the prediction cannot be evaluated."
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
         """Return f(x, u), shape (n,)."""

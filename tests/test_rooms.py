@@ -37,8 +37,8 @@ ALLOWED = {
     "railgrip.report": ("railgrip.report", "railgrip.trace", "railgrip.scenario", "railgrip.units"),
     # What a loop in C calls is described where it is called; a child is started deaf to the terminal.
     "railgrip.fmu": ("railgrip.fmu", "railgrip.units", "railgrip.limits", "railgrip.interrupted", "railgrip.files",
-                     "railgrip.fmus.native.toolchain", "railgrip.estimators.prediction",
-                     "railgrip.loop.ports.CInterface"),
+                     "railgrip.fmus.native.toolchain", "railgrip.fmus.native.ctext",
+                     "railgrip.estimators.model_in_c", "railgrip.loop.ports.CInterface"),
 }  # fmt: skip
 
 GROUND = ("railgrip.errors", "railgrip.files", "railgrip.cache")

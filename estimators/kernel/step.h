@@ -1,8 +1,7 @@
 /* One step of the extended Kalman filter: the filter of ekf.py, for one model and with its zeros left out.
 
    shape.h is generated beside this file: sizes, sparsity tables, the layout of `block`, and the model itself as three
-   functions of (x, u, p) by CasADi: `slope` -> f; `slope_and_jacobian` -> f, df/dx; `expected` -> h, dh/dx, Jacobians
-   by rows.
+   functions (model_in_c.py): `slope` -> f; `slope_and_jacobian` -> f, df/dx; `expected` -> h, dh/dx, Jacobians by rows.
 
    Every product of matrices here is a sum of rows with factors, and a row has the same length everywhere: WIDTH
    numbers, those beyond N zero. So one function, `combine`, does nearly all the work, its sum kept in registers. Sums
@@ -16,21 +15,11 @@
 #define CODEGEN_PREFIX STEP
 #include "shape.h"
 
-enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, READINGS_NOT_DEFINITE = 2, MEAN_NOT_FINITE = 3 };
+enum { FINE = 0, PREDICTED_MEAN_NOT_FINITE = 1, READINGS_NOT_DEFINITE = 2, MEAN_NOT_FINITE = 3, MODEL_FAILED = 4 };
 
 typedef double lane __attribute__((vector_size(LANE_BYTES), aligned(8), may_alias));
 typedef double row[WIDTH];
 #define LANES (WIDTH * 8 / LANE_BYTES)
-
-static void model(int (*function)(const double **, double **, casadi_int *, double *, int), const double *x,
-                  const double *block, double *first, double *second)
-{
-    const double *arguments[ARGUMENTS] = {x, block + HELD, block + PARAMETERS};
-    double *results[RESULTS] = {first, second};
-    casadi_int whole[WHOLE];
-    double work[WORK];
-    function(arguments, results, whole, work, 0);
-}
 
 /* sum = start + factor[0] rows[at[0]] + factor[1] rows[at[1]] + ..., of the vectors `from` to `to` of a row, which are
    constants; `sum` may be `start`. */
@@ -113,13 +102,14 @@ static int all_finite(const double *x, int count)
 }
 
 /* Mean one period later by RK4, or by forward Euler at ORDER 1, and A = df/dx by rows; a frozen state has derivative zero. */
-static void advance(const double *block, const double *free, double *mean, double *jacobian)
+static int advance(const double *block, const double *free, double *mean, double *jacobian)
 {
     const double *x = block + MEAN;
     const double period = block[PERIOD];
     double k1[N];
 
-    model(slope_and_jacobian, x, block, k1, jacobian);
+    if (slope_and_jacobian(block, x, k1, jacobian))
+        return MODEL_FAILED;
 #if ORDER == 1
     for (int i = 0; i < N; i++)
         mean[i] = x[i] + period * k1[i] * free[i];
@@ -127,16 +117,20 @@ static void advance(const double *block, const double *free, double *mean, doubl
     double k2[N], k3[N], k4[N], at[N];
     for (int i = 0; i < N; i++)
         at[i] = x[i] + 0.5 * period * (k1[i] *= free[i]);
-    model(slope, at, block, k2, 0);
+    if (slope(block, at, k2))
+        return MODEL_FAILED;
     for (int i = 0; i < N; i++)
         at[i] = x[i] + 0.5 * period * (k2[i] *= free[i]);
-    model(slope, at, block, k3, 0);
+    if (slope(block, at, k3))
+        return MODEL_FAILED;
     for (int i = 0; i < N; i++)
         at[i] = x[i] + period * (k3[i] *= free[i]);
-    model(slope, at, block, k4, 0);
+    if (slope(block, at, k4))
+        return MODEL_FAILED;
     for (int i = 0; i < N; i++)
         mean[i] = x[i] + period / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i] * free[i]);
 #endif
+    return FINE;
 }
 
 /* next = I + T A last / k; k is a constant. */
@@ -230,7 +224,8 @@ static int condition(double *block, const double *free, const double *mean, cons
     row PH[M], gain[M], excess[M], turned[N]; /* P H' and K, by columns: row a is column a of the r used readings */
     int used[M], all[M], related[M], relative[M][M], r = 0;
 
-    model(expected, mean, block, expectation, H);
+    if (expected(block, mean, expectation, H))
+        return MODEL_FAILED;
     for (int i = 0; i < M; i++) {
         const int first = H_ROW[i], count = H_ROW[i + 1] - first;
         block[USED + i] = 0.0;
@@ -330,7 +325,8 @@ int STEP(double *block)
     for (int g = 0; g < GATES; g++)
         if (block[HELD + GATE_INPUT[g]] < block[THRESHOLD])
             free[GATE_STATE[g]] = 0.0;
-    advance(block, free, mean, jacobian);
+    if (advance(block, free, mean, jacobian))
+        return MODEL_FAILED;
     if (!all_finite(mean, N))
         return PREDICTED_MEAN_NOT_FINITE;
     transition(block[PERIOD], free, jacobian, phi);

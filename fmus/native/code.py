@@ -20,12 +20,9 @@ SHARED = ("layout.h", "instance.c", "evaluate.c", "events.c", "fmi2.c")
 PARTS = {"me": ("modelexchange.c",), "cs": ("rosenbrock.c", "advance.c", "cosimulation.c", "status.c")}
 """What each interface needs besides `SHARED`."""
 
-RARE = {
-    "me": frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop"}),
-    "cs": frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_directional"}),
-}
-"""Functions that no step of an importer calls: an estimator asks a Model Exchange FMU for directional derivatives at
-every sample, nobody does so in co-simulation."""
+RARE = frozenset({"f_locals", "f_parameters", "f_start", "f_start_loop", "f_directional"})
+"""Functions that no step of an importer calls. An estimator takes directional derivatives along the states of a Model
+Exchange FMU at every sample; these come from f_state_jacobian and f_output_jacobian, all others from f_directional."""
 
 SOLVERS = {"rodas3": 3, "rodas4": 4}
 
@@ -98,6 +95,7 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     knowns, seed = ca.vertcat(system.x, system.u, system.p), ca.vertcat(along_x, along_u, along_p, along_dependent)
     direction = ca.densify(ca.jtimes(both, knowns, seed)) if both.numel() and knowns.numel() else SX.zeros(both.shape)
     nx = len(system.states)
+    by_states = ca.jacobian(outputs, system.x)
     loops, start = system.loops, system.start_loops
     texts = [piece for a in system.assertions for piece in a.message if isinstance(piece, SX)]
     ft = ca.densify(ca.jacobian(system.derivative, system.time)) if nx else SX(0, 1)
@@ -105,6 +103,14 @@ def functions(system: System, interfaces: Sequence[str]) -> list[ca.Function]:
     definitions: list[tuple[str, list[SX], list[SX]]] = [
         ("f_ode", here, [system.derivative]),
         *([("f_jacobian", here, [*slope, system.indicators])] if "cs" in interfaces else []),
+        *(
+            [
+                ("f_state_jacobian", here, [system.derivative, jacobian(system)]),
+                ("f_output_jacobian", here, [outputs, system.indicators, by_states]),
+            ]
+            if "me" in interfaces
+            else []
+        ),
         ("f_outputs", here, [outputs, system.indicators]),
         ("f_locals", here, [locals_]),
         ("f_loop", here, _newton(loops)),
@@ -161,6 +167,10 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     lay = layout(system)
     solves = "cs" in interfaces
     rows, columns = jacobian(system).sparsity().get_triplet() if solves else ([], [])
+    differentiates = "me" in interfaces
+    outputs, _ = split_algebraics(system)
+    by_state = (jacobian(system), ca.jacobian(outputs, system.x)) if differentiates else (SX(0, 0), SX(0, 0))
+    (state_rows, state_columns), (output_rows, output_columns) = (of.sparsity().get_triplet() for of in by_state)
     elimination = eliminate(len(lay.states), list(zip(rows, columns, strict=True))) if solves else None
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
     texts = sum(isinstance(piece, SX) for a in system.assertions for piece in a.message)
@@ -184,6 +194,9 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         "NA": len(system.assertions),
         "NM": texts,
         "NJ": len(rows),
+        "BY_STATE": int(differentiates),
+        "NSJ": len(state_rows),
+        "NOJ": len(output_rows),
         "N_LOUD": len(loud),
         "NLU": elimination.entries if elimination else 0,
         "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
@@ -211,6 +224,10 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         table("int", "indicator_relation", system.indicator_relation),
         table("int", "jacobian_row", rows),
         table("int", "jacobian_column", columns),
+        table("int", "state_row", state_rows),
+        table("int", "state_column", state_columns),
+        table("int", "output_row", output_rows),
+        table("int", "output_column", output_columns),
         table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
         names("x_name", [s.name for s in lay.states]),
         names("assertion_place", [a.where for a in system.assertions]),
@@ -232,9 +249,8 @@ def nominal(s: Scalar) -> float:
 
 
 def _model_functions(system: System, interfaces: Sequence[str]) -> str:
-    rare = frozenset.intersection(*(RARE[i] for i in interfaces))
-    if not system.clocks:
-        rare |= {"f_event"}  # with clocks it is called at each tick
+    # With clocks the event equations are evaluated at each tick.
+    rare = RARE if system.clocks else RARE | {"f_event"}
     texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])
 

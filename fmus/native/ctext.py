@@ -1,7 +1,9 @@
 """Pieces of C source."""
 
+import ctypes
 import json
 from collections.abc import Iterable, Sequence
+from typing import Any, cast
 
 
 def table(type_: str, name: str, values: Sequence[float]) -> str:
@@ -41,3 +43,12 @@ def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list
 def string_literal(text: str) -> str:
     """Return a C string literal."""
     return json.dumps(text)
+
+
+_C_TYPES = {"P": "void *", "q": "long long ", "l": "long long ", "d": "double "}
+
+
+def struct(type_: type[ctypes.Structure]) -> str:
+    """Return the C declaration of a ctypes struct of pointers, 64-bit integers and doubles, under its own name."""
+    fields = "".join(f"    {_C_TYPES[of._type_]}{name};\n" for name, of in cast(Any, type_)._fields_)
+    return f"typedef struct {{\n{fields}}} {type_.__name__.lstrip('_')};\n"

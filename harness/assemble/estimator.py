@@ -211,7 +211,7 @@ def _central(
 ) -> Filter:
     """Return a filter of all states together that holds its first belief."""
     limits = _outlier_limits(table, prediction.outputs)
-    if isinstance(prediction, CasadiPrediction) and table.kind == "compiled":
+    if table.kind != "python":
         compiled = CompiledFilter(prediction, process, reading, period, gate, limits)
         compiled.start(*first)
         return compiled

@@ -101,8 +101,8 @@ def plant_description(scenario: Scenario) -> Description:
     if vehicle.own_class is not None:
         return Description(
             file=Path(vehicle.own_class), digest="", model=vehicle.own_class, guid="", generator="", variables={},
-            states=(), derivatives=(), event_indicators=0, log_categories=(), co_simulation=None, model_exchange=None,
-            blemishes="",
+            states=(), derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
+            model_exchange=None, blemishes="",
         )  # fmt: skip
     if vehicle.model is not None and vehicle.library is not None:
         return description_of(_class_file(vehicle.model, vehicle.library.path, vehicle.library.digest(), "cs"))

@@ -74,6 +74,7 @@ class Description:
         variables: By name, in the FMU's order.
         states: Continuous states, in the order of fmi2GetContinuousStates.
         derivatives: Their derivatives, same order.
+        dependencies: The states and inputs on which a derivative or output depends, where ModelStructure says so.
         event_indicators: How many.
         log_categories: Names it can log under.
         co_simulation: None when not offered.
@@ -89,6 +90,7 @@ class Description:
     variables: Mapping[str, Variable]
     states: tuple[str, ...]
     derivatives: tuple[str, ...]
+    dependencies: Mapping[str, frozenset[str]]
     event_indicators: int
     log_categories: tuple[str, ...]
     co_simulation: Interface | None
@@ -229,6 +231,11 @@ def _description(
         variables=MappingProxyType(variables),
         states=tuple(d.derivative.name for d in derivatives),
         derivatives=tuple(d.name for d in derivatives),
+        dependencies={
+            unknown.variable.name: frozenset(known.name for known in unknown.dependencies)
+            for unknown in (*xml.derivatives, *xml.outputs)
+            if unknown.dependencies is not None
+        },
         event_indicators=int(xml.numberOfEventIndicators or 0),
         log_categories=tuple(c.name for c in xml.logCategories),
         co_simulation=_interface(xml.coSimulation),

@@ -1,38 +1,117 @@
-"""A model-exchange FMU as a pure function of state and input: what a filter predicts with.
+"""A Model Exchange FMU as a pure function of state and input: what a filter predicts with.
 
 The FMU is initialised once and then only evaluated, at time zero: a prediction model is autonomous, smooth
 and without events, and one that has events is refused. Its Jacobians come from fmi2GetDirectionalDerivative
-where the FMU offers it, else from central differences.
+where the FMU offers it, else from central differences. `kernel/model_exchange.c` makes the calls.
 """
 
 import ctypes
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
-from math import isfinite
+from functools import cache
+from importlib.resources import files
 from types import TracebackType
-from typing import Final, Literal, Self
+from typing import Any, Final, Literal, Self
 
 import numpy as np
 from fmpy.fmi2 import fmi2EventInfo
 from numpy.typing import NDArray
 
 from railgrip.errors import FmuError, PlantFailed
+from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmu.description import Description, Variable
-from railgrip.fmu.instance import OK_OR_WARNING, Instance, unpack
+from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.parameters import Values, assignments
+from railgrip.fmus.native.ctext import struct
+from railgrip.fmus.native.toolchain import shared_library
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+KERNEL: Final = files("railgrip.fmu") / "kernel"
+
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
 
+CALLS: Final = (
+    "", "fmi2SetContinuousStates", "fmi2SetReal", "fmi2GetDerivatives", "fmi2GetReal", "fmi2GetDirectionalDerivative",
+)  # fmt: skip
+"""The FMI call behind each of the first numbers that `model_exchange.c` returns."""
+
+_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
+
+
+class _Jacobian(ctypes.Structure):
+    """One sparse Jacobian by the states, its columns in groups; entries of a group stand together.
+
+    For each column, by groups: the state (`state`) and its value reference (`known`). For each entry, by groups: its
+    column, its row, the value reference of the row (`unknown`), and its place by rows.
+    """
+
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("first_column", "known", "state")),
+        *((name, ctypes.c_void_p) for name in ("first_entry", "unknown", "column", "row", "place", "ahead", "behind")),
+        *((name, ctypes.c_longlong) for name in ("n_groups", "n_entries")),
+    )
+
+
+class _ModelExchange(ctypes.Structure):
+    """An instance, its functions, and the buffers of an evaluation."""
+
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("fmu", "set_states", "set_real", "get_derivatives", "get_real")),
+        ("get_directional", ctypes.c_void_p),
+        *((name, ctypes.c_void_p) for name in ("input_references", "output_references", "place_of_state")),
+        *((name, ctypes.c_void_p) for name in ("states", "derivatives", "moved", "ones", "nominal")),
+        *((name, ctypes.c_void_p) for name in ("by_state", "of_output")),
+        *((name, ctypes.c_longlong) for name in ("n_states", "n_inputs", "n_outputs")),
+        *((name, ctypes.c_longlong) for name in ("status", "call", "is_output", "at")),
+        ("relative_step", ctypes.c_double),
+    )
+
+
+@cache
+def _library() -> ctypes.PyDLL:
+    sources = {
+        "model_exchange.c": (KERNEL / "model_exchange.c").read_text(encoding="utf-8"),
+        "model_exchange.h": struct(_Jacobian) + struct(_ModelExchange),
+    }
+    # The interpreter lock is kept: handing it over and back would cost as much as an evaluation.
+    library = ctypes.PyDLL(str(shared_library(sources, "model_exchange")))
+    for function in (library.derivative, library.output):
+        function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
+    return library
+
+
+def column_groups(pattern: Pattern, columns: int) -> list[list[int]]:
+    """Return the columns of a sparse matrix in groups of which no two columns have an entry in one row.
+
+    One directional derivative gives all entries of a group. Columns without entries are left out; the fullest come
+    first, each into the first group that has room.
+
+    Source: Curtis, Powell and Reid, On the estimation of sparse Jacobian matrices (1974).
+    """
+    rows_of: list[set[int]] = [set() for _ in range(columns)]
+    for row, entries in enumerate(pattern):
+        for column in entries:
+            rows_of[column].add(row)
+    groups: list[tuple[list[int], set[int]]] = []
+    for column in sorted((c for c in range(columns) if rows_of[c]), key=lambda c: -len(rows_of[c])):
+        free = next((group for group in groups if group[1].isdisjoint(rows_of[column])), None)
+        if free is None:
+            groups.append(free := ([], set()))
+        free[0].append(column)
+        free[1].update(rows_of[column])
+    return [members for members, _ in groups]
+
 
 class FmuPrediction:
-    """The Prediction protocol of the estimators, by a model-exchange FMU in this process; used inside `with`.
+    """The Prediction protocol of the estimators, by a Model Exchange FMU in this process; used inside `with`.
 
-    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose. The values of
-    one point are sent once, and anew after its derivatives were read.
+    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose.
+
+    Attributes:
+        parameters: For a filter in C: the addresses of what evaluates the FMU, see `kernel/model.h`.
     """
 
     def __init__(
@@ -83,12 +162,11 @@ class FmuPrediction:
                 f"{description.event_indicators} event indicators; write its equations without if, when, "
                 "abs, sign, min or max."
             )
-        interface = description.model_exchange
-        self._has_directional = interface is not None and interface.directional_derivatives
-        # theirs[k] is our index of their k-th state; ours[i] their index of our i-th.
-        self._theirs = np.array([self.states.index(s) for s in description.states], dtype=np.intp)
-        self._ours = np.array([description.states.index(s) for s in self.states], dtype=np.intp)
-        self._jacobians: tuple[bytes, Matrix, Matrix] | None = None
+        derivative_of = dict(zip(description.states, description.derivatives, strict=True))
+        self._derivatives = [derivative_of[name] for name in states]
+        self._derivative_pattern = self._pattern(self._derivatives)
+        self._output_pattern = self._pattern(outputs)
+        self.parameters = np.zeros(3)
         self._stack = ExitStack()
         self._instance: Instance | None = None
 
@@ -111,53 +189,121 @@ class FmuPrediction:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         """Free everything, whatever happened."""
-        self._instance = self._jacobians = None
+        self._instance = None
         self._stack.close()
 
+    @property
+    def has_directional_derivatives(self) -> bool:
+        """Whether the FMU gives its Jacobians; without, they are central differences."""
+        interface = self._description.model_exchange
+        return interface is not None and interface.directional_derivatives
+
+    @property
+    def directional_calls(self) -> tuple[int, int]:
+        """How many directional derivatives give the Jacobians of derivatives and of outputs."""
+        patterns = self._derivative_pattern, self._output_pattern
+        by_state, of_output = (len(column_groups(pattern, len(self.states))) for pattern in patterns)
+        return by_state, of_output
+
+    def _pattern(self, unknowns: Sequence[str]) -> Pattern:
+        """Return which states each unknown depends on, as the FMU's ModelStructure says; on all where it is silent."""
+        known = self._description.dependencies
+        return tuple(
+            tuple(i for i, state in enumerate(self.states) if name not in known or state in known[name])
+            for name in unknowns
+        )
+
     def _prepare(self, instance: Instance) -> None:
-        """Make the buffers, addresses and functions of the hot path."""
-        n, nu, m = len(self.states), len(self.inputs), len(self.outputs)
-        pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        self._component = pointer(instance.component)
-        self._set_states = instance.function("fmi2SetContinuousStates", pointer, pointer, size)
-        self._set_real = instance.function("fmi2SetReal", pointer, pointer, size, pointer)
-        self._get_derivatives = instance.function("fmi2GetDerivatives", pointer, pointer, size)
-        self._get_real = instance.function("fmi2GetReal", pointer, pointer, size, pointer)
-        self._get_directional = instance.function(
-            "fmi2GetDirectionalDerivative", pointer, pointer, size, pointer, size, pointer, pointer
-        )
-        derivatives = np.array(self._description.derivatives)[self._ours] if n else ()
-        states, inputs, outputs = self._references
-        self._unknowns = np.concatenate(
-            [_references(self._description.variables[str(name)] for name in derivatives), outputs]
-        )
-        # States and derivatives in the FMU's order, which its functions take and give them in.
-        self._x, self._u, self._dx, self._y = np.zeros(n), np.zeros(nu), np.zeros(n), np.zeros(m)
-        self._seed = np.ones(1)
-        # One row per state, so that the FMU writes each directional derivative where it stays.
-        self._columns = np.zeros((n, n + m))
-        self._at = b""
-        arrays = {
-            "x": self._x, "u": self._u, "dx": self._dx, "y": self._y, "inputs": inputs, "outputs": outputs,
-            "unknowns": self._unknowns, "seed": self._seed,
-        }  # fmt: skip
-        self._pointers = {name: pointer(array.ctypes.data) for name, array in arrays.items()}
-        self._state_pointers = [pointer(states.ctypes.data + 4 * j) for j in range(n)]
-        self._column_pointers = [pointer(self._columns.ctypes.data + j * self._columns.strides[0]) for j in range(n)]
+        """Make the buffers and addresses of an evaluation."""
+        n = len(self.states)
+        self._keep: list[Any] = [instance]
+        _, inputs, outputs = self._references
+        theirs = {name: place for place, name in enumerate(self._description.states)}
+        places = np.array([theirs[name] for name in self.states], dtype=np.longlong)
         # Without states OpenModelica's FMUs write into the first element all the same.
         nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
-        self._nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
+        nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
+        unknowns = _references(self._description.variables[name] for name in self._derivatives)
+        self._plan = _ModelExchange(
+            fmu=instance.component,
+            set_states=instance.address("fmi2SetContinuousStates"), set_real=instance.address("fmi2SetReal"),
+            get_derivatives=instance.address("fmi2GetDerivatives"), get_real=instance.address("fmi2GetReal"),
+            get_directional=(
+                instance.address("fmi2GetDirectionalDerivative") if self.has_directional_derivatives else None
+            ),
+            input_references=self._at(inputs), output_references=self._at(outputs), place_of_state=self._at(places),
+            states=self._at(np.zeros(n)), derivatives=self._at(np.zeros(n)), moved=self._at(np.zeros(n)),
+            ones=self._at(np.ones(n)), nominal=self._at(nominal),
+            by_state=self._jacobian(self._derivative_pattern, unknowns),
+            of_output=self._jacobian(self._output_pattern, outputs),
+            n_states=n, n_inputs=inputs.size, n_outputs=outputs.size, relative_step=_RELATIVE_STEP,
+        )  # fmt: skip
+        library, self._address = _library(), ctypes.addressof(self._plan)
+        addresses = [ctypes.cast(call, ctypes.c_void_p).value for call in (library.derivative, library.output)]
+        self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
+
+    def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> int:
+        """Return the address of a Jacobian's groups, kept as long as the instance."""
+        n, groups = len(self.states), column_groups(pattern, len(self.states))
+        starts = np.cumsum([0, *map(len, pattern)])
+        entries = [
+            (column, row, starts[row] + pattern[row].index(column))
+            for members in groups
+            for column in members
+            for row in range(len(pattern))
+            if column in pattern[row]
+        ]
+        columns, rows, places = np.array(entries, dtype=np.longlong).reshape(-1, 3).T
+        of = np.array([column for members in groups for column in members], dtype=np.longlong)
+        size = np.bincount(columns, minlength=n)
+        counts = [int(size[members].sum()) for members in groups]
+        buffer = max(len(pattern), *counts, 1) if counts else max(len(pattern), 1)
+        jacobian = _Jacobian(
+            first_column=self._at(np.cumsum([0, *map(len, groups)], dtype=np.longlong)),
+            known=self._at(self._references[0][of]), state=self._at(of),
+            first_entry=self._at(np.cumsum([0, *counts], dtype=np.longlong)), unknown=self._at(unknowns[rows]),
+            column=self._at(columns), row=self._at(rows), place=self._at(places),
+            ahead=self._at(np.zeros(buffer)), behind=self._at(np.zeros(buffer)),
+            n_groups=len(groups), n_entries=len(entries),
+        )  # fmt: skip
+        self._keep.append(jacobian)
+        return ctypes.addressof(jacobian)
+
+    def _at(self, array: NDArray[Any]) -> int:
+        """Return where an array lies, and keep it as long as the instance."""
+        array = np.ascontiguousarray(array)
+        self._keep.append(array)
+        return array.ctypes.data
 
     def _read(self, instance: Instance, call: str) -> Vector:
         """Return a value of each state, shape (n,)."""
         values = np.zeros(len(self.states))
         instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
-        return values[self._ours]
+        return values[[self._description.states.index(name) for name in self.states]]
 
     @property
     def start(self) -> Vector:
         """The FMU's own initial state, shape (n,)."""
         return self._read(self._open(), "fmi2GetContinuousStates")
+
+    def in_c(self) -> ModelInC:
+        """Return the C by which a filter evaluates this FMU, valid inside `with`."""
+        return ModelInC(
+            derivative_pattern=self._derivative_pattern,
+            output_pattern=self._output_pattern,
+            inputs=len(self.inputs),
+            parameters=self.parameters.size,
+            sizes=(),
+            text=(KERNEL / "model.h").read_text(encoding="utf-8"),
+        )
+
+    def failure(self) -> str:
+        """Return why the last evaluation did not succeed."""
+        try:
+            self._require_fine(self._plan.call)
+        except PlantFailed as error:
+            return str(error)
+        return ""
 
     def derivative(self, x: Vector, u: Vector) -> Vector:
         """Return dx/dt at (x, u), shape (n,).
@@ -165,99 +311,60 @@ class FmuPrediction:
         Raises:
             PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
         """
-        self._move(x, u)
-        p = self._pointers
-        # OpenModelica's FMUs (to 1.27.0) evaluate the derivatives alone and then take everything for evaluated: outputs
-        # and Jacobians would be those of an earlier point, unless the point is sent anew.
-        self._at = b""
-        self._check(self._get_derivatives(self._component, p["dx"], self._dx.size), "fmi2GetDerivatives")
-        return self._finite(self._dx, self._description.derivatives)[self._ours]
+        return self._evaluated("derivative", x, u, None)
 
     def output(self, x: Vector, u: Vector) -> Vector:
         """Return y at (x, u), shape (m,); `PlantFailed` where there is none."""
-        self._move(x, u)
-        p = self._pointers
-        self._check(self._get_real(self._component, p["outputs"], self._y.size, p["y"]), "fmi2GetReal")
-        return self._finite(self._y, self.outputs).copy()
+        return self._evaluated("output", x, u, None)
 
     def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return d(dx/dt)/dx at (x, u), shape (n, n); `PlantFailed` where there is none."""
-        return self._both(x, u)[0].copy()
+        return self._differentiated("derivative", x, u, self._derivative_pattern)
 
     def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return dy/dx at (x, u), shape (m, n); `PlantFailed` where there is none."""
-        return self._both(x, u)[1].copy()
+        return self._differentiated("output", x, u, self._output_pattern)
 
-    def _both(self, x: Vector, u: Vector) -> tuple[Matrix, Matrix]:
-        """Return both Jacobians; the calls that give one give the other, so the last pair is kept."""
-        point = x.tobytes() + u.tobytes()
-        if self._jacobians is None or self._jacobians[0] != point:
-            columns = self._directional(x, u) if self._has_directional else self._central(x, u)
-            if not isfinite(columns.sum()) and not np.all(np.isfinite(columns)):
-                raise self._failure(f"d/d({self.states[int(np.argwhere(~np.isfinite(columns))[0][0])]})", "a Jacobian")
-            n = len(self.states)
-            self._jacobians = (point, columns[:, :n].T.copy(), columns[:, n:].T.copy())
-        return self._jacobians[1], self._jacobians[2]
+    def _differentiated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, pattern: Pattern) -> Matrix:
+        entries = np.zeros(sum(map(len, pattern)))
+        self._evaluated(what, x, u, entries)
+        matrix, entry = np.zeros((len(pattern), len(self.states))), 0
+        for row, columns in enumerate(pattern):
+            matrix[row, list(columns)] = entries[entry : entry + len(columns)]
+            entry += len(columns)
+        return matrix
 
-    def _directional(self, x: Vector, u: Vector) -> Matrix:
-        """Return the derivatives of dx/dt and y by each state from the FMU, one call a row, shape (n, n + m)."""
-        self._move(x, u)
-        unknowns, size, seed = self._pointers["unknowns"], self._unknowns.size, self._pointers["seed"]
-        component, get = self._component, self._get_directional
-        for state, column in zip(self._state_pointers, self._column_pointers, strict=True):
-            status = get(component, unknowns, size, state, 1, seed, column)
-            if status not in OK_OR_WARNING:
-                self._check(status, "fmi2GetDirectionalDerivative")
-        return self._columns
-
-    def _central(self, x: Vector, u: Vector) -> Matrix:
-        """Return the same by central differences; the step of each state is scaled by its value and its nominal one."""
-        columns = np.zeros_like(self._columns)
-        shifted_state = np.array(x, dtype=float)
-        for j in range(x.size):
-            step = _RELATIVE_STEP * max(abs(x[j]), self._nominal[j])
-            above, below = x[j] + step, x[j] - step
-            shifted_state[j] = above
-            ahead = np.concatenate([self.derivative(shifted_state, u), self.output(shifted_state, u)])
-            shifted_state[j] = below
-            behind = np.concatenate([self.derivative(shifted_state, u), self.output(shifted_state, u)])
-            shifted_state[j] = x[j]
-            # The difference of the rounded points, not twice the step that was meant.
-            columns[j] = (ahead - behind) / (above - below)
-        return columns
-
-    def _move(self, x: Vector, u: Vector) -> None:
-        """Set state and inputs, unless the FMU is there already."""
+    def _evaluated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, entries: Vector | None) -> Vector:
         self._open()
-        point = x.tobytes() + u.tobytes()
-        if point == self._at:
-            return
-        self._at = b""
-        if x.shape != self._x.shape or u.shape != self._u.shape:
+        if x.shape != (len(self.states),) or u.shape != (len(self.inputs),):
             raise ValueError(
-                f"a point of {self._description.file.name} has {self._x.size} states and {self._u.size} "
+                f"a point of {self._description.file.name} has {len(self.states)} states and {len(self.inputs)} "
                 f"inputs, got shapes {x.shape} and {u.shape}"
             )
-        self._x[:] = x[self._theirs]
-        self._u[:] = u
-        p = self._pointers
-        self._check(self._set_states(self._component, p["x"], self._x.size), "fmi2SetContinuousStates")
-        if self._u.size:
-            self._check(self._set_real(self._component, p["inputs"], self._u.size, p["u"]), "fmi2SetReal")
-        self._at = point
+        value = np.zeros(len(self.states if what == "derivative" else self.outputs))
+        x, u = (np.ascontiguousarray(part, dtype=np.float64) for part in (x, u))
+        arrays = x, u, value
+        code = getattr(_library(), what)(
+            self._address, *(a.ctypes.data for a in arrays), None if entries is None else entries.ctypes.data
+        )
+        self._require_fine(code)
+        return value
 
-    def _check(self, status: int, call: str) -> None:
-        if status not in OK_OR_WARNING:
-            self._open().check(status, call, 0.0, "evaluating the prediction")
-
-    def _finite(self, values: Vector, names: Sequence[str]) -> Vector:
-        if not isfinite(values.sum()) and not np.all(np.isfinite(values)):
-            worst = int(np.flatnonzero(~np.isfinite(values))[0])
-            raise self._failure(names[worst], "a prediction")
-        return values
-
-    def _failure(self, variable: str, doing: str) -> PlantFailed:
-        return PlantFailed(self._open().failure("not_finite", "", 0.0, variable=variable, doing=doing))
+    def _require_fine(self, code: int) -> None:
+        """Raise the failure that ended an evaluation, if one did."""
+        if not code:
+            return
+        instance = self._open()
+        if code not in (_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE):
+            instance.check(self._plan.status, CALLS[code], 0.0, "evaluating the prediction")
+        names = self.outputs if self._plan.is_output else self._derivatives
+        pattern = self._output_pattern if self._plan.is_output else self._derivative_pattern
+        if code == _VALUE_NOT_FINITE:
+            variable = names[self._plan.at]
+        else:
+            row, column = [(row, column) for row, columns in enumerate(pattern) for column in columns][self._plan.at]
+            variable = f"d({names[row]})/d({self.states[column]})"
+        raise PlantFailed(instance.failure("not_finite", "", 0.0, variable=variable, doing="a prediction"))
 
     def _open(self) -> Instance:
         if self._instance is None:

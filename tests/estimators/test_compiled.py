@@ -153,7 +153,8 @@ def test_wrong_shapes_get_the_sentences_of_the_reference(rolling):
 def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):
     """The step for any machine, called directly, against whatever this machine takes."""
     fast = CompiledFilter(rolling, DENSITY, READING, PERIOD, GATE)
-    code = generate(rolling, fast.design)
+    design = fast.design
+    code = generate(rolling.in_c(), design.gated_states, design.gating_inputs, design.order)
     plain = "int step_plain(double *block);\n" + (
         "int dispatch(double *block) { return step_plain(block); }\n"
         '__attribute__((visibility("default"))) int step(double *block) { return dispatch(block); }\n'

@@ -5,10 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from tiny_fmu import CURVED_OUTPUTS, curved, tiny, xml
 
-from railgrip.errors import FmuError, PlantFailed
+from railgrip.errors import FilterDiverged, FmuError, PlantFailed
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmu.exchange import column_groups
 
 K = 1.7
 POINTS = [
@@ -96,23 +101,38 @@ def test_outputs_and_jacobians_after_derivatives_are_those_of_the_same_point(fou
             np.testing.assert_allclose(made.derivative_jacobian(x, u), jacobians(x)[0], atol=4e-8)
 
 
-def test_one_point_is_sent_once_and_both_jacobians_cost_one_call_per_state(foundry: Path):
+def test_a_filter_step_makes_no_call_twice(foundry: Path):
+    """The FMU counts: how often values were sent to it (`sent`) and asked of it (`asked`)."""
     x, u = POINTS[0]
     with FmuPrediction(
         describe(curved(foundry)), parameters={"k": K}, states=tuple("abc"), inputs=("u[1]", "u[2]"),
         outputs=("sent", "asked"),
     ) as model:  # fmt: skip
+        step = CompiledFilter(model, np.ones(3), np.ones(2), 1e-3)
+        belief = step.start(x, np.ones(3))
         before = model.output(x, u)
-        model.derivative_jacobian(x, u)
-        model.output_jacobian(x, u)
-        between = model.output(x, u)
-        model.derivative(x, u)
-        model.derivative_jacobian(x, u)
+        step.step(belief, u, np.full(2, np.nan))
         after = model.output(x, u)
-    # One to read `between` itself, one for each of three states; nothing was sent again.
-    np.testing.assert_array_equal(between - before, [0, 4])
-    # One for the derivative, after which states and inputs were sent once more; Jacobians of the point are known.
-    np.testing.assert_array_equal(after - between, [2, 2])
+        by_state, of_output = model.directional_calls
+    assert (by_state, of_output) == (3, 3)
+    # States at the prior mean, at three stages of Runge-Kutta and at the predicted mean; inputs once; and what `after`
+    # sends: one state, one input.
+    # Derivatives at four points, outputs at one, both Jacobians once; and what `after` asks.
+    np.testing.assert_array_equal(after - before, [5 + 1 + 2, 4 + 1 + by_state + of_output + 1])
+
+
+@given(st.lists(st.sets(st.integers(0, 11)), max_size=12))
+def test_columns_of_a_group_share_no_row_and_each_column_is_in_one_group(rows: list[set[int]]):
+    columns = 12
+    groups = column_groups(tuple(tuple(sorted(row)) for row in rows), columns)
+    for members in groups:
+        assert all(len(row.intersection(members)) <= 1 for row in rows)
+    assert sorted(column for members in groups for column in members) == sorted(set().union(*rows))
+
+
+def test_a_diagonal_needs_one_directional_derivative_and_a_full_row_one_for_each_column():
+    assert len(column_groups(tuple((i,) for i in range(9)), 9)) == 1
+    assert len(column_groups((tuple(range(9)),), 9)) == 9
 
 
 def test_results_are_not_overwritten_by_the_next_point(prediction: FmuPrediction):
@@ -136,6 +156,30 @@ def test_a_point_changed_in_place_is_a_new_point(prediction: FmuPrediction):
 def test_a_derivative_that_is_no_number_is_named(prediction: FmuPrediction):
     with pytest.raises(PlantFailed, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
         prediction.derivative(np.array([0.0, 0.0, 2000.0]), np.zeros(2))
+
+
+def test_a_filter_in_c_over_it_is_the_filter_in_numpy(foundry: Path):
+    """With the FMU's own derivatives and with differences, which both filters take in the same way."""
+    rng = np.random.default_rng(4)
+    for directional in (True, False):
+        with opened(curved(foundry, directional=directional), "cab") as model:
+            arguments = model, np.full(3, 1e-3), np.full(2, 1e-2), 1e-2
+            fast, plain = CompiledFilter(*arguments), ExtendedKalmanFilter(*arguments)
+            belief = fast.start(np.array([0.1, 0.3, -0.2]), np.full(3, 0.1))
+            for _ in range(50):
+                inputs, readings = rng.normal(size=2), rng.normal(size=2)
+                expected = plain.step(belief, inputs, readings)
+                belief = fast.step(belief, inputs, readings)
+                # The same sums in another order, of numbers of size one.
+                np.testing.assert_allclose(belief.mean, expected.mean, atol=1e-13)
+                np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
+
+
+def test_a_filter_says_which_derivative_of_its_fmu_is_no_number(prediction: FmuPrediction):
+    step = CompiledFilter(prediction, np.ones(3), np.ones(2), 1e-3)
+    belief = step.start(np.array([0.0, 0.0, 2000.0]), np.ones(3))
+    with pytest.raises(FilterDiverged, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
+        step.step(belief, np.zeros(2), np.zeros(2))
 
 
 def test_a_wrong_number_of_states_is_refused(prediction: FmuPrediction):

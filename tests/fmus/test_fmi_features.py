@@ -36,6 +36,30 @@ def test_an_input_has_directional_derivatives_too(feature, run):
     compare(instance, ["der(x)", "y"], ["u", "x", "k"])
 
 
+@pytest.mark.parametrize("name", ["NonlinearLoop", "Redeclared"])
+def test_several_states_at_once_are_the_sum_of_one_at_a_time(feature, run, name):
+    """Also after another point was seen and after a kept state was restored: the Jacobian is that of the point."""
+    fmu = feature(name)
+    instance = run(fmu, "me")
+    states = [u.variable.derivative.name for u in fmu.description.derivatives]
+    known = [fmu.reference(name) for name in states]
+    unknown = [fmu.reference(name) for name in (*(f"der({s})" for s in states), *fmu.names("output", "Real"))]
+    along = [0.5 + k for k in range(len(known))]
+
+    def columns():
+        return [instance.instance.getDirectionalDerivative(unknown, [k], [1.0]) for k in known]
+
+    kept = instance.instance.getFMUState()
+    first = columns()
+    together = instance.instance.getDirectionalDerivative(unknown, known, along)
+    assert together == pytest.approx(np.array(first).T @ along, rel=1e-14, abs=1e-14)  # the same sum
+    instance.set(**{states[0]: instance.get(states[0])[0] + 0.7})
+    assert columns() != first
+    instance.instance.setFMUState(kept)
+    assert columns() == first
+    instance.instance.freeFMUState(kept)
+
+
 def test_a_state_that_was_kept_gives_the_same_future(feature, run):
     """Also after events, also through bytes, also in another instance."""
     fmu = feature("Sampled")

@@ -72,7 +72,9 @@ static void dependent_parameters(State *s) {
     s->stale_parameters = 0;
 }
 
-static void stale(State *s) { s->stale_derivatives = s->stale_outputs = s->stale_locals = 1; }
+static void stale(State *s) {
+    s->stale_derivatives = s->stale_outputs = s->stale_locals = s->stale_state_jacobian = s->stale_output_jacobian = 1;
+}
 
 /* Initial states from parameters and inputs, initial equations included. */
 static int start_states(Instance *m) {
@@ -155,6 +157,39 @@ static int fresh_algebraics(Instance *m, int locals) {
     s->stale_locals = 0;
     return 0;
 }
+
+#if BY_STATE
+/* Bring the rows of State.by_state up to date. The values themselves, computed with them, are then up to date too: the
+ * importer of a filter asks for both at one point. */
+static int fresh_state_jacobian(Instance *m) {
+    State *s = &m->s;
+    double entries[NSJ + 1];
+    if (!s->stale_state_jacobian) return 0;
+    double t = inside(s, s->v[TIME]);
+    if (NG && loops(m, t, s->v + X)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, s->v + X);
+    double *r[] = { s->v + DX, entries };
+    if (NX) f_state_jacobian(a, r);
+    for (int i = 0; i < NSJ; i++) s->by_state[state_row[i] * NX + state_column[i]] = entries[i];
+    s->v[EVALUATIONS]++;
+    s->stale_state_jacobian = s->stale_derivatives = 0;
+    return 0;
+}
+
+static int fresh_output_jacobian(Instance *m) {
+    State *s = &m->s;
+    double entries[NOJ + 1], z[NZ + 1];
+    if (!s->stale_output_jacobian) return 0;
+    double t = inside(s, s->v[TIME]);
+    if (NG && loops(m, t, s->v + X)) return 1;
+    const double *a[] = ARGUMENTS(s, &t, s->v + X);
+    double *r[] = { s->v + O, z, entries };
+    if (NO || NZ) f_output_jacobian(a, r);
+    for (int i = 0; i < NOJ; i++) s->by_state[(NX + output_row[i]) * NX + output_column[i]] = entries[i];
+    s->stale_output_jacobian = s->stale_outputs = 0;
+    return 0;
+}
+#endif
 
 /* Judge the model's assertions; 1 when one that is an error does not hold. */
 static int assertions(Instance *m) {

@@ -109,7 +109,7 @@ static fmi2Status set(Instance *m, fmi2ValueReference k, double value) {
         return refuse(m, "the variable with value reference %u cannot be set", k);
     }
     s->v[k] = value;
-    s->stale_derivatives = s->stale_outputs = s->stale_locals = 1;
+    stale(s);
     s->stale_start = 1;
     return fmi2OK;
 }
@@ -124,11 +124,43 @@ SETTER(fmi2SetInteger, fmi2Integer)
 SETTER(fmi2SetBoolean, fmi2Boolean)
 
 /* ---- directional derivatives: of derivatives and outputs, along states, inputs and parameters ---- */
+#if BY_STATE
+/* Along states alone, as an estimator asks at every sample for one column after the other of the same Jacobian. */
+static fmi2Status along_states(Instance *m, const fmi2ValueReference unknown[], size_t n_unknown,
+                               const fmi2ValueReference known[], size_t n_known, const fmi2Real along[], fmi2Real result[]) {
+    State *s = &m->s;
+    for (size_t i = 0; i < n_unknown; i++) {
+        fmi2ValueReference k = unknown[i];
+        const double *row;
+        if (k >= DX && k < U) {
+            if (fresh_state_jacobian(m)) return failed(m, fmi2Error);
+            row = s->by_state + (k - DX) * NX;
+        } else if (k >= O && k < L) {
+            if (fresh_output_jacobian(m)) return failed(m, fmi2Error);
+            row = s->by_state + (NX + k - O) * NX;
+        } else if (k >= X && k < DX) {
+            row = NULL;
+        } else
+            return refuse(m, "fmi2GetDirectionalDerivative: an unknown that is neither derivative nor output");
+        result[i] = 0;
+        for (size_t j = 0; j < n_known; j++)
+            if (row || known[j] == k) result[i] += along[j] * (row ? row[known[j] - X] : 1);
+    }
+    return fmi2OK;
+}
+#endif
+
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n_unknown,
                                         const fmi2ValueReference known[], size_t n_known, const fmi2Real along[],
                                         fmi2Real result[]) {
     State *s = &M->s;
     double vx[NX + 1], vu[NU + 1], vp[NF + 1], dx[NX + 1], dy[NO + 1], t;
+    if (prepare(M)) return failed(M, fmi2Error);
+#if BY_STATE
+    size_t states = 0;
+    while (states < n_known && known[states] >= X && known[states] < DX) states++;
+    if (states == n_known) return along_states(M, unknown, n_unknown, known, n_known, along, result);
+#endif
     memset(vx, 0, sizeof vx);
     memset(vu, 0, sizeof vu);
     memset(vp, 0, sizeof vp);
@@ -139,7 +171,6 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
         else if (k >= P && k < P + NF) vp[k - P] = along[i];
         else return refuse(M, "fmi2GetDirectionalDerivative: a known that is neither state, input nor parameter");
     }
-    if (prepare(M)) return failed(M, fmi2Error);
     t = inside(s, s->v[TIME]);
     if (NG && loops(M, t, s->v + X)) return failed(M, fmi2Error);
     {

@@ -3,8 +3,9 @@
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters of which NF may be set, NO algebraic
  * outputs, NL other algebraic variables, ND discretes, NR remembered relations, NZ indicators, NC conditions, NT
  * clocks, NI instants, NG and NQ unknowns of running and initial nonlinear loops, NA assertions, NM values in their
- * messages, NJ entries of the Jacobian, N_LOUD discretes whose change asks for another event pass), tables, and the
- * functions f_*. */
+ * messages, NJ entries of the solver's Jacobian, N_LOUD discretes whose change asks for another event pass; for Model
+ * Exchange BY_STATE is 1 and NSJ and NOJ count the entries of the Jacobians of derivatives and outputs by the states),
+ * tables, and the functions f_*. */
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
@@ -59,7 +60,9 @@ typedef struct {
     double h;                        /* internal step to try next */
     int phase;
     int inputs_set;                  /* since the last event iteration */
+    double by_state[BY_STATE * (NX + NO) * NX + 1]; /* derivatives and outputs, by rows, differentiated by the states */
     int stale_parameters, stale_start, stale_derivatives, stale_outputs, stale_locals;
+    int stale_state_jacobian, stale_output_jacobian;
     char x_set[NX + 1];
     char warned[NA + 1];
 } State;

@@ -1,0 +1,155 @@
+/* A Model Exchange FMU as the functions dx/dt = f(x, u) and y = h(x, u) with sparse Jacobians, by functions of FMI 2.0.
+
+   model_exchange.h is generated from the structs of exchange.py. States and their derivatives are in our order here and
+   in the FMU's in `states` and `derivatives`; entries of Jacobians are by rows. */
+
+#include <math.h>
+#include <stddef.h>
+
+#include "model_exchange.h"
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+typedef int SetStates(void *, const double *, size_t);
+typedef int GetDerivatives(void *, double *, size_t);
+typedef int SetReal(void *, const unsigned *, size_t, const double *);
+typedef int GetReal(void *, const unsigned *, size_t, double *);
+typedef int GetDirectional(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
+
+/* Which call ended an evaluation; `CALLS` in exchange.py. */
+enum { FINE, SETTING_STATES, SETTING_INPUTS, GETTING_DERIVATIVES, GETTING_OUTPUTS, DIFFERENTIATING, VALUE_NOT_FINITE, ENTRY_NOT_FINITE };
+
+typedef int Values(ModelExchange *, double *);
+
+static int failed(ModelExchange *m, int status, int call)
+{
+    m->status = status;
+    return status == 0 || status == 1 ? FINE : (m->call = call); /* fmi2OK, fmi2Warning */
+}
+
+static int set_states(ModelExchange *m, const double *x)
+{
+    const long long *place = m->place_of_state;
+    double *states = m->states;
+
+    for (long long i = 0; i < m->n_states; i++)
+        states[place[i]] = x[i];
+    return failed(m, ((SetStates *)m->set_states)(m->fmu, states, (size_t)m->n_states), SETTING_STATES);
+}
+
+static int set_inputs(ModelExchange *m, const double *u)
+{
+    if (!u || !m->n_inputs)
+        return FINE;
+    return failed(m, ((SetReal *)m->set_real)(m->fmu, m->input_references, (size_t)m->n_inputs, u), SETTING_INPUTS);
+}
+
+static int get_derivatives(ModelExchange *m, double *dx)
+{
+    const long long *place = m->place_of_state;
+    const double *derivatives = m->derivatives;
+
+    if (failed(m, ((GetDerivatives *)m->get_derivatives)(m->fmu, m->derivatives, (size_t)m->n_states), GETTING_DERIVATIVES))
+        return m->call;
+    for (long long i = 0; i < m->n_states; i++)
+        dx[i] = derivatives[place[i]];
+    return FINE;
+}
+
+static int get_outputs(ModelExchange *m, double *y)
+{
+    return failed(m, ((GetReal *)m->get_real)(m->fmu, m->output_references, (size_t)m->n_outputs, y), GETTING_OUTPUTS);
+}
+
+/* Entries at the FMU's present point: one call for the columns of a group, of which no two have an entry in one row. */
+static int directional(ModelExchange *m, const Jacobian *j, double *entries)
+{
+    const long long *first = j->first_entry, *column = j->first_column, *place = j->place;
+    const double *result = j->ahead;
+
+    for (long long g = 0; g < j->n_groups; g++) {
+        const long long count = first[g + 1] - first[g];
+        const int status = ((GetDirectional *)m->get_directional)(
+            m->fmu, (const unsigned *)j->unknown + first[g], (size_t)count, (const unsigned *)j->known + column[g],
+            (size_t)(column[g + 1] - column[g]), m->ones, j->ahead);
+        if (failed(m, status, DIFFERENTIATING))
+            return m->call;
+        for (long long k = 0; k < count; k++)
+            entries[place[first[g] + k]] = result[k];
+    }
+    return FINE;
+}
+
+/* The same by central differences around x, for an FMU without directional derivatives; leaves it at another point. */
+static int differences(ModelExchange *m, const Jacobian *j, const double *x, Values *values, double *entries)
+{
+    const long long *first = j->first_entry, *column = j->first_column, *of = j->column, *row = j->row, *state = j->state;
+    const double *nominal = m->nominal, *ahead = j->ahead, *behind = j->behind;
+    double *moved = m->moved;
+
+    for (long long g = 0; g < j->n_groups; g++) {
+        for (int side = 0; side < 2; side++) {
+            for (long long i = 0; i < m->n_states; i++)
+                moved[i] = x[i];
+            for (long long c = column[g]; c < column[g + 1]; c++) {
+                const double step = m->relative_step * fmax(fabs(x[state[c]]), nominal[state[c]]);
+                moved[state[c]] = side ? x[state[c]] - step : x[state[c]] + step;
+            }
+            if (set_states(m, moved) || values(m, side ? j->behind : j->ahead))
+                return m->call;
+        }
+        for (long long k = first[g]; k < first[g + 1]; k++) {
+            const double at = x[of[k]], step = m->relative_step * fmax(fabs(at), nominal[of[k]]);
+            /* The difference of the rounded points, not twice the step that was meant. */
+            entries[((const long long *)j->place)[k]] = (ahead[row[k]] - behind[row[k]]) / ((at + step) - (at - step));
+        }
+    }
+    return FINE;
+}
+
+static int all_finite(ModelExchange *m, const double *values, long long count, int call)
+{
+    double sum = 0.0;
+
+    for (long long i = 0; i < count; i++)
+        sum += values[i];
+    if (isfinite(sum))
+        return FINE;
+    for (long long i = 0; i < count; i++)
+        if (!isfinite(values[i])) {
+            m->at = i;
+            return m->call = call;
+        }
+    return FINE;
+}
+
+/* Jacobian first, then the value: OpenModelica's FMUs (to 1.27.0) evaluate the derivatives alone for
+   fmi2GetDerivatives and then take everything for evaluated, so that directional derivatives after it would be those of
+   an earlier point. */
+static int evaluate(ModelExchange *m, const Jacobian *j, const double *x, const double *u, Values *values,
+                    long long count, double *value, double *entries)
+{
+    m->call = FINE;
+    m->is_output = j == m->of_output;
+    if (set_inputs(m, u) || (entries && !m->get_directional && differences(m, j, x, values, entries)) || set_states(m, x) ||
+        (entries && m->get_directional && directional(m, j, entries)) || values(m, value) ||
+        all_finite(m, value, count, VALUE_NOT_FINITE))
+        return m->call;
+    return entries ? all_finite(m, entries, j->n_entries, ENTRY_NOT_FINITE) : FINE;
+}
+
+/* dx/dt at x and, unless `entries` is null, its Jacobian; without u the inputs stay what they were. */
+EXPORT int derivative(ModelExchange *m, const double *x, const double *u, double *dx, double *entries)
+{
+    return evaluate(m, m->by_state, x, u, get_derivatives, m->n_states, dx, entries);
+}
+
+/* The outputs likewise. */
+EXPORT int output(ModelExchange *m, const double *x, const double *u, double *y, double *entries)
+{
+    return evaluate(m, m->of_output, x, u, get_outputs, m->n_outputs, y, entries);
+}
