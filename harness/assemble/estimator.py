@@ -1,6 +1,6 @@
 """The Kalman filter of a scenario, over a prediction of this project, of a Modelica class or of nominal data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from math import inf
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble.files import lowered, prediction_description
+from railgrip.assemble.files import description_of, lowered, prediction_description, units_of
 from railgrip.assemble.prediction import (
     consist_of,
     data_of,
@@ -33,6 +33,7 @@ from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
 from railgrip.loop.ports import Filter
 from railgrip.loop.watch import StateEstimator
+from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.signals import Layout
@@ -52,20 +53,31 @@ _NOISE_PREFIX = {
 
 
 def state_estimator(
-    vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
+    vehicle: VehicleData,
+    table: KalmanFilter,
+    fmus: dict[str, Description],
+    stack: ExitStack,
+    tell: Callable[[str], None],
 ) -> StateEstimator:
     """Return the estimator of a scenario, which holds its first belief; an FMU that takes part adds itself to `fmus`.
+
+    Args:
+        tell: Gets a sentence for the user where an FMU has no directional derivatives.
 
     Raises:
         ScenarioError: There is no such noise set or parameter, or the prediction is for another vehicle.
     """
     layout, period = vehicle.layout, vehicle.scenario.periods.estimator
-    noise, groups = _noise(table), range(1, layout.formation.groups + 1)
+    noise = _noise(table, has_ideal_sensors=vehicle.scenario.sensors.kind == "ideal")
+    groups = range(1, layout.formation.groups + 1)
     if table.model is None:
         prediction, readings, gate, mean, radius = _of_nominal_data(vehicle, table, fmus, stack)
     else:
         prediction, gate, mean, radius = _of_class(vehicle, table, table.model, fmus, stack)
         readings = prediction.outputs
+    if isinstance(prediction, FmuPrediction) and not prediction.has_directional_derivatives:
+        name = prediction.file.name
+        tell(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
     states = prediction.states
     noises = noise.process_noise(states), noise.reading_noise(readings)
     first = mean, noise.start_covariance(states)
@@ -102,13 +114,17 @@ def _of_nominal_data(
     """Return the prediction from the vehicle's nominal data, its readings, gate, mean at the start and wheel radii."""
     formation = vehicle.controlled
     groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
-    units = units_of_predictions()
-    each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
-    own = in_units("[estimator.parameters]", table.parameters, units | each)
     data = data_of(vehicle.nominal, formation)
-    data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
+    if table.file is None:
+        units = units_of_predictions()
+        each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
+        own = in_units("[estimator.parameters]", table.parameters, units | each)
+        data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
     if table.kind == "decentralised":
         prediction = consist_of(formation, data)
+        readings = prediction.outputs
+    elif table.file is not None:
+        prediction = _of_file(vehicle, table, table.file, fmus, stack)
         readings = prediction.outputs
     else:
         whole = whole_of(formation, data)
@@ -121,6 +137,52 @@ def _of_nominal_data(
     )
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
     return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
+
+
+def _of_file(
+    vehicle: VehicleData, table: KalmanFilter, file: NamedFile, fmus: dict[str, Description], stack: ExitStack
+) -> FmuPrediction:
+    """Return the prediction of an FMU of the user's own.
+
+    Raises:
+        ScenarioError: It lacks a state or an input, or has an input that the loop does not know.
+        FmuError: It is no prediction.
+    """
+    layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu.limits())
+    groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
+    pressures = [f"cylinder_pressure[{g}]" for g in groups]
+    inputs, others = description.names("input"), {"track_force"}
+    needs = {
+        "state": (["v", *(f"{name}[{g}]" for name in ("w", "mu_b", "alpha") for g in groups)], description.states),
+        "input": (pressures, inputs),
+    }
+    _require_names(where, needs)
+    if unknown := [name for name in inputs if name not in others.union(pressures)]:
+        raise ScenarioError(f"{where} has an input {unknown[0]}; a prediction takes cylinder_pressure and track_force")
+    outputs = [name for name in description.names("output") if name.partition("[")[0] in layout.reading]
+    if not outputs:
+        raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
+    fmus[description.file.name] = description
+    return stack.enter_context(
+        FmuPrediction(
+            description,
+            parameters=in_units("[estimator.parameters]", table.parameters, units_of(description)),
+            states=description.states,
+            inputs=[*pressures, *(name for name in inputs if name in others)],
+            outputs=outputs,
+        )
+    )
+
+
+def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
+    """Require names among those available, by the kind of thing they are.
+
+    Raises:
+        ScenarioError: Some are missing.
+    """
+    for kind, (names, available) in needs.items():
+        if missing := [name for name in names if name not in available]:
+            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
 
 
 def _of_class(
@@ -187,9 +249,7 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
             [variable.name for variable in model.parameters],
         ),
     }
-    for kind, (names, available) in needs.items():
-        if missing := [name for name in names if name not in available]:
-            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
+    _require_names(where, needs)
     pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
     if inputs[:groups] != pressures:
         raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
@@ -238,13 +298,14 @@ def _element(name: str) -> int:
     return int(index[:-1]) - 1 if index else 0
 
 
-def _noise(table: KalmanFilter) -> NoiseSet:
+def _noise(table: KalmanFilter, *, has_ideal_sensors: bool) -> NoiseSet:
+    noise = table.noise or ("ideal" if has_ideal_sensors else "service")
     model = table.model or "TrainPrediction"
     prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(model, model)}_"
-    full_name = f"{prefix}{table.noise}"
+    full_name = f"{prefix}{noise}"
     if full_name not in NOISE_SETS:
         raise ScenarioError(
-            f"[estimator] has no noise set '{table.noise}' for model '{model}'; there are "
+            f"[estimator] has no noise set '{noise}' for model '{model}'; there are "
             + ", ".join(sorted(NOISE_SETS))
             + " (model_noise)."
         )

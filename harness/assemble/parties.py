@@ -184,7 +184,7 @@ def assembled(
             filter_ = custom.CustomEstimator(estimator, formation)
             estimates = frozenset(filter_.provides)
         elif isinstance(scenario.estimator, KalmanFilter):
-            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack)
+            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, tell)
             estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
         if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
             noise = generator(scenario.seed, "sensors.custom")

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Literal, Self
 
@@ -191,6 +192,11 @@ class FmuPrediction:
         """Free everything, whatever happened."""
         self._instance = None
         self._stack.close()
+
+    @property
+    def file(self) -> Path:
+        """The FMU."""
+        return self._description.file
 
     @property
     def has_directional_derivatives(self) -> bool:

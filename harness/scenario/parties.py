@@ -27,8 +27,9 @@ class NoEstimator(Table):
 class KalmanFilter(Table):
     """An extended Kalman filter over a prediction model.
 
-    `fmu` evaluates the prediction FMU through FMI, `python` the CasADi function of the same class, `compiled`
-    the same filter as generated C; `decentralised` has a part for each bogie or group, at a cost linear in them.
+    `fmu` evaluates a prediction FMU through FMI 2.0; `compiled` has the equations of the same class as C in the filter,
+    the fastest form, for campaigns of thousands of stops; `python` is the reference in numpy; `decentralised` has a
+    part for each bogie or group, at a cost linear in them.
     """
 
     kind: Literal["fmu", "python", "compiled", "decentralised"]
@@ -39,7 +40,15 @@ class KalmanFilter(Table):
     library: NamedFile | None = optional(
         "for a model of one's own: the package.mo of its library, or the .mo file it stands in"
     )
-    noise: str = Field(description="name of the noise set; with a library its full name, such as train_ideal")
+    file: NamedFile | None = optional(
+        "a prediction of one's own as a Model Exchange FMU 2.0, for kind fmu: states v, w, mu_b and alpha, inputs "
+        "cylinder_pressure and, if it likes, track_force, outputs named as readings, all in SI"
+    )
+    trust: StrictBool = optional("load that FMU into this process, where its code runs", default=False)
+    noise: str | None = optional(
+        "name of the noise set; with a library its full name, such as train_ideal. Without one it is ideal where the "
+        "sensors are, else service"
+    )
     parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
     outlier_limit: dict[str, Annotated[float, Field(gt=0.0, allow_inf_nan=False)]] = optional(
         "from how many standard deviations of what was expected on a reading is left out, by its name", default={}
@@ -61,6 +70,13 @@ class KalmanFilter(Table):
         if self.model is not None and self.kind == "decentralised":
             raise broken(
                 "makes its prediction from the vehicle's nominal data when it is decentralised; leave out model"
+            )
+        if self.file is not None and (self.kind != "fmu" or self.model is not None):
+            raise broken("has a file, which only kind 'fmu' without a model takes")
+        if self.file is not None and not self.trust:
+            raise broken(
+                f"file: the code of {self.file.entry} would run in this process; if you know where it comes from, "
+                "set trust = true"
             )
         return self
 

@@ -155,7 +155,7 @@ def test_a_prediction_of_ones_own_estimates_as_the_class_that_it_extends(mine, k
     text = (ROOT / "harness" / "scenario" / "library" / "trapezoid.toml").read_text()
     scenario = mine.parent / "trapezoid.toml"
     table = f'[estimator]\nkind = "{kind}"\nmodel = "SimpleTrain.CarPrediction"\nlibrary = "SimpleTrain/package.mo"\n'
-    scenario.write_text(text.replace('[estimator]\nkind = "compiled"\nmodel = "TrainPrediction"\n', table))
+    scenario.write_text(text.replace('[estimator]\nkind = "fmu"\nmodel = "TrainPrediction"\n', table))
     short = ["limits.horizon=500 ms", "estimator.noise=reduced_ideal"]
     own = load(scenario, short)
     ours = load(Path("trapezoid"), ["limits.horizon=500 ms", "estimator.model=TrainPredictionReduced"])
