@@ -58,8 +58,8 @@ class Prediction(Variables, Protocol):
 
 
 @runtime_checkable
-class PredictionInC(Variables, Protocol):
-    """A prediction that a filter in C evaluates.
+class PredictionInC(Prediction, Protocol):
+    """A prediction that a filter in C evaluates, too.
 
     Attributes:
         parameters: What its C finds at `block + PARAMETERS`.

@@ -1,6 +1,7 @@
 """Studies: the field test, a wandering wheelset, axle-box accelerations, the brake monitor, K factors of a brake."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -108,7 +109,7 @@ def tune(
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
     from railgrip.errors import EstimationError
-    from railgrip.studies.field_test.filtering import filter_of, follow, lost, prediction, task_of
+    from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, task_of
     from railgrip.studies.field_test.noise import save_noise
     from railgrip.studies.field_test.objective import DIVERGED
     from railgrip.studies.field_test.runs import TUNING, cases, runs
@@ -117,7 +118,7 @@ def tune(
 
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
-    model, name = prediction(), "field_test" if campaign is None else campaign.stem
+    model, name = equations(), "field_test" if campaign is None else campaign.stem
     with progress("field test") as bar:
         field_runs = runs(cases(campaign), TUNING, lambda case: bar.update(doing=case))
     tasks = [task_of(run.braking, model) for run in field_runs.values()]
@@ -156,13 +157,19 @@ def tune(
 def lateral(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for results and report.")] = Path("build/lateral"),
     quick: Annotated[bool, typer.Option(help="A few short runs: shows that it works, not what is true.")] = False,
+    prediction: Annotated[
+        str, typer.Option(metavar="fmu|compiled", help="What the filters evaluate: FMUs, or their equations.")
+    ] = "fmu",
     workers: Workers = 2,
 ) -> None:
     """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
+    from railgrip.errors import EstimationError
     from railgrip.studies.lateral.report import write_report
     from railgrip.studies.lateral.study import FULL, QUICK, conduct
 
-    plan = QUICK if quick else FULL
+    if prediction != "fmu" and prediction != "compiled":
+        raise EstimationError(f"lateral: there is no prediction '{prediction}'; there is fmu, compiled.")
+    plan = replace(QUICK if quick else FULL, prediction=prediction)
     folder = out / "quick" if quick else out
     with progress("lateral", len(plan.cases), is_count=True) as bar:
         results = conduct(plan, workers=workers, tell=lambda case, was_there: bar.advance())

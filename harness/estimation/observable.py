@@ -5,7 +5,7 @@ import xarray
 
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import by_name, units_of
-from railgrip.estimation.spec import ObservabilityTable, Specification, estimate_of, prediction_for, settings_for
+from railgrip.estimation.spec import ObservabilityTable, Specification, equations_for, estimate_of, settings_for
 from railgrip.estimators.belief import Matrix
 from railgrip.estimators.observability import Observability, along, observability
 from railgrip.estimators.prediction import CasadiPrediction
@@ -34,7 +34,7 @@ def observe(specification: Specification, recording: xarray.Dataset) -> tuple[li
         raise EstimationError(
             f"{specification.name}: there is no [observability]; give scale, by state, window and stride."
         )
-    prediction = prediction_for(specification)
+    prediction = equations_for(specification)
     period = period_of(recording)
     settings = settings_for(specification, period)
     states = _states(recording, prediction)

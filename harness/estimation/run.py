@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Literal
 
 import casadi as ca
@@ -14,9 +15,16 @@ from railgrip.estimators.belief import Estimate, Matrix
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import Gate
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
+from railgrip.fmus.native.library import LIBRARY
+from railgrip.fmus.recipe import read_recipes
 from railgrip.trace.samples import period_of, samples
+
+Kind = Literal["fmu", "compiled"]
+"""What a filter evaluates: the prediction FMU through FMI 2.0, or the equations of its class as C in the filter."""
 
 READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 """States that a reading shows as they are; where `start` leaves them out they begin at its first sample."""
@@ -59,19 +67,42 @@ def per_step(variances: Mapping[str, float], period: float) -> dict[str, float]:
 
 
 def prediction_of(
-    model: str, parameters: Mapping[str, float] | None = None, outputs: Sequence[str] | None = None
-) -> CasadiPrediction:
+    model: str,
+    parameters: Mapping[str, float] | None = None,
+    outputs: Sequence[str] | None = None,
+    kind: Kind = "fmu",
+) -> PredictionInC:
     """Return the prediction of a class of RailBraking.FMUs, its other parameters at their defaults.
+
+    An FMU is built when it is not up to date; it is of one thread at a time.
 
     Args:
         model: Such as `RollerRigPrediction`, or a full class name.
         parameters: By name, SI.
         outputs: What readings are compared with, in that order, `wheelset_speed` for all its elements; all when None.
+        kind: What a filter evaluates.
 
     Raises:
         EstimationError: There is no such parameter or output.
         railgrip.errors.InputError: There is no such class.
     """
+    equations = equations_of(model, parameters, outputs)
+    if kind == "compiled":
+        return equations
+    description = describe(_file_of(model))
+    return FmuPrediction(
+        description,
+        parameters=parameters or {},
+        states=equations.states,
+        inputs=equations.inputs,
+        outputs=equations.outputs,
+    ).opened()
+
+
+def equations_of(
+    model: str, parameters: Mapping[str, float] | None = None, outputs: Sequence[str] | None = None
+) -> CasadiPrediction:
+    """Return the same prediction as equations, which may be differentiated further and shared by threads."""
     source = model_of(model)
     if outputs is not None:
         source = _showing(source, model, outputs)
@@ -81,6 +112,16 @@ def prediction_of(
     if strange:
         raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(defaults)}.")
     return CasadiPrediction(source, defaults | values)
+
+
+@cache
+def _file_of(model: str) -> Path:
+    """Return the FMU of a class of RailBraking.FMUs, built when it is not up to date."""
+    name = model.rpartition(".")[2]
+    own = read_recipes().recipes.get(name)
+    if own is not None and own.class_name in (model, f"RailBraking.FMUs.{model}"):
+        return fmu(name)
+    return build_class(model if "." in model else f"RailBraking.FMUs.{model}", LIBRARY, "me").path
 
 
 def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
@@ -109,7 +150,7 @@ def units_of(model: str) -> dict[str, str]:
 
 def estimate(
     recording: xarray.Dataset,
-    prediction: CasadiPrediction,
+    prediction: PredictionInC,
     settings: Settings,
     *,
     units: Mapping[str, str] | None = None,
@@ -190,7 +231,7 @@ def _follow(filter_: CompiledFilter, first: Estimate, inputs: Matrix, readings: 
         return filter_.follow(first, inputs[: problem.after], readings[: problem.after]), problem.why
 
 
-def _inputs(recording: xarray.Dataset, prediction: CasadiPrediction, units: Mapping[str, str], between: str) -> Matrix:
+def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping[str, str], between: str) -> Matrix:
     """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
     names = prediction.inputs
     columns = samples(recording, names, [units.get(name) for name in names])

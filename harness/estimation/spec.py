@@ -4,6 +4,7 @@ name = "rig-slide"
 
 [model]
 class = "RollerRigPrediction"
+kind = "fmu"                                # or "compiled": its equations in the filter, the same to rounding
 parameters = { load = "98.1 kN" }           # the others keep their defaults; SI or with a unit
 outputs = ["wheelset_speed", "speed"]       # what is compared with readings; all unless given
 
@@ -40,9 +41,9 @@ import xarray
 from pydantic import Field, model_validator
 
 from railgrip.errors import EstimationError
-from railgrip.estimation.run import Settings, estimate, model_of, per_step, prediction_of, units_of
+from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimators.design import Gate
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.load import demand_kind, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
@@ -91,6 +92,9 @@ class ModelTable(Table):
     """[model]: which prediction, and its parameters where they differ from the defaults."""
 
     class_: Annotated[str, Field(alias="class", pattern=r"^[A-Za-z][A-Za-z0-9_.]*$")]
+    kind: Kind = Field(
+        default="fmu", description="the class as an FMU, stepped through FMI 2.0, or its equations in the filter's C"
+    )
     parameters: dict[str, Magnitude] = Field(default_factory=dict)
     outputs: list[str] | None = None
 
@@ -208,13 +212,20 @@ def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
     return table["noise"]
 
 
-def prediction_for(specification: Specification) -> CasadiPrediction:
+def prediction_for(specification: Specification) -> PredictionInC:
     """Return the prediction of an estimation, its parameters converted to the units of the model.
 
     Raises:
         ScenarioError: There is no such parameter, or its unit has another dimension.
     """
-    return prediction_of(specification.model.class_, parameters_for(specification), specification.model.outputs)
+    model = specification.model
+    return prediction_of(model.class_, parameters_for(specification), model.outputs, model.kind)
+
+
+def equations_for(specification: Specification) -> CasadiPrediction:
+    """Return the same as equations, which may be differentiated further and shared by threads; errors likewise."""
+    model = specification.model
+    return equations_of(model.class_, parameters_for(specification), model.outputs)
 
 
 def parameters_for(specification: Specification) -> dict[str, float]:

@@ -13,6 +13,7 @@ from importlib.resources import files
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Literal, Self
+from weakref import finalize
 
 import numpy as np
 from fmpy.fmi2 import fmi2EventInfo
@@ -184,6 +185,12 @@ class FmuPrediction:
             self._instance = instance
             self._prepare(instance)
             self._stack = stack.pop_all()
+        return self
+
+    def opened(self) -> Self:
+        """Return it open without `with`; it is closed when nothing refers to it any more, at the latest at exit."""
+        self.__enter__()
+        finalize(self, self._stack.close)
         return self
 
     def __exit__(

@@ -11,6 +11,9 @@ _DEEPEST = 12
 """Levels of tables and lists; the deepest file of ours has five."""
 
 
+_KINDS_OF_ONE_FILTER = ("fmu", "compiled", "python")
+
+
 def parsed(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text.
 
@@ -41,18 +44,25 @@ def _demand_shallow(value: Any, levels: int) -> None:
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
     """Return `base` with the keys of `change` laid over it, table by table.
 
-    A change of a table's `kind` starts that table anew: the keys of another kind have nothing to say in it.
+    A change of a table's `kind` starts that table anew, because another kind has other keys; kinds of one filter, which
+    differ only in how it is computed, have the same.
     """
     result = dict(base)
     for key, value in change.items():
         below = result.get(key)
         if not isinstance(value, Mapping):
             result[key] = value
-        elif not isinstance(below, Mapping) or ("kind" in value and value["kind"] != below.get("kind")):
+        elif not isinstance(below, Mapping) or not _has_keys_of(below, value.get("kind")):
             result[key] = merged({}, value)
         else:
             result[key] = merged(below, value)
     return result
+
+
+def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
+    """Say whether the keys of a table mean the same under another kind; None is no change of it."""
+    own = table.get("kind")
+    return kind is None or own == kind or (kind in _KINDS_OF_ONE_FILTER and own in (*_KINDS_OF_ONE_FILTER, None))
 
 
 def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:

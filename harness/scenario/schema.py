@@ -135,7 +135,7 @@ class Scenario(Table):
         """Return the files beside the scenario that decide the stop, too."""
         table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
-        prediction = self.estimator.library if isinstance(self.estimator, KalmanFilter) else None
+        prediction = (self.estimator.library, self.estimator.file) if isinstance(self.estimator, KalmanFilter) else ()
         profile = self.demand.file if self.demand is not None else None
         entries = (
             self.vehicle.plant,
@@ -143,7 +143,7 @@ class Scenario(Table):
             self.vehicle.train,
             *table,
             *controller,
-            prediction,
+            *prediction,
             profile,
         )
         return tuple(file for file in entries if isinstance(file, NamedFile))

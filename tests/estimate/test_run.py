@@ -100,6 +100,17 @@ def test_compiled_and_numpy_filters_agree(undragged):
         assert estimates["readings"].values[k] == running.selection.sum()
 
 
+@pytest.mark.parametrize("parameters", [{}, {"mu_b_relaxes": 1.0}])
+def test_the_prediction_fmu_gives_the_estimates_of_its_equations(parameters):
+    """R is ten decimals below Q, so an update cancels nine of sixteen digits of what rounding left."""
+    recording = braked()
+    by_fmu, by_equations = (
+        estimate(recording, prediction_of(MODEL, parameters, kind=kind), SETTINGS) for kind in ("fmu", "compiled")
+    )
+    np.testing.assert_allclose(by_fmu["mean"].values, by_equations["mean"].values, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(by_fmu["sd"].values, by_equations["sd"].values, rtol=5e-6)
+
+
 def test_normalised_innovations_are_those_of_the_reference(undragged):
     recording = braked(samples=20)
     estimates = estimate(recording, undragged, SETTINGS)

@@ -4,7 +4,7 @@ import pytest
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.sources import recording_of_estimation
-from railgrip.estimation.spec import LIBRARY, load_specification, prediction_for, settings_for
+from railgrip.estimation.spec import LIBRARY, equations_for, load_specification, prediction_for, settings_for
 
 TEXT = (LIBRARY / "rig_own.toml").read_text()
 
@@ -47,7 +47,7 @@ def test_units_are_converted_and_checked(tmp_path):
         p=('class = "RollerRigPrediction"', 'class = "RollerRigPrediction"\nparameters = { load = "98.1 kN" }'),
     )
     specification = load_specification(path)
-    names = [v for v in prediction_for(specification).parameters]
+    names = [v for v in equations_for(specification).parameters]
     assert 98.1e3 in names
     assert settings_for(specification, 0.01).gate.threshold == 1500.0
     path = written(tmp_path, p=('threshold = "1.5 kN"', 'threshold = "1.5 bar"'))

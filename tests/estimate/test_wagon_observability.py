@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railgrip.estimation.observable import observe
-from railgrip.estimation.run import prediction_of
+from railgrip.estimation.run import equations_of
 from railgrip.estimation.spec import LIBRARY, load_specification
 from railgrip.estimators.observability import observability, readings_and_rates
 from railgrip.trace.samples import recording_of
@@ -38,7 +38,7 @@ def inverse(z, u, variant):
 
 @pytest.mark.parametrize("variant", [CORRECTED, PRINTED], ids=["corrected", "printed"])
 def test_the_closed_form_inverts_readings_and_rates(variant):
-    wagon = prediction_of("WagonPrediction", variant)
+    wagon = equations_of("WagonPrediction", variant)
     u = np.array([2e4, 1.5e4, -800.0, -50.0, -60.0])
     z, _ = readings_and_rates(wagon, 1, X, u)
     # Torques of 1e4 N.m cancel to what a pad is worth: three digits of sixteen.
@@ -49,7 +49,7 @@ def test_the_printed_factor_is_half_the_force_balance():
     """(1), (2) and (4) of the paper give a force of mu m g; (5) has half of it."""
     u = np.array([0.0, 0.0, 0.0, 0.0, 0.0])
     decelerations = [
-        prediction_of("WagonPrediction", v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)
+        equations_of("WagonPrediction", v | {"A_drag": 0.0}).derivative(X, u)[2] for v in (CORRECTED, PRINTED)
     ]
     assert decelerations == pytest.approx([-0.07 * G, -0.07 * G / 2], rel=1e-12)
 
@@ -65,14 +65,14 @@ def test_the_printed_factor_is_half_the_force_balance():
     ],
 )
 def test_a_pad_without_force_is_all_that_is_lost(variant, forces, lost):
-    wagon = prediction_of("WagonPrediction", variant)
+    wagon = equations_of("WagonPrediction", variant)
     information = observability(wagon, X, np.array([*forces, -800.0, 0.0, 0.0]), SCALE)
     assert (information.rank, information.undetermined) == (6 - len(lost), lost)
 
 
 def test_a_relaxing_pad_is_lost_without_force_too():
     """Equation (9) gives friction a dynamics of its own, which no reading sees."""
-    wagon = prediction_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
+    wagon = equations_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
     information = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
     assert information.undetermined == ("mu_b[1]",)
 

@@ -14,7 +14,7 @@ from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimation.track.braking import Braking, braked, braking_of
 from railgrip.estimation.track.braking import driven as driven_of
 from railgrip.estimators.ekf import ExtendedKalmanFilter
-from railgrip.studies.field_test.filtering import Task, filter_of, follow, lost, prediction, specification, task_of
+from railgrip.studies.field_test.filtering import Task, equations, filter_of, follow, lost, specification, task_of
 from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, Noise, load_noise, save_noise
 from railgrip.studies.field_test.objective import terms_of, value
 from railgrip.studies.field_test.runs import Run, cases
@@ -41,7 +41,7 @@ def braking(journey) -> Braking:
 
 @pytest.fixture(scope="module")
 def model():
-    return prediction()
+    return equations()
 
 
 @pytest.fixture(scope="module")

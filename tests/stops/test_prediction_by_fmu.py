@@ -1,4 +1,4 @@
-"""The filter that evaluates a prediction FMU is the filter that has its equations compiled, in every step of Table 1."""
+"""The filter that evaluates a prediction FMU is the filter that has its equations compiled, in each step of Table 1."""
 
 import ctypes
 from pathlib import Path

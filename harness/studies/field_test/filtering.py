@@ -6,12 +6,19 @@ from functools import cache
 import numpy as np
 
 from railgrip.estimation.run import by_name
-from railgrip.estimation.spec import LIBRARY, Specification, load_specification, prediction_for, settings_for
+from railgrip.estimation.spec import (
+    LIBRARY,
+    Specification,
+    equations_for,
+    load_specification,
+    prediction_for,
+    settings_for,
+)
 from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.belief import Array, Estimate
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import loss_step
-from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.studies.field_test.noise import GROUPS, PHYSICAL, Noise
 from railgrip.trace.samples import knows, period_of, samples, truth_of
 
@@ -43,12 +50,17 @@ class Task:
     period: float
 
 
-def prediction() -> CasadiPrediction:
+def prediction() -> PredictionInC:
     """Return the prediction of the field test; equations (1) to (5), (10) to (12) of the paper."""
     return prediction_for(specification())
 
 
-def task_of(braking: Braking, model: CasadiPrediction) -> Task:
+def equations() -> CasadiPrediction:
+    """Return the same as equations, which threads may share."""
+    return equations_for(specification())
+
+
+def task_of(braking: Braking, model: PredictionInC) -> Task:
     """Return a braking as arrays, from its first sample of coasting.
 
     Raises:
@@ -72,7 +84,7 @@ def task_of(braking: Braking, model: CasadiPrediction) -> Task:
     )
 
 
-def filter_of(model: CasadiPrediction, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
+def filter_of(model: PredictionInC, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
     """Return a compiled filter for brakings of one period."""
     gate = settings_for(specification(), period).gate
     return CompiledFilter(model, noise.process, noise.readings, period, gate)

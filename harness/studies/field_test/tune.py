@@ -63,6 +63,7 @@ def tune(
     Args:
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
         tasks: Brakings, all of one period.
+        model: Of `filtering.equations`, which the threads of the search share.
         checkpoint: File (`.npz`) where the search is kept after every stage, and found again.
 
     Raises:

@@ -12,10 +12,10 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
+from railgrip.estimation.run import Kind, prediction_of
 from railgrip.estimators.belief import Vector
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.fmus.native import lower
+from railgrip.estimators.prediction import PredictionInC
 from railgrip.loop.compiled import Observer, Source
 from railgrip.studies.lateral.wheelset import PAPER_SENSORS, PERIOD, Condition, Irregularity
 
@@ -62,10 +62,9 @@ CLASSES: Final[Mapping[Name, str]] = {
 
 
 @cache
-def prediction(name: Name) -> CasadiPrediction:
+def prediction(name: Name, kind: Kind = "fmu") -> PredictionInC:
     """Return the model inside a filter, with the parameters of Table 1."""
-    model = lower(CLASSES[name])
-    return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
+    return prediction_of(CLASSES[name], kind=kind)
 
 
 def literal_density(condition: Condition) -> Vector:
@@ -78,6 +77,7 @@ def party(
     first: Condition,
     irregularity: Irregularity,
     sensors: tuple[float, float] = PAPER_SENSORS,
+    kind: Kind = "fmu",
 ) -> Observer:
     """Return a filter at its start.
 
@@ -85,11 +85,13 @@ def party(
         first: Condition at the start; only the literal filter is told.
         irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
         sensors: Standard deviations of the readings.
+        kind: What it evaluates.
     """
+    model = prediction(name, kind)
     noise = np.square(sensors)
     column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
-        filter_ = CompiledFilter(prediction(name), literal_density(first), noise, PERIOD, order=1)
+        filter_ = CompiledFilter(model, literal_density(first), noise, PERIOD, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
         filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.inputs[:] = 0.0
@@ -107,7 +109,7 @@ def party(
             density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
             mean += [0.0, 0.0]
             variance += [1e-5**2, 1e-5**2]
-        filter_ = CompiledFilter(prediction(name), density, noise, PERIOD)
+        filter_ = CompiledFilter(model, density, noise, PERIOD)
         filter_.start(mean, variance)
         sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
     return Observer(name=name, filter=filter_, sources=sources)

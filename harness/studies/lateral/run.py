@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.estimation.run import Kind
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.loop.compiled import Beliefs, Record, run
@@ -39,6 +40,7 @@ class Case:
         plant: Name in `PLANTS`: what the filters' model leaves out, and how good the sensors are.
         seed: Of track and sensors.
         irregularity: Of the track.
+        prediction: What the filters evaluate: FMUs, or their equations.
     """
 
     test: Trial
@@ -46,6 +48,7 @@ class Case:
     plant: str
     seed: int
     irregularity: Irregularity = field(default_factory=Irregularity)
+    prediction: Kind = "fmu"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,7 +87,8 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     vehicle = PLANTS[case.plant]
     realisation = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
     table = np.column_stack([realisation.inputs, realisation.track_rate, np.full(len(realisation.inputs), case.speed)])
-    parties = [party(name, realisation.conditions[0], case.irregularity, sensors=vehicle.sensors) for name in names]
+    first_condition, kind = realisation.conditions[0], case.prediction
+    parties = [party(name, first_condition, case.irregularity, sensors=vehicle.sensors, kind=kind) for name in names]
     records: list[Record] = []
     with wheelset(case.speed, vehicle.parameters) as plant:
         plant.start(realisation.inputs[0])

@@ -9,6 +9,7 @@ import railgrip.estimators
 import railgrip.loop.compiled
 from railgrip.campaign.store import digest_of, results_of
 from railgrip.campaign.workers import workers as processes
+from railgrip.estimation.run import Kind
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral import filters, judge, run, wheelset
@@ -31,11 +32,13 @@ class Plan:
         tests: Each at every speed on the plant that the filters know; the last also at the middle speed on the others.
         speeds: [m/s].
         seeds: 1 to this number.
+        prediction: What the filters evaluate.
     """
 
     tests: tuple[Trial, ...]
     speeds: tuple[float, ...]
     seeds: int
+    prediction: Kind = "fmu"
 
     @property
     def middle_speed(self) -> float:
@@ -48,7 +51,7 @@ class Plan:
         variants = [(test, speed, "paper") for speed in self.speeds for test in self.tests]
         others = [(self.tests[-1], self.middle_speed, plant) for plant in PLANTS if plant != "paper"]
         return tuple(
-            Case(test=test, speed=speed, plant=plant, seed=seed)
+            Case(test=test, speed=speed, plant=plant, seed=seed, prediction=self.prediction)
             for test, speed, plant in (*variants, *others)
             for seed in range(1, self.seeds + 1)
         )
@@ -72,11 +75,12 @@ def conduct(
 ) -> tuple[Result, ...]:
     """Return the results of all runs of a plan, in its order; those in the user's cache are not run again."""
     # Compiled here once, so that the workers find everything made.
-    simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0))
+    first = Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction)
+    simulate(first)
     # What the compiler made, not the files it read: another vehicle in the library changes nothing here.
     models = [lower(name) for name in (*CLASSES.values(), "RailBraking.FMUs.LateralContact")]
     rests_on = digest_of(
-        fmu("LateralWheelset"),
+        *(fmu(name) for name in ("LateralWheelset", *(name.rpartition(".")[2] for name in CLASSES.values()))),
         *(function.serialize().encode() for model in models for function in (model.derivative, model.output)),
         repr([(p.name, p.start) for model in models for p in model.parameters]).encode(),
         Path(railgrip.estimators.__file__ or "").parent,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from railgrip.errors import EstimationError, FilterDiverged
-from railgrip.estimation.run import model_of, prediction_of, units_of
+from railgrip.estimation.run import equations_of, model_of, units_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
@@ -211,7 +211,7 @@ def model_units() -> dict[str, str]:
 
 @cache
 def _filter(period: float, parameters: tuple[tuple[str, float], ...]) -> tuple[CasadiPrediction, CompiledFilter]:
-    prediction = prediction_of(MODEL, dict(parameters))
+    prediction = equations_of(MODEL, dict(parameters))
 
     def squares(deviations: dict[str, float], names: tuple[str, ...]) -> Vector:
         return np.array([deviations[name.partition("[")[0]] for name in names]) ** 2

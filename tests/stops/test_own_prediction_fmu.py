@@ -1,0 +1,90 @@
+"""A prediction may come as a Model Exchange FMU of anybody's."""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import railgrip.scenario
+from railgrip.assemble import run_stop
+from railgrip.errors import ScenarioError
+from railgrip.fmus.build import fmu
+from railgrip.scenario.load import load
+
+TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
+OURS = 'kind = "fmu"\nmodel = "TrainPrediction"\n'
+
+
+def own(folder: Path, *edits: tuple[str, str], name: str = "TrainPrediction") -> Path:
+    """Write the FMU of a recipe under a name of its own, its description edited."""
+    file = folder / f"Mine{name}.fmu"
+    with zipfile.ZipFile(fmu(name)) as old, zipfile.ZipFile(file, "w") as new:
+        for member in old.namelist():
+            content = old.read(member)
+            if member == "modelDescription.xml":
+                text = content.decode()
+                for before, after in edits:
+                    assert before in text
+                    text = text.replace(before, after)
+                content = text.encode()
+            new.writestr(member, content)
+    return file
+
+
+def scenario_with(file: Path, *changes: str, trust: bool = True):
+    assert OURS in TRAPEZOID
+    path = file.with_suffix(".toml")
+    path.write_text(TRAPEZOID.replace(OURS, f'kind = "fmu"\nfile = "{file.name}"\ntrust = {str(trust).lower()}\n'))
+    return load(path, ["limits.horizon=2 s", *changes])
+
+
+def estimates(scenario, told: list[str] | None = None) -> np.ndarray:
+    trace = run_stop(scenario, tell=([] if told is None else told).append).trace
+    return np.concatenate([trace[f"estimate_{name}"].values.ravel() for name in ("speed", "adhesion", "pad_friction")])
+
+
+def test_it_estimates_as_the_prediction_that_it_is(tmp_path: Path):
+    """Gate and start come from the train's nominal data, which are those of the class: rounding, over 2000 steps."""
+    ours = load(Path("trapezoid"), ["limits.horizon=2 s"])
+    mine = scenario_with(own(tmp_path))
+    np.testing.assert_allclose(estimates(mine), estimates(ours), rtol=1e-9, atol=1e-9)
+    assert mine.files()[0].path.name == "MineTrainPrediction.fmu"
+
+
+def test_a_parameter_of_its_own_may_be_changed(tmp_path: Path):
+    file = own(tmp_path)
+    lighter = scenario_with(file, "estimator.parameters.k_primary=1 MN/m")
+    assert not np.allclose(estimates(lighter), estimates(scenario_with(file)), rtol=1e-3)
+
+
+def test_without_directional_derivatives_it_takes_differences_and_says_so(tmp_path: Path):
+    told: list[str] = []
+    without = own(tmp_path, ('providesDirectionalDerivative="true"', ""))
+    differences = estimates(scenario_with(without), told)
+    assert told == [
+        "[estimator]: MineTrainPrediction.fmu offers no directional derivatives; the filter takes central differences"
+    ]
+    # Central differences keep two thirds of the digits of a Jacobian; the filter is stable.
+    np.testing.assert_allclose(differences, estimates(load(Path("trapezoid"), ["limits.horizon=2 s"])), atol=1e-5)
+
+
+def test_its_code_runs_only_where_the_scenario_says_so(tmp_path: Path):
+    with pytest.raises(ScenarioError, match=r"MineTrainPrediction.fmu would run in this process; .* set trust = true"):
+        scenario_with(own(tmp_path), trust=False)
+
+
+@pytest.mark.parametrize(
+    ("edits", "sentence"),
+    [
+        ([('name="mu_b[3]"', 'name="mu_pad"')], r"MineTrainPrediction.fmu has no state mu_b\[3\]; it has v, "),
+        ([('name="cylinder_pressure[2]"', 'name="p2"')], r"has no input cylinder_pressure\[2\]; it has "),
+        (
+            [('name="track_force"', 'name="wind"')],
+            r"has an input wind; a prediction takes cylinder_pressure and ",
+        ),
+    ],
+)
+def test_what_it_lacks_is_told(tmp_path: Path, edits, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        run_stop(scenario_with(own(tmp_path, *edits)))
