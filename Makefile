@@ -34,9 +34,9 @@ install: $(DEV)  ## make .venv with everything declared in pyproject.toml
 fmus: $(READY)  ## build the FMUs that are not up to date
 	$(RUN) -m railgrip.fmus build
 
-# Of the FMUs only the plants of its stops: the others take as long again, and would be built on the way.
+# Of the FMUs only the plants and the prediction of its stops: the others take as long again, and would be built on the way.
 simulate: $(READY)  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
-	$(RUN) -m railgrip.fmus build TwoPartTrain TwoPartTrainPneumatic
+	$(RUN) -m railgrip.fmus build TwoPartTrain TwoPartTrainPneumatic TrainPrediction
 	$(RUN) -m railgrip campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
 
 unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)

@@ -20,5 +20,6 @@ CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "whole stops, slip-based control": partial(
         stop.of_scenario, "slip-based control", "controller.kind=slip_two_state", "estimator.kind=none"
     ),
+    "stops by what the filter evaluates": stop.of_predictions,
     "stops in two processes": stop.of_workers,
 }

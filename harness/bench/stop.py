@@ -50,6 +50,25 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     yield "  Python over compiled", f"{python / compiled:.1f}", ""
 
 
+def of_predictions() -> Iterator[Row]:
+    """Yield what a stop without a trace costs by what the filter evaluates, the kinds in turn."""
+    kinds = ("compiled", "fmu", "python")
+    scenarios = {kind: load(Path("trapezoid"), [f"estimator.kind={kind}"]) for kind in kinds}
+    seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
+    for scenario in scenarios.values():
+        braking_distance(scenario)  # compiles what has to be
+    for _ in range(3):
+        for kind, scenario in scenarios.items():
+            begin = process_time()
+            braking_distance(scenario)
+            seconds[kind].append(process_time() - begin)
+    compiled, fmu, python = (median(seconds[kind]) for kind in kinds)
+    yield "a stop with the filter over compiled equations", f"{compiled:.2f} s", ""
+    yield "  over the prediction FMU", f"{fmu:.2f} s", ""
+    yield "  in numpy over the equations", f"{python:.2f} s", ""
+    yield "  prediction FMU over compiled", f"{fmu / compiled:.2f}", "2.5"
+
+
 def of_workers(count: int = 24) -> Iterator[Row]:
     """Yield how many stops two processes end while one ends one.
 
