@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Literal
 from railgrip import cache
 from railgrip.errors import CompilerMissing, InputError, RailgripError
 from railgrip.fmus import openmodelica
-from railgrip.fmus.native import toolchain
+from railgrip.fmus.native import confined, toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import library_of, sources_digest
+from railgrip.fmus.native.library import is_own, library_of, require_class_name, sources_digest
 from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 
 if TYPE_CHECKING:
@@ -104,6 +104,7 @@ def build_class(
         InputError: There is no such library or class, or it does not compile.
         RailgripError: A compiler is missing or fails.
     """
+    require_class_name(class_name)
     whole = library_of(library.absolute())
     if not (whole / "package.mo" if whole.is_dir() else whole).is_file():
         raise InputError(
@@ -217,7 +218,21 @@ def _current(order: _Order, inputs: str) -> Artifact | None:
 
 
 def _translation_of(order: _Order) -> _Translation | None:
-    return translate(order.recipe, order.library) if order.compiler == "native" else None
+    if order.compiler != "native":
+        return None
+    if is_own(order.library):
+        return translate(order.recipe, order.library)
+    from railgrip.fmus.native.package import Source
+
+    recipe = order.recipe.model_dump(by_alias=True)
+    source, face = confined.call("translate", order.recipe.class_name, order.library, recipe=recipe)
+    return Source(**source), face
+
+
+def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what `translate` does for a recipe, all as JSON has it, for `confined`."""
+    source, face = translate(Recipe.model_validate(recipe), library)
+    return asdict(source), face
 
 
 def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:

@@ -10,9 +10,9 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from railgrip.errors import InputError
+from railgrip.fmus.native.library import MODELICA
 
 RECIPES = Path(__file__).with_name("recipes.toml")
-MODELICA = Path(__file__).parents[1] / "modelica"
 
 
 class Recipe(BaseModel):

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.ctext import names, string_literal, table
+from railgrip.fmus.native.ctext import string_literal, strings, table
 from railgrip.fmus.native.elimination import eliminate
 from railgrip.fmus.native.straight import straight
 from railgrip.fmus.native.structure import Loops
@@ -229,14 +230,13 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         table("int", "output_row", output_rows),
         table("int", "output_column", output_columns),
         table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
-        names("x_name", [s.name for s in lay.states]),
-        names("assertion_place", [a.where for a in system.assertions]),
-        f"static const char loop_names[] = {string_literal(', '.join(system.loops.guesses))};",
-        f"static const char start_loop_names[] = {string_literal(', '.join(system.start_loops.guesses))};",
+        strings("x_name", [s.name for s in lay.states]),
+        strings("assertion_place", [a.where for a in system.assertions]),
+        *_assertion_texts(system.assertions),
+        strings("loop_names", [", ".join(loops.guesses) for loops in (system.loops, system.start_loops)]),
         _model_functions(system, interfaces),
         '#include "layout.h"',
         elimination.code if elimination else "",
-        _assertion_texts(system.assertions),
         *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]
@@ -255,25 +255,8 @@ def _model_functions(system: System, interfaces: Sequence[str]) -> str:
     return "\n".join(["#include <math.h>", *interpreter(), *texts])
 
 
-def _assertion_texts(assertions: Sequence[Assertion]) -> str:
-    cases: list[str] = []
-    place = 0
-    for i, a in enumerate(assertions):
-        form = "".join("%g" if isinstance(piece, SX) else piece.replace("%", "%%") for piece in a.message)
-        count = sum(isinstance(piece, SX) for piece in a.message)
-        values = "".join(f", values[{place + k}]" for k in range(count))
-        place += count
-        cases.append(f"    case {i}: snprintf(text, size, {string_literal(form)}{values}); break;")
-    return "\n".join(
-        [
-            "static void assertion_text(int i, const double *values, char *text, size_t size) {",
-            "    (void)values;",
-            "    text[0] = 0;",
-            "    (void)size;",
-            "    switch (i) {",
-            *cases,
-            "    default: break;",
-            "    }",
-            "}",
-        ]
-    )
+def _assertion_texts(assertions: Sequence[Assertion]) -> list[str]:
+    """Return tables of the pieces of the messages, null for a value, and of where those of each assertion begin."""
+    pieces = [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]
+    begins = [0, *accumulate(len(a.message) for a in assertions)]
+    return [strings("message_piece", pieces), table("int", "message_begin", begins)]

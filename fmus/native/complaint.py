@@ -6,6 +6,8 @@ from pathlib import Path
 
 import rumoca
 
+from railgrip.errors import InputError
+
 _MOST = 3
 """Places worth reading."""
 
@@ -56,6 +58,35 @@ def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
             for number, line in enumerate(text.splitlines(), start=1):
                 if whole.search(line):
                     yield f"{name}:{number}: {line.strip()}"
+
+
+_NESTING = 200
+"""Most brackets inside each other; rumoca's parser overflows its stack at a few thousand."""
+_TOKENS = re.compile(r"""//[^\n]*|/\*.*?\*/|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[(\[{]|[)\]}]""", re.DOTALL)
+
+
+def require_readable(path: Path) -> None:
+    """Refuse Modelica that the front end cannot read without a crash.
+
+    Args:
+        path: The file that is read: `package.mo` stands for all files of its library.
+
+    Raises:
+        InputError: A file is not in UTF-8, or has brackets nested too deeply.
+    """
+    for file in sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]:
+        content = file.read_bytes()
+        try:
+            text = content.decode()
+        except UnicodeDecodeError as error:
+            line = content.count(b"\n", 0, error.start) + 1
+            raise InputError(f"{file}:{line}: this is no text in UTF-8; save the file as UTF-8.") from error
+        depth = 0
+        for token in _TOKENS.finditer(text):
+            depth += 1 if token[0] in "([{" else -1 if token[0] in ")]}" else 0
+            if depth > _NESTING:
+                line = text.count("\n", 0, token.start()) + 1
+                raise InputError(f"{file}:{line}: more than {_NESTING} brackets inside each other; name parts of it.")
 
 
 def short(file: Path, path: Path) -> str:

@@ -1,7 +1,10 @@
-"""Pieces of C source."""
+"""Pieces of C source.
+
+Text from outside (names, messages, places) enters C only as a string literal made by `string_literal`.
+"""
 
 import ctypes
-import json
+import string
 from collections.abc import Iterable, Sequence
 from typing import Any, cast
 
@@ -19,9 +22,11 @@ def number(value: float) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def names(name: str, values: Sequence[str]) -> str:
-    """Return a C table of strings."""
-    return f"static const char *const {name}[] = {{ {', '.join([*map(string_literal, values), '0'])} }};"
+def strings(name: str, values: Sequence[str | None]) -> str:
+    """Return a C table of strings, with a null pointer for each None."""
+    # One entry more, because C has no empty arrays.
+    entries = ["0" if value is None else string_literal(value) for value in (*values, None)]
+    return f"static const char *const {name}[] = {{ {', '.join(entries)} }};"
 
 
 def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list[str]:
@@ -40,9 +45,15 @@ def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list
     return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {', '.join([*own, '0'])} }};"]
 
 
+_PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + " ") - frozenset('"\\?')
+"""Characters that stand for themselves in a C string literal; `??` begins a trigraph."""
+
+
 def string_literal(text: str) -> str:
-    """Return a C string literal."""
-    return json.dumps(text)
+    """Return a C string literal of a text in UTF-8; NUL, which would end the string, becomes U+FFFD."""
+    octets = text.replace("\0", "\ufffd").encode(errors="replace")
+    # Three digits always: a digit that follows in the text is not read as part of the escape.
+    return '"' + "".join(c if (c := chr(octet)) in _PLAIN else f"\\{octet:03o}" for octet in octets) + '"'
 
 
 _C_TYPES = {"P": "void *", "q": "long long ", "l": "long long ", "d": "double "}

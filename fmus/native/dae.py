@@ -1,6 +1,7 @@
 """The front end: rumoca reads Modelica and hands over the checked, flat DAE with operands resolved."""
 
 import json
+import re
 import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from typing import Any
 import rumoca
 
 from railgrip.errors import InputError, TranslationError
-from railgrip.fmus.native.complaint import places, short
+from railgrip.fmus.native.complaint import places, require_readable, short
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 FRONT = Path(__file__).parent / "front"
@@ -125,19 +126,24 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
         raise InputError(f"{class_name}: there is no Modelica file {path}.")
     # A name that no folder has: for a real one rumoca also reads whatever else lies beside the file.
     alias = f"single-file/{path.name}"
+    if path.parent != LIBRARY:
+        require_readable(path)
     try:
         if path.name == "package.mo":
             model = _session(path.parent).load(str(path), model=class_name)
         else:
-            model = rumoca.Session(roots=[str(LIBRARY)]).loads(path.read_text(), model=class_name, filename=alias)
+            model = rumoca.Session(roots=[str(LIBRARY)]).loads(
+                path.read_text(encoding="utf-8"), model=class_name, filename=alias
+            )
         template = model.codegen(str(FRONT)).files[0].content
         flat = _part(model.to_json("flat", pretty=False), "variables")
         files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
-    except rumoca.RumocaError as error:
-        message = str(error).replace(alias, str(path))
+    except (rumoca.RumocaError, RuntimeError) as error:
+        # `codegen` raises RuntimeError and names its own template first.
+        message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
-    content = json.loads(template)
+    content = _content(template)
     schema = (content["schema"]["name"], content["schema"]["version"])
     if schema != SCHEMA:
         raise InputError(
@@ -149,6 +155,16 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     }
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+
+
+def _content(template: str) -> Node:
+    """Return the content of the rendered template, whose texts are written with Modelica's escapes."""
+    try:
+        return json.loads(template, strict=False)  # a text may hold a tabulator or any other control character
+    except json.JSONDecodeError:
+        # JSON lacks these four; the others that rumoca writes are the same.
+        others = {"a": r"\u0007", "v": r"\u000b", "?": "?", "'": "'"}
+        return json.loads(re.sub(r"\\(.)", lambda m: others.get(m[1], m[0]), template), strict=False)
 
 
 def _part(text: str, key: str) -> Node:

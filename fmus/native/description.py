@@ -1,9 +1,10 @@
 """modelDescription.xml: variables, units and structure of an FMU."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape
 
 import casadi as ca
 
@@ -84,9 +85,14 @@ class Writer:
         )
 
 
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_ESCAPES = {'"': "&quot;", "\t": "&#9;", "\n": "&#10;", "\r": "&#13;"}
+
+
 def attributes_text(values: dict[str, str]) -> str:
-    """Return XML attributes with a blank before each."""
-    return "".join(f" {key}={quoteattr(value)}" for key, value in values.items())
+    """Return XML attributes with a blank before each; a character that XML cannot hold becomes U+FFFD."""
+    texts = {key: escape(_NOT_IN_XML.sub("\ufffd", value), _ESCAPES) for key, value in values.items()}
+    return "".join(f' {key}="{text}"' for key, text in texts.items())
 
 
 def _number(value: float, type_: str) -> str:
@@ -282,14 +288,14 @@ def _unit_definitions(names: Iterable[str]) -> list[str]:
     for name in sorted(names):
         unit = parse(name)
         if unit is None:
-            out.append(f"    <Unit name={quoteattr(name)}/>")
+            out.append(f"    <Unit{attributes_text({'name': name})}/>")
             continue
         base = {b: str(e) for b, e in zip(BASE, unit.exponents, strict=True) if e}
         if unit.factor != 1.0:
             base["factor"] = repr(unit.factor)
         if unit.offset:
             base["offset"] = repr(unit.offset)
-        out.append(f"    <Unit name={quoteattr(name)}><BaseUnit{attributes_text(base)}/></Unit>")
+        out.append(f"    <Unit{attributes_text({'name': name})}><BaseUnit{attributes_text(base)}/></Unit>")
     return [*out, "  </UnitDefinitions>"]
 
 

@@ -5,7 +5,6 @@ same packager and compiler as for Modelica classes, another small runtime (`runt
 of one period calls the function once: outputs at its end come from the inputs set at its beginning.
 """
 
-import re
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -16,7 +15,7 @@ from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.ctext import string_literal, table
 from railgrip.fmus.native.description import Writer, document
 from railgrip.fmus.native.model import Variable
-from railgrip.fmus.native.package import Source
+from railgrip.fmus.native.package import Source, c_identifier
 from railgrip.fmus.native.straight import straight
 
 PARTS = ("discrete.c", "instance.c", "status.c")
@@ -65,7 +64,7 @@ class Discrete:
 
 def sources(system: Discrete) -> Source:
     """Return C code and modelDescription.xml, ready for `package.pack`."""
-    identifier = re.sub(r"\W", "_", system.name)
+    identifier = c_identifier(system.name)
     files = {"model.c": _code(system)} | {part: (RUNTIME / part).read_text() for part in PARTS}
     return Source.of(identifier, files, _xml(system, identifier))
 

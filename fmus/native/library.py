@@ -2,9 +2,32 @@
 
 import hashlib
 import os
+import re
 from pathlib import Path
 
-LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
+from railgrip import cache
+from railgrip.errors import InputError
+
+MODELICA = Path(__file__).parents[2] / "modelica"
+LIBRARY = MODELICA / "RailBraking"
+
+
+def require_class_name(name: str) -> None:
+    """Refuse a class name that is not made of plain identifiers: it becomes part of file names and of omc's script.
+
+    Raises:
+        InputError: It has a quoted identifier or anything else that is no letter, digit or underscore.
+    """
+    if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name, flags=re.ASCII):
+        raise InputError(
+            f"{name!r} is no name of a Modelica class: it is letters, digits and underscores, with dots between "
+            "packages, such as MyLib.MyTrain."
+        )
+
+
+def is_own(library: Path) -> bool:
+    """Return whether this project wrote a library: its own, or one that it generated into the user's cache."""
+    return any(library.is_relative_to(folder) for folder in (MODELICA, cache.folder() / "modelica"))
 
 
 def library_digest(library: Path) -> str:

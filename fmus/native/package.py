@@ -77,13 +77,17 @@ def sources(
         tolerance: Relative error of an internal step.
         step: Communication step to suggest, s.
     """
-    identifier = re.sub(r"\W", "_", system.class_name)
-
+    identifier = c_identifier(system.class_name)
     xml = description.write(
         system, identifier=identifier, interfaces=interfaces, solver=solver, tolerance=tolerance, step=step
     )
     files = code.c_sources(system, interfaces=interfaces, solver=solver, tolerance=tolerance)
     return Source.of(identifier, files, xml)
+
+
+def c_identifier(name: str) -> str:
+    """Return a C identifier made from a name, short enough for the name of a file."""
+    return re.sub(r"^(?=\d)|\W", "_", name, flags=re.ASCII)[:100]
 
 
 def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> Path:

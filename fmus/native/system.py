@@ -126,6 +126,8 @@ def explicit(dae: Dae) -> System:
     of_id, symbols = declare(dae)
     evaluate = Evaluator(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
+    if not (v.states or v.algebraics or v.discretes):
+        raise TranslationError(f"{dae.class_name} has no variables that change: there is nothing to simulate.")
     parameters = ca.vertcat(vector(v.free), vector(v.dependent))
     relations = find_relations(dae, evaluate, v.with_numbers, parameters)
     clocks = _clocks(dae, v)

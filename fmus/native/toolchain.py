@@ -17,8 +17,9 @@ from pathlib import Path
 from railgrip.cache import find, keep
 from railgrip.errors import BuildFailed, CompilerMissing
 
-# -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine.
-FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+# -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine. gnu99 is C99
+# without trigraphs, by which `??/` would be a backslash, also inside a string literal.
+FLAGS = ("-std=gnu99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 FMU_FLAGS = ("-O1",)
 """For FMUs: more takes twice as long over the long straight-line functions and gains nothing measurable at run time."""
 
@@ -50,7 +51,8 @@ def compiler() -> Compiler:
         if path:
             return _probe((path, *words[1:]))
     if importlib.util.find_spec("ziglang") is not None:
-        return _probe((sys.executable, "-m", "ziglang", "cc"))
+        # -P: without it, Python would first look for ziglang in the current folder.
+        return _probe((sys.executable, "-P", "-m", "ziglang", "cc"))
     raise CompilerMissing(
         "no C compiler: neither CC, cc, gcc nor clang is on the PATH and the Python package ziglang "
         "is not installed; install one of them (`pip install ziglang` needs no administrator)."
@@ -101,7 +103,7 @@ def binary(
     cc = compiler()
     with tempfile.TemporaryDirectory() as scratch:
         for file, text in sources.items():
-            (Path(scratch) / file).write_text(text)
+            (Path(scratch) / file).write_text(text, encoding="utf-8")
         # Relative names only: an absolute path would end up in the library and change its bytes.
         output = name + SUFFIX
         files = units or sorted(file for file in sources if file.endswith(".c"))

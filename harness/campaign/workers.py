@@ -42,7 +42,8 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
     """
     with (
         scratch("workers") as folder,
-        _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder)}),
+        # A process starts with `python -c`, which without PYTHONSAFEPATH looks for modules in the current folder.
+        _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
         nullcontext() if main else _without_main(),
     ):
         # Spawned, because CasADi holds threads, and because a library reads the variables when it is loaded.

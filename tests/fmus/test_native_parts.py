@@ -205,7 +205,7 @@ def test_without_any_c_compiler_the_sentence_says_what_to_install(monkeypatch):
 def test_without_a_system_compiler_zig_is_taken(monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
-    assert toolchain.compiler().command[1:] == ("-m", "ziglang", "cc")
+    assert toolchain.compiler().command[1:] == ("-P", "-m", "ziglang", "cc")
 
 
 def test_a_c_error_is_shown():

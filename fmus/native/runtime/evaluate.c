@@ -37,7 +37,7 @@ static int loops(Instance *m, double t, const double *x) {
         }
     }
 failed:
-    return failure(m, "the nonlinear loop of %s does not converge at time = %.9g s (residual %.3g)", loop_names, t, norm);
+    return failure(m, "the nonlinear loop of %s does not converge at time = %.9g s (residual %.3g)", loop_names[0], t, norm);
 }
 
 static int derivatives(Instance *m, double t, const double *x, double *dx) {
@@ -85,7 +85,7 @@ static int start_states(Instance *m) {
     for (int k = 0; NQ; k++) {
         int converged = 1;
         if (k == 4 * LOOP_ITERATIONS)
-            return failure(m, "the initial equations of %s do not converge (residual %.3g)", start_loop_names, norm);
+            return failure(m, "the initial equations of %s do not converge (residual %.3g)", loop_names[1], norm);
         f_start_loop(a, l);
         norm = 0;
         for (int i = 0; i < NQ; i++) {
@@ -190,6 +190,19 @@ static int fresh_output_jacobian(Instance *m) {
     return 0;
 }
 #endif
+
+/* Write the message of an assertion: its pieces, and the next of `values` where a piece is null. */
+static void assertion_text(int i, const double *values, char *text, size_t size) {
+    text[0] = 0;
+    for (int k = 0; k < message_begin[i + 1]; k++) {
+        const double *value = message_piece[k] ? NULL : values++;
+        if (k < message_begin[i]) continue;
+        int n = value ? snprintf(text, size, "%g", *value) : snprintf(text, size, "%s", message_piece[k]);
+        if (n < 0 || (size_t)n >= size) return;
+        text += n;
+        size -= (size_t)n;
+    }
+}
 
 /* Judge the model's assertions; 1 when one that is an error does not hold. */
 static int assertions(Instance *m) {

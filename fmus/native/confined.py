@@ -1,0 +1,145 @@
+"""Translation of a user's classes in a process of its own, with limits of time and memory.
+
+rumoca crashes where expressions are nested deeper than its stack, and a few characters of Modelica declare more
+variables than any machine can hold. Such a class ends in a sentence. Classes of this project are translated in the
+caller's process.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, NoReturn
+
+from railgrip.errors import InputError, TranslationError
+
+_TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
+"""Functions that the process calls, by the module that has them; arguments and result are JSON."""
+
+_ADVICE: Final = "make it smaller, or build it with OpenModelica (--compiler openmodelica)"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What one translation may take.
+
+    Attributes:
+        seconds: Time; the largest train of this project's tests takes ten.
+        memory_mib: Address space [MiB].
+    """
+
+    seconds: int = 300
+    memory_mib: int = 4096
+
+
+LIMITS = Limits()
+
+
+def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
+    """Return the result of a task for a class of a library, computed in a process of its own.
+
+    Raises:
+        InputError: The class cannot be translated, or not within the limits.
+    """
+    request = {
+        "task": task,
+        "class_name": class_name,
+        "library": str(library),
+        "limits": [LIMITS.seconds, LIMITS.memory_mib],
+    }
+    # The current folder decides nothing: not even whoever runs `python script.py` imports from it here.
+    path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
+    start = f"import sys; sys.path[:] = {path!r}; from {__name__} import main; main()"
+    try:
+        done = subprocess.run(
+            [sys.executable, "-I", "-c", start],
+            input=json.dumps(request | {"arguments": arguments}).encode(),
+            capture_output=True,
+            check=False,
+            timeout=LIMITS.seconds,
+            start_new_session=True,  # Ctrl-C comes to this process, which then ends the other
+        )
+    except subprocess.TimeoutExpired:
+        raise _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate") from None
+    if done.returncode:
+        raise _ended(class_name, done.returncode, done.stderr.decode(errors="replace"))
+    sys.stderr.write(done.stderr.decode(errors="replace"))  # warnings
+    answer = json.loads(done.stdout)
+    if "refusal" in answer:
+        raise (TranslationError if answer["kind"] == "TranslationError" else InputError)(answer["refusal"])
+    return answer["result"]
+
+
+def _beyond(class_name: str, what: str) -> TranslationError:
+    return TranslationError(f"{class_name} {what}; {_ADVICE}.")
+
+
+def _ended(class_name: str, code: int, words: str) -> TranslationError:
+    """Return the sentence for a process that ended without an answer."""
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        return _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
+    if "memory" in words:  # Rust aborts, C++ throws bad_alloc: both say so
+        return _beyond(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
+    end = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    return _beyond(
+        class_name, f"has an expression that is too long or nested too deeply: its compiler ended with {end}"
+    )
+
+
+def main() -> None:
+    """Answer the request on standard input on standard output; whatever else is printed goes to standard error."""
+    request = json.load(sys.stdin)
+    answers = os.dup(1)
+    os.dup2(2, 1)
+    _limit(*request["limits"])
+    answer = _answer(request["task"], request["class_name"], Path(request["library"]), request["arguments"])
+    with os.fdopen(answers, "w", encoding="utf-8") as stream:
+        json.dump(answer, stream)
+    sys.stderr.flush()
+    os._exit(0)  # without freeing millions of objects one by one
+
+
+def _answer(task: str, class_name: str, library: Path, arguments: dict[str, Any]) -> dict[str, Any]:
+    from importlib import import_module
+
+    function: Callable[..., Any] = getattr(import_module(_TASKS[task]), f"{task}_here")
+    try:
+        return {"result": function(class_name, library, **arguments)}
+    except InputError as error:
+        return {"kind": type(error).__name__, "refusal": str(error)}
+    except MemoryError:
+        _give_up("out of memory")
+    except RecursionError:
+        problem = "an expression that is too long or nested too deeply, or a function that calls itself"
+        return {"kind": "TranslationError", "refusal": f"{class_name} has {problem}."}
+    except Exception as error:
+        if "bad_alloc" in str(error):
+            _give_up("out of memory")
+        words = f"{type(error).__name__}: {error}".strip().splitlines()[-1]
+        problem = f"the built-in compiler fails on this class ({words}); simplify it, or build it with OpenModelica"
+        return {"kind": "TranslationError", "refusal": f"{class_name}: {problem}."}
+
+
+def _give_up(words: str) -> NoReturn:
+    os.write(2, words.encode())
+    os._exit(1)
+
+
+def _limit(seconds: int, memory_mib: int) -> None:
+    if os.name != "posix":
+        return
+    import resource
+
+    # Beside the time that the caller waits, so that this process ends also where its caller is gone.
+    for what, limit in (
+        (resource.RLIMIT_CPU, seconds),
+        (resource.RLIMIT_AS, memory_mib << 20),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _, most = resource.getrlimit(what)
+        value = limit if most == resource.RLIM_INFINITY else min(limit, most)
+        resource.setrlimit(what, (value, value))

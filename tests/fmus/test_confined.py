@@ -1,0 +1,107 @@
+"""Modelica of a user that cannot be compiled ends in a sentence, whatever it does to the compiler."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from railgrip.errors import InputError
+from railgrip.fmus.build import build_class
+from railgrip.fmus.native import confined, lower
+from railgrip.fmus.native.library import LIBRARY
+
+DECAY = "model M Real x(start=1, fixed=true); equation der(x) = {}; end M;"
+DOUBLED = (
+    "package P model A0 Real x(start=1, fixed=true); equation der(x) = -x; end A0; "
+    + "".join(f"model A{i + 1} A{i} a; A{i} b; end A{i + 1}; " for i in range(22))
+    + "model M A22 a; end M; end P;"
+)
+REFUSED = {
+    "5,000 nested calls": (DECAY.format("sin(" * 5000 + "x" + ")" * 5000), r"M.mo:1: more than 200 brackets inside"),
+    "20,000 parentheses": (DECAY.format("(" * 20000 + "x" + ")" * 20000), r"M.mo:1: more than 200 brackets inside"),
+    "500 terms": (DECAY.format("+".join(["x"] * 500)), "too long or nested too deeply"),
+    "50,000 terms": (
+        DECAY.format("+".join(["x"] * 50000)),
+        "too long or nested too deeply: its compiler ended with SIG",
+    ),
+    "a function of itself": (
+        "package P function f input Real x; output Real y; algorithm y := f(x - 1); end f; "
+        "model M Real x(start=1, fixed=true); equation der(x) = -f(x); end M; end P;",
+        "function that calls itself",
+    ),
+    "a component of itself": ("model M M a; Real x(start=1); equation der(x) = -x; end M;", "cyclic class"),
+    "0/0": ("model M Real x(start=0/0, fixed=true); equation der(x) = -x; end M;", "non-finite"),
+    "no equations": ("model M Real x; end M;", "unbalanced model: 0 equations, 1 unknowns"),
+    "nothing": ("model M end M;", "M has no variables"),
+    "an empty file": ("", "no file of it declares M"),
+    "10⁸ states": (
+        "model M Real a[100000000](each start=1); equation der(a) = -a; end M;",
+        "M takes more than (5 s|2048 MiB)",
+    ),
+    "2²² states": (DOUBLED, "P.M takes more than (5 s|2048 MiB)"),
+    "too many states": ("model M Real a[20000](each start=1); equation der(a) = -a; end M;", "M takes more than 5 s"),
+}
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(confined, "LIMITS", confined.Limits(seconds=5, memory_mib=2048))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux")
+@pytest.mark.parametrize("text", REFUSED)
+@pytest.mark.parametrize("ask", ["build", "lower"])
+def test_it_ends_in_a_sentence(tmp_path: Path, text: str, ask: str, capfd: pytest.CaptureFixture[str]):
+    modelica, sentence = REFUSED[text]
+    file = tmp_path / "M.mo"
+    file.write_text(modelica)
+    name = "P.M" if modelica.startswith("package P") else "M"
+    with pytest.raises(InputError, match=sentence) as refusal:
+        build_class(name, file, compiler="native") if ask == "build" else lower(name, file)
+    assert name in str(refusal.value)
+    assert "\n  File" not in str(refusal.value)
+    assert "Traceback" not in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("library", [False, True], ids=["file", "library"])
+def test_another_encoding_is_told_with_file_and_line(tmp_path: Path, library: bool):
+    file = tmp_path / ("package.mo" if library else "M.mo")
+    text = 'package P\n  model M "Räder" Real x(start=1); equation der(x) = -x; end M;\nend P;\n'
+    file.write_bytes(text.encode("latin-1"))
+    with pytest.raises(InputError, match=rf"{file.name}:2: .* save the file as UTF-8"):
+        build_class("P.M", file, compiler="native")
+
+
+def test_brackets_in_texts_and_comments_do_not_count(tmp_path: Path):
+    file = tmp_path / "M.mo"
+    brackets = "(" * 500
+    file.write_text(DECAY.format("-x").replace("M Real", f'M "{brackets}" /* {brackets} */ // \'"{brackets}\n Real'))
+    assert lower("M", file).states[0].name == "x"
+
+
+def test_a_class_translated_apart_is_the_one_translated_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from railgrip.fmus.build import translate, translate_here
+    from railgrip.fmus.recipe import Recipe
+
+    file = tmp_path / "M.mo"
+    file.write_text(DECAY.format("-x"))
+    recipe = Recipe.own("M", "cs")
+    apart = confined.call("translate", "M", file, recipe=recipe.model_dump(by_alias=True))
+    assert apart == list(translate_here("M", file, recipe.model_dump(by_alias=True)))
+    assert translate(recipe, file)[0].xml == apart[0]["xml"]
+
+
+def test_classes_of_this_project_are_translated_without_a_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setattr(confined, "call", lambda *_, **__: pytest.fail("a process was started"))
+    monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "cache"))
+    assert lower("RailBraking.FMUs.ContactPoint", LIBRARY).outputs
+
+
+def test_modules_of_the_current_folder_are_not_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for name in ("json", "rumoca", "railgrip", "casadi"):
+        (tmp_path / f"{name}.py").write_text("open('ran', 'w').close()\nraise ImportError('a trap')\n")
+    (tmp_path / "M.mo").write_text(DECAY.format("-x - 1"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert lower("M", Path("M.mo")).states
+    assert not (tmp_path / "ran").exists()
