@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV   ?= .venv
 RUN    := $(VENV)/bin/python
+# Not `python -m`, which imports what lies in the current folder.
+PROGRAM := $(VENV)/bin/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
@@ -32,61 +34,61 @@ $(DEV): $(READY)
 install: $(DEV)  ## make .venv with everything declared in pyproject.toml
 
 fmus: $(READY)  ## build the FMUs that are not up to date
-	$(RUN) -m railgrip.fmus build
+	$(PROGRAM) build
 
 # Of the FMUs only the plants and the prediction of its stops: the others take as long again, and would be built on the way.
 simulate: $(READY)  ## the table of braking distances with figures, build/table1, and other creep curves, build/shapes
-	$(RUN) -m railgrip.fmus build TwoPartTrain TwoPartTrainPneumatic TrainPrediction
-	$(RUN) -m railgrip campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
+	$(PROGRAM) build TwoPartTrain TwoPartTrainPneumatic TrainPrediction
+	$(PROGRAM) campaign harness/scenario/campaigns/table1.toml harness/scenario/campaigns/shapes.toml
 
 unseen: fmus  ## controllers on a hundred draws of a rail and others they were not tuned on, build/unseen (minutes)
-	$(RUN) -m railgrip campaign harness/scenario/campaigns/unseen.toml
+	$(PROGRAM) campaign harness/scenario/campaigns/unseen.toml
 
 adverse: fmus  ## controllers under creep curves, sensors and trains that do not suit them, build/adverse
-	$(RUN) -m railgrip campaign harness/scenario/campaigns/adverse.toml
+	$(PROGRAM) campaign harness/scenario/campaigns/adverse.toml
 
 report: simulate  ## the same with the panels of every stop
-	$(RUN) -m railgrip report build/table1
-	$(RUN) -m railgrip report build/shapes
+	$(PROGRAM) report build/table1
+	$(PROGRAM) report build/shapes
 
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
-	$(RUN) -m railgrip conditioning harness/scenario/campaigns/table1.toml
+	$(PROGRAM) conditioning harness/scenario/campaigns/table1.toml
 
 headlines: conditioning  ## all numbers of the table anew, into baselines and README: make headlines REASON='…'
-	-$(RUN) -m railgrip regress
-	$(RUN) -m railgrip accept --reason '$(REASON)'
-	$(RUN) -m railgrip readme
+	-$(PROGRAM) regress
+	$(PROGRAM) accept --reason '$(REASON)'
+	$(PROGRAM) readme
 
 readme: $(READY)  ## write the accepted braking distances into README's table
-	$(RUN) -m railgrip readme
+	$(PROGRAM) readme
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
-	$(RUN) -m railgrip regress
+	$(PROGRAM) regress
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
-	$(RUN) -m railgrip accept --reason '$(REASON)'
+	$(PROGRAM) accept --reason '$(REASON)'
 
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
-	$(RUN) -m railgrip calibrate
+	$(PROGRAM) calibrate
 
 tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
-	$(RUN) -m railgrip tune-control
+	$(PROGRAM) tune-control
 
 type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour; QUICK=--quick)
-	$(RUN) -m railgrip type-test $(QUICK)
+	$(PROGRAM) type-test $(QUICK)
 
 trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains (QUICK=--quick)
-	$(RUN) -m railgrip trains $(QUICK)
+	$(PROGRAM) trains $(QUICK)
 
 bench: fmus  ## speed, as medians and ratios in one run
-	$(RUN) -m railgrip bench
+	$(PROGRAM) bench
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones
 	@$(MAKE) --no-print-directory --jobs 2 suite kept
 
 kept: check
-	$(RUN) -m railgrip regress --workers 1
+	$(PROGRAM) regress --workers 1
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 suite: $(DEV)
@@ -98,11 +100,11 @@ test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must
 
 regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %
 	@command -v omc >/dev/null || { echo "regress-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(RUN) -m railgrip.fmus build --compiler openmodelica
-	$(RUN) -m railgrip regress --across-compilers --out build/regress-omc
+	$(PROGRAM) build --compiler openmodelica
+	$(PROGRAM) regress --across-compilers --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
-	$(RUN) -m railgrip monitor-study
+	$(PROGRAM) monitor-study
 
 fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
 	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz
@@ -118,30 +120,30 @@ check: $(DEV)
 ESTIMATIONS := harness/estimation/library
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(RUN) -m railgrip rig
-	$(RUN) -m railgrip observability $(ESTIMATIONS)/rig_own.toml
-	$(RUN) -m railgrip observability $(ESTIMATIONS)/wagon.toml
-	$(RUN) -m railgrip estimate $(ESTIMATIONS)/wagon.toml
-	$(RUN) -m railgrip estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-relaxing --set model.parameters.mu_b_relaxes=1
-	$(RUN) -m railgrip estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-as-printed \
+	$(PROGRAM) rig
+	$(PROGRAM) observability $(ESTIMATIONS)/rig_own.toml
+	$(PROGRAM) observability $(ESTIMATIONS)/wagon.toml
+	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml
+	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-relaxing --set model.parameters.mu_b_relaxes=1
+	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml --set name=wagon-as-printed \
 	  --set model.parameters.adhesion_share=0.5 --set model.parameters.resistance_transfer=1 \
 	  --set model.parameters.adhesion_transfer=0
-	$(RUN) -m railgrip observability $(ESTIMATIONS)/field.toml
-	$(RUN) -m railgrip estimate $(ESTIMATIONS)/field.toml
-	$(RUN) -m railgrip field
+	$(PROGRAM) observability $(ESTIMATIONS)/field.toml
+	$(PROGRAM) estimate $(ESTIMATIONS)/field.toml
+	$(PROGRAM) field
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
-	$(RUN) -m railgrip tune paper --out harness/studies/field_test/library/paper.toml
-	$(RUN) -m railgrip tune consistent --out harness/studies/field_test/library/consistent.toml
+	$(PROGRAM) tune paper --out harness/studies/field_test/library/paper.toml
+	$(PROGRAM) tune consistent --out harness/studies/field_test/library/consistent.toml
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
-	$(RUN) -m railgrip lateral
+	$(PROGRAM) lateral
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
-	$(RUN) -m railgrip learn
+	$(PROGRAM) learn
 
 k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
-	$(RUN) -m railgrip k-factors vt642 --loop
+	$(PROGRAM) k-factors vt642 --loop
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

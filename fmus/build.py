@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROOM = Path(__file__).parent
 OUTPUT = ROOM.parent / "build" / "fmus"
-"""Where `python -m railgrip.fmus build` leaves copies; nothing of ours is loaded from there."""
+"""Where `railgrip build` leaves copies; nothing of ours is loaded from there."""
 
 KIND = "fmus"
 """Their shelf in the user's cache."""

@@ -62,7 +62,7 @@ def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
 def write_lock(book: Cookbook, entries: Mapping[str, Entry], file: Path = LOCK) -> None:
     """Write a lock file."""
     lines = [
-        "# Written by `python -m railgrip.fmus check --update`; a change here is a change of the models' faces.",
+        "# Written by `railgrip build --check --update`; a change here is a change of the models' faces.",
         "",
         "[tools]",
     ]

@@ -96,10 +96,10 @@ class FilterDiverged(RailgripError, ArithmeticError):
 
 
 Reason = Literal[
-    "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "refused"
+    "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "excess", "refused"
 ]
 """What went wrong: an FMI status, a number that is none, an FMU that asked to end, a value that is no number, a process
-that died or hung, or an FMU that would not be instantiated."""
+that died, hung or took too much, or an FMU that would not be instantiated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,6 +138,7 @@ class Failure:
             "not_finite": f"output '{self.variable}' is not a finite number",
             "crash": "the FMU crashed",
             "timeout": "the FMU did not return",
+            "excess": "the FMU was stopped",
             "refused": f"the FMU could not be started: {self.call} gave no instance",
         }[self.reason]
         about = f" ({self.detail})" if self.detail else ""

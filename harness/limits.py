@@ -7,7 +7,7 @@ MIB = 1 << 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FmuLimits:
-    """Limits for FMUs from outside; those of memory, processes and files hold in a process of its own only.
+    """Limits for FMUs from outside; those from memory on hold in a process of its own only.
 
     Attributes:
         files: Most entries of the archive.
@@ -19,6 +19,8 @@ class FmuLimits:
         memory_mib: Most address space of its process [MiB].
         processes: Most processes and threads it may add to those of its user; Linux does not hold root to it.
         open_files: Most files open at once.
+        messages: Most messages it may log in all.
+        output_mib: Most that it may write to standard output and error together, and to any one file [MiB].
         patience: Real time one call may last, starting included [s]; a plant this slow would need hours for a stop.
     """
 
@@ -28,9 +30,11 @@ class FmuLimits:
     ratio: int = 200
     description_mib: int = 32
     variables: int = 100_000
-    memory_mib: int = 4096
+    memory_mib: int = 1024
     processes: int = 256
     open_files: int = 256
+    messages: int = 1_000_000
+    output_mib: int = 64
     patience: float = 10.0
 
     def __post_init__(self) -> None:

@@ -15,7 +15,6 @@ ALLOWED = {
     "railgrip.files": (),
     "railgrip.cache": (),
     "railgrip.fmus": ("railgrip.fmus",),
-    "railgrip.fmus.__main__": ("railgrip.fmus", "railgrip.console", "railgrip.report.table"),
     "railgrip.estimators": ("railgrip.estimators", "railgrip.fmus.native"),
     "railgrip.controllers": ("railgrip.controllers",),
     "railgrip": ("railgrip",),

@@ -26,7 +26,7 @@ outputs, arrays as scalars `cylinder_pressure[1]`. What the plant knows and no f
     judge(recorded, estimates, "mu_b").rmse
 
 Names without index in `Settings` stand for every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a
-TOML file; `python -m railgrip estimate FILE.toml` runs one, `python -m railgrip observability FILE.toml` asks what
+TOML file; `railgrip estimate FILE.toml` runs one, `railgrip observability FILE.toml` asks what
 such a recording can tell at all. A new kind of source is one more table in `spec` with a function that returns a
 recording, registered in `sources`.
 """

@@ -6,6 +6,7 @@ it is a question once asked.
 """
 
 import json
+import os
 import pickle
 import socket
 import struct
@@ -17,6 +18,7 @@ import numpy as np
 
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu.cosimulation import CoSimulation
+from railgrip.fmu.instance import limit_messages
 
 Request = Literal["open", "start", "step"]
 _CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3}
@@ -24,6 +26,9 @@ _REQUESTS: Final = {code: request for request, code in _CODES.items()}
 ANSWER: Final = 0
 FAILED: Final = 255
 REFUSED: Final = 254
+TALKATIVE: Final = 251
+UNREACHABLE: Final = 252
+"""Exit codes of the FMU's process."""
 _LONGEST: Final = 1 << 24  # bytes of a message
 _HEAD: Final = struct.Struct("<BI")
 _CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
@@ -91,9 +96,17 @@ def serve(line: socket.socket) -> None:
                 send(line, ANSWER, answer)
 
 
-def serve_on(number: int) -> None:
-    """Say that this process is ready, and serve on the socket of a file descriptor."""
+def serve_on(number: int, messages: int) -> None:
+    """Say that this process is ready, and serve on the socket of a file descriptor.
+
+    An FMU that logs more messages than allowed ends the process with `TALKATIVE`, one that closes the socket with
+    `UNREACHABLE`.
+    """
+    limit_messages(messages, lambda: os._exit(TALKATIVE))
     # Whoever asked may be gone before the answer; then nobody wants it.
-    with socket.socket(fileno=number) as line, suppress(ConnectionError):
-        send(line, ANSWER, b"")
-        serve(line)
+    try:
+        with socket.socket(fileno=number) as line, suppress(ConnectionError):
+            send(line, ANSWER, b"")
+            serve(line)
+    except OSError:
+        os._exit(UNREACHABLE)

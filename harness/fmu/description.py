@@ -138,7 +138,7 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """
     path = Path(file)
     if not path.is_file():
-        raise FmuError(f"{path}: there is no such file; build it (python -m railgrip.fmus build) or correct the path.")
+        raise FmuError(f"{path}: there is no such file; build it (railgrip build) or correct the path.")
     try:
         content = digest(path)
     except OSError as error:

@@ -48,11 +48,28 @@ _logs: dict[int, Log] = {}
 _environments = count(1)
 
 
+_heard = 0
+_quota: tuple[int, Callable[[], object]] | None = None
+_LONGEST_MESSAGE: Final = 2000  # characters that are kept
+
+
+def limit_messages(most: int, end: Callable[[], object]) -> None:
+    """Call `end` when the FMUs of this process have logged more messages than allowed."""
+    global _quota
+    _quota = most, end
+
+
 def _hear(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
     """Keep what an FMU says under the environment it was given at instantiation."""
+    global _heard
+    _heard += 1
+    if _quota is not None and _heard > _quota[0]:
+        _quota[1]()
     log = _logs.get(environment or 0)
     if log is not None and message:
-        log.append((status, message.decode("utf-8", errors="replace").strip()))
+        log.append(
+            (status, message[: 4 * _LONGEST_MESSAGE].decode("utf-8", errors="replace").strip()[:_LONGEST_MESSAGE])
+        )
 
 
 # FMPy's proxy expands the printf arguments in C and then calls the logger it was last given, process-wide: so

@@ -18,14 +18,14 @@ from dataclasses import asdict
 from pathlib import Path
 from secrets import token_hex
 from types import TracebackType
-from typing import Final, Literal, Self
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from railgrip.errors import Failure, FmuError, PlantFailed
-from railgrip.fmu.child import ANSWER, FAILED, REFUSED, Request, receive, send
+from railgrip.errors import Failure, FmuError, PlantFailed, Reason
+from railgrip.fmu.child import ANSWER, FAILED, REFUSED, TALKATIVE, UNREACHABLE, Request, receive, send
 from railgrip.fmu.cosimulation import CoSimulation
 from railgrip.fmu.description import Description
 from railgrip.fmu.instance import unpack
@@ -33,7 +33,7 @@ from railgrip.fmu.keeper import REPORT
 from railgrip.fmu.mapping import Binding
 from railgrip.fmu.parameters import Values
 from railgrip.interrupted import deaf_children
-from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.limits import FMU_LIMITS, MIB, FmuLimits
 
 Vector = NDArray[np.float64]
 
@@ -57,10 +57,12 @@ class IsolatedCoSimulation:
         parameters: Values,
         limits: FmuLimits = FMU_LIMITS,
         table: str = "[vehicle]",
+        tell: Callable[[str], None] = lambda sentence: None,
     ) -> None:
         """Check the question; no process is started before `with`.
 
         Args:
+            tell: Gets a sentence for the user when the FMU crashes as it is terminated or freed.
             table: Of the scenario, where it can be trusted; for sentences.
 
         Raises:
@@ -78,6 +80,7 @@ class IsolatedCoSimulation:
         self._parameters = dict(parameters)
         self._limits = limits
         self._patience = limits.patience
+        self._tell = tell
         self._stack = ExitStack()
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
@@ -134,6 +137,7 @@ class IsolatedCoSimulation:
         if not self._hurry and self._failure is None:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(timeout=self._patience)
+            self._tell_a_bad_end(process, life)
         life.close()  # and its keeper the end of this one for the order to end everything
         try:
             process.wait(timeout=_GOODBYE)
@@ -142,6 +146,17 @@ class IsolatedCoSimulation:
             process.wait()
         if process.returncode:  # whoever killed the keeper may have left something behind
             _sweep(self._token)
+
+    def _tell_a_bad_end(self, process: subprocess.Popen[bytes], life: socket.socket) -> None:
+        """Tell the user when the FMU could not be terminated and freed; results are not touched by that."""
+        words = f"it did not return within {self._patience:g} s"
+        if process.poll() is not None:
+            report = _report_on(life)
+            if report is None or report[0] == 0:
+                return
+            _, words = self._how_it_ended(*report)
+        name = self._description.file.name
+        self._tell(f"{name}: when it was terminated and freed after the last step, {words}; the results stand.")
 
     @property
     def sample(self) -> int:
@@ -204,7 +219,7 @@ class IsolatedCoSimulation:
         except TimeoutError:
             raise self._fail("timeout", f"within {timeout:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line
-            raise self._fail("crash", self._last_words()) from None
+            raise self._fail(*self._last_words()) from None
         except ValueError:
             raise self._nonsense() from None
         if kind == ANSWER:
@@ -220,33 +235,48 @@ class IsolatedCoSimulation:
     def _nonsense(self) -> PlantFailed:
         return self._fail("crash", "its process answered nonsense")
 
-    def _fail(self, reason: Literal["timeout", "crash"], detail: str) -> PlantFailed:
+    def _fail(self, reason: Reason, detail: str) -> PlantFailed:
         name = self._description.file.name
         self._failure = PlantFailed(Failure(file=name, time=self.time, reason=reason, detail=detail))
         self._end()
         return self._failure
 
-    def _last_words(self) -> str:
+    def _last_words(self) -> tuple[Reason, str]:
         """Return how the FMU's process ended."""
-        life = self._life
-        assert life is not None
-        life.settimeout(_GOODBYE)
-        report = b""
-        with suppress(OSError):
-            report = life.recv(REPORT.size)
-        if len(report) != REPORT.size:
-            return "its process is gone, and the one that watched it"
-        status, most = REPORT.unpack(report)
-        code = os.waitstatus_to_exitcode(status)
+        assert self._life is not None
+        report = _report_on(self._life)
+        return self._how_it_ended(*report) if report else ("crash", "its process is gone, and the one that watched it")
+
+    def _how_it_ended(self, status: int, most: int, printed: int) -> tuple[Reason, str]:
+        """Return what the keeper's report means."""
+        limits, code = self._limits, os.waitstatus_to_exitcode(status)
+        if printed > limits.output_mib * MIB:
+            return "excess", f"it printed more than {_limit('output_mib', limits.output_mib)}"
+        if code == TALKATIVE:
+            return "excess", f"it logged more than {_limit('messages', limits.messages)}"
+        if code == UNREACHABLE:
+            return "crash", "it closed the descriptor by which its process answers"
         if code >= 0:
-            return f"it ended its process with code {code}"
+            return "crash", f"it ended its process with code {code}"
         name = signal.Signals(-code).name if -code in {each.value for each in signal.Signals} else f"signal {-code}"
         sentence = f"its process was ended by {name}"
-        if most < self._limits.memory_mib / 2 * 1024:
-            return sentence
-        return (
-            f"{sentence} when it had {most / 1024:.0f} MiB; memory_mib under [limits.fmu] is {self._limits.memory_mib}"
-        )
+        if most < limits.memory_mib / 2 * 1024:
+            return "crash", sentence
+        size = f"{most / 1024:.0f} MiB; memory_mib under [limits.fmu] is {limits.memory_mib}"
+        return "crash", f"{sentence} when it had {size}"
+
+
+def _report_on(life: socket.socket) -> tuple[int, int, int] | None:
+    """Return what the keeper reports, once the FMU's process has ended; None when it does not."""
+    life.settimeout(_GOODBYE)
+    report = b""
+    with suppress(OSError):
+        report = life.recv(REPORT.size)
+    return REPORT.unpack(report) if len(report) == REPORT.size else None
+
+
+def _limit(key: str, value: int) -> str:
+    return f"allowed; {key} under [limits.fmu] is {value}"
 
 
 def _sweep(token: str) -> None:
@@ -284,7 +314,9 @@ def open_plant(
     if trusted:
         return CoSimulation(description, binding, period=period, parameters=parameters)
     tell(notice(description, table))
-    return IsolatedCoSimulation(description, binding, period=period, parameters=parameters, limits=limits, table=table)
+    return IsolatedCoSimulation(
+        description, binding, period=period, parameters=parameters, limits=limits, table=table, tell=tell
+    )
 
 
 def notice(description: Description, table: str) -> str:

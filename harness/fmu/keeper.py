@@ -16,8 +16,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-REPORT: Final = struct.Struct("<iq")
-"""Wait status of the FMU's process, and the most memory it had [KiB]; sent on the life line."""
+REPORT: Final = struct.Struct("<iqq")
+"""Wait status of the FMU's process, the most memory it had [KiB], the bytes that it printed; sent on the life line."""
 
 _LINUX: Final = sys.platform == "linux"
 _PARENT_DEATH_SIGNAL: Final = 1  # prctl(2)
@@ -32,22 +32,54 @@ def main() -> None:
     wakeup, wake = os.pipe()
     os.set_blocking(wake, False)
     os.set_blocking(wakeup, False)
+    printed, printer = os.pipe()
+    os.set_blocking(printed, False)
     signal.set_wakeup_fd(wake)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)
     server = os.fork()
     if server == 0:
-        for number in (life, wakeup, wake):
+        os.dup2(printer, 1)
+        os.dup2(printer, 2)
+        for number in (life, wakeup, wake, printed, printer):
             os.close(number)
         _serve(line, how)
     os.close(line)
-    parent_gone = _watch(server, life, wakeup)
+    os.close(printer)
+    output = _Output(printed, how["limits"]["output_mib"] << 20)
+    ended = _watch(server, life, wakeup, output)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(server, signal.SIGKILL)  # its session, at one stroke
     _, status, usage = os.wait4(server, 0)
     _end_the_rest()
-    if parent_gone:
+    output.forward()
+    if ended:
         with suppress(OSError):
-            os.write(life, REPORT.pack(status, usage.ru_maxrss))
+            os.write(life, REPORT.pack(status, usage.ru_maxrss, output.size))
+
+
+class _Output:
+    """What the FMU's process prints: forwarded to standard error, and counted.
+
+    Attributes:
+        size: Bytes so far; more than allowed are not forwarded.
+    """
+
+    def __init__(self, source: int, most: int) -> None:
+        self.source, self.most, self.size = source, most, 0
+
+    def forward(self) -> bool:
+        """Forward what is there; return whether more may come."""
+        while self.size <= self.most:
+            try:
+                piece = os.read(self.source, 1 << 16)
+            except BlockingIOError:
+                return True
+            if not piece:
+                return False
+            self.size += len(piece)
+            with suppress(OSError):
+                os.write(2, piece)
+        return False
 
 
 def _serve(line: int, how: dict[str, Any]) -> None:
@@ -61,7 +93,7 @@ def _serve(line: int, how: dict[str, Any]) -> None:
     sys.path += [folder for folder in how["path"] if folder not in sys.path]
     from railgrip.fmu.child import serve_on
 
-    serve_on(line)
+    serve_on(line, how["limits"]["messages"])
     os._exit(0)
 
 
@@ -71,6 +103,7 @@ def _limit(limits: dict[str, int]) -> None:
     for what, limit in (
         (resource.RLIMIT_AS, limits["memory_mib"] << 20),
         (resource.RLIMIT_NOFILE, limits["open_files"]),
+        (resource.RLIMIT_FSIZE, limits["output_mib"] << 20),
         # Of all the user's processes and threads, so that those there are already are added.
         *(((resource.RLIMIT_NPROC, limits["processes"] + _tasks()),) if _LINUX else ()),
         (resource.RLIMIT_CORE, 0),
@@ -91,10 +124,19 @@ def _tasks() -> int:
     return count
 
 
-def _watch(server: int, life: int, wakeup: int) -> bool:
-    """Wait until the FMU's process has ended, or the program wants an end; return whether it was the former."""
+def _watch(server: int, life: int, wakeup: int, output: _Output) -> bool:
+    """Wait until the FMU's process has ended or printed too much, or the program wants an end.
+
+    Returns:
+        Whether the program is still there and gets a report.
+    """
+    sources = [life, wakeup, output.source]
     while True:
-        ready, _, _ = select.select([life, wakeup], [], [])
+        ready, _, _ = select.select(sources, [], [])
+        if output.source in ready and not output.forward():
+            sources.remove(output.source)
+            if output.size > output.most:
+                return True
         with suppress(BlockingIOError):
             os.read(wakeup, 512)
         # Looked at before it is reaped: until then nobody else can be given its number.

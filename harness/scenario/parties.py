@@ -191,6 +191,8 @@ class ForeignFmus(Table):
     memory_mib: Count = FMU_LIMITS.memory_mib
     processes: Count = FMU_LIMITS.processes
     open_files: Count = FMU_LIMITS.open_files
+    messages: Count = FMU_LIMITS.messages
+    output_mib: Count = FMU_LIMITS.output_mib
     patience: Duration = FMU_LIMITS.patience
 
     def limits(self) -> FmuLimits:

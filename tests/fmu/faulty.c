@@ -29,6 +29,11 @@
 #define OPENS_FILES 12
 #define FORGES 13           /* an answer of its own, on every socket it has */
 #define TALKS 14            /* as OpenModelica's FMUs do of their solver */
+#define LOGS 15             /* ten thousand messages a step */
+#define PRINTS 16           /* two megabytes a step */
+#define CLOSES 17           /* every descriptor that it finds open */
+#define CRASHES_IN_TERMINATE 18
+#define CRASHES_IN_FREE 19
 
 #ifndef RADIUS
 #define RADIUS 0.38
@@ -68,7 +73,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     m->v[10] = 20;
     return m;
 }
-void fmi2FreeInstance(fmi2Component c) { if (c) ((FaultyFmu *)c)->call->freeMemory(c); }
+void fmi2FreeInstance(fmi2Component c) { if (MISBEHAVIOUR == CRASHES_IN_FREE) abort(); if (c) ((FaultyFmu *)c)->call->freeMemory(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t, fmi2Boolean sd, fmi2Real stop) {
     (void)c; (void)td; (void)tol; (void)t; (void)sd; (void)stop;
     if (MISBEHAVIOUR == TALKS) {
@@ -87,7 +92,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     show(m);
     return MISBEHAVIOUR == NEVER_STARTS ? fmi2Error : fmi2OK;
 }
-fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
+fmi2Status fmi2Terminate(fmi2Component c) { (void)c; if (MISBEHAVIOUR == CRASHES_IN_TERMINATE) abort(); return fmi2OK; }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real v[]) {
     for (size_t i = 0; i < n; i++) v[i] = ((FaultyFmu *)c)->v[vr[i]];
     return fmi2OK;
@@ -130,6 +135,17 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             for (int k = 3; k < 64; k++) if (write(k, answer, sizeof answer) < 0) continue;
             for (;;) pause();
         }
+        case LOGS:
+            for (int k = 0; k < 10000; k++)
+                m->call->logger(m->call->componentEnvironment, "faulty_fmu", fmi2OK, "logStatusError", "a word");
+            break;
+        case PRINTS:
+            for (int k = 0; k < 20000; k++) printf("%99d\n", k);
+            fflush(stdout);
+            break;
+        case CLOSES:
+            for (int k = 0; k < 1024; k++) close(k);
+            break;
         default: break;
     }
     m->v[13] = SIGN * (MISBEHAVIOUR == NEVER_HALTS && m->v[12] < 5 ? 0 : -RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4);

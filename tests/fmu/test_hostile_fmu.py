@@ -26,15 +26,22 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes of FM
 SIGNALS = [signal for signal in PLANT if signal.name in ("speed", "distance")]
 
 
-def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
-    """Step a plant in a process of its own until it fails, and return the sentence."""
+def isolated(
+    plant: Path, limits: FmuLimits = FMU_LIMITS, tell: Callable[[str], object] = lambda sentence: None
+) -> IsolatedCoSimulation:
+    """Return a train to step by 10 ms in a process of its own."""
     description = describe(plant, limits)
     binding = bind(
         description,
         inputs=[Signal(name="pressure_command", unit="Pa", size=4, needed=True)],
         outputs=[Signal(name=s.name, unit=s.unit, size=0, needed=True) for s in SIGNALS],
     )
-    plant_in_its_own = IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits)
+    return IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits, tell=tell)
+
+
+def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
+    """Step a plant in a process of its own until it fails, and return the sentence."""
+    plant_in_its_own = isolated(plant, limits)
     try:
         with plant_in_its_own as running:
             running.start(np.zeros(4))
@@ -85,6 +92,45 @@ def test_memory_is_limited(foundry: Path):
     sentence = stopped(faulty_fmu(foundry, "ALLOCATES"), FmuLimits(memory_mib=700))
     assert "its process was ended by SIGSEGV when it had " in sentence
     assert "MiB; memory_mib under [limits.fmu] is 700)" in sentence
+
+
+@pytest.mark.parametrize(
+    ("misbehaviour", "limits", "sentence"),
+    [
+        ("LOGS", FmuLimits(messages=25_000), "it logged more than allowed; messages under [limits.fmu] is 25000"),
+        ("PRINTS", FmuLimits(output_mib=5), "it printed more than allowed; output_mib under [limits.fmu] is 5"),
+    ],
+)
+def test_what_it_says_is_limited_in_all(
+    foundry: Path, misbehaviour: str, limits: FmuLimits, sentence: str, capfd: pytest.CaptureFixture[str]
+):
+    """Ten thousand messages and two megabytes a step: the third step is one too many."""
+    file = faulty_fmu(foundry, misbehaviour)
+    assert stopped(file, limits) == f"{file.name}: at 0.12 s the FMU was stopped ({sentence})."
+    assert len(capfd.readouterr().err) <= 5.1 * 2**20, "the limit, and a piece of 64 KiB"
+
+
+@pytest.mark.parametrize("misbehaviour", ["CRASHES_IN_TERMINATE", "CRASHES_IN_FREE"])
+def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, misbehaviour: str):
+    sentences: list[str] = []
+    with isolated(faulty_fmu(foundry, misbehaviour), tell=sentences.append) as plant:
+        plant.start(np.zeros(4))
+        assert plant.step(np.zeros(4))[0] == pytest.approx(0.2), "20 m/s for 10 ms"
+    assert sentences == [
+        f"{misbehaviour.lower()}.fmu: when it was terminated and freed after the last step, its process was ended by "
+        "SIGABRT; the results stand."
+    ]
+
+
+def test_a_good_end_is_not_worth_a_word(foundry: Path):
+    with isolated(faulty_fmu(foundry), tell=pytest.fail) as plant:
+        plant.start(np.zeros(4))
+
+
+def test_an_fmu_that_closes_every_descriptor_is_told(foundry: Path, capfd: pytest.CaptureFixture[str]):
+    sentence = stopped(faulty_fmu(foundry, "CLOSES"))
+    assert sentence.endswith("the FMU crashed (it closed the descriptor by which its process answers).")
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_open_files_are_limited(foundry: Path):

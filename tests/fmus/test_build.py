@@ -133,7 +133,7 @@ def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path
 
 def test_list_shows_every_recipe_whole_where_there_is_no_screen():
     shown = subprocess.run(
-        [sys.executable, "-m", "railgrip.fmus", "list"], cwd=ROOT, capture_output=True, text=True, check=False
+        [sys.executable, "-m", "railgrip", "build", "--list"], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert shown.returncode == 0
     for name, recipe in tomllib.loads((ROOT / "fmus" / "recipes.toml").read_text()).items():
@@ -141,9 +141,31 @@ def test_list_shows_every_recipe_whole_where_there_is_no_screen():
         assert f" {recipe['class']} " in shown.stdout
 
 
+def test_the_former_command_line_names_the_new_one():
+    done = subprocess.run([sys.executable, "-m", "railgrip.fmus", "build"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "railgrip build" in done.stderr
+
+
+def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
+    for name in ("typer", "railgrip", "rumoca", "json"):
+        (tmp_path / f"{name}.py").write_text("open('ran', 'w').close()\nraise ImportError('a trap')\n")
+    program = Path(sys.executable).with_name("railgrip")
+    done = subprocess.run([program, "build", "--list"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize(
+    "file", ["README.md", "Makefile", *(str(p.relative_to(ROOT)) for p in sorted((ROOT / "docs").rglob("*.md")))]
+)
+def test_nobody_is_told_to_run_this_program_by_python_m(file):
+    assert "-m railgrip" not in (ROOT / file).read_text(encoding="utf-8")
+
+
 def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
     done = subprocess.run(
-        [sys.executable, "-m", "railgrip.fmus", "build", "Nothing"],
+        [sys.executable, "-m", "railgrip", "build", "Nothing"],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -157,10 +179,10 @@ def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
 @pytest.mark.parametrize(
     "command",
     [
-        ("railgrip.fmus", "build", "ContactPoint", "--compiler", "native"),
+        ("railgrip", "build", "ContactPoint", "--compiler", "native"),
         ("railgrip", "run", str(ROOT / "harness/scenario/library/trapezoid.toml")),
     ],
-    ids=["fmus build", "run"],
+    ids=["build", "run"],
 )
 def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
     """An interpreter without site-packages' ziglang: it is hidden, and the PATH is empty."""
@@ -195,10 +217,10 @@ def house(tmp_path):
 @pytest.mark.parametrize(
     "command",
     [
-        ("railgrip.fmus", "build", "TwoPartTrain"),
+        ("railgrip", "build", "TwoPartTrain"),
         ("railgrip", "run", str(ROOT / "harness/scenario/library/trapezoid.toml")),
     ],
-    ids=["fmus build", "run"],
+    ids=["build", "run"],
 )
 def test_a_class_that_does_not_compile_ends_both_command_lines_with_file_line_and_2(house, command):
     file = house / "railgrip" / "modelica" / "RailBraking" / "Vehicles" / "PartialTrain.mo"

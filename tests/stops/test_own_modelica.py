@@ -128,7 +128,7 @@ def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp
 
 def test_the_command_builds_one_class_into_a_file(tmp_path, own_cache):
     def build(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "railgrip.fmus", "build", *arguments]
+        command = [sys.executable, "-m", "railgrip", "build", *arguments]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
 
     library = ("--library", str(EXAMPLES / "SimpleTrain"))

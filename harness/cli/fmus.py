@@ -1,0 +1,105 @@
+"""FMUs of this project's Modelica classes, or of a class of the user's own: build, list and check."""
+
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from railgrip.cli.app import app, fail
+from railgrip.console import progress, say, show_table
+from railgrip.errors import InputError
+
+if TYPE_CHECKING:
+    from railgrip.fmus.build import Compiler
+
+
+@app.command("build")
+def build_command(
+    names: Annotated[list[str] | None, typer.Argument(help="FMUs of recipes.toml; all when none is named.")] = None,
+    compiler: Annotated[str, typer.Option(help="auto, openmodelica or native.")] = "auto",
+    library: Annotated[
+        Path | None,
+        typer.Option(help="Folder, package.mo or .mo file of a class of your own, named in place of FMUs."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="File for its FMU; CLASS.fmu when absent.")] = None,
+    listing: Annotated[bool, typer.Option("--list", help="Show the recipes and which FMUs are there.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Validate FMUs against the FMI standard and compare them with lock.toml.")
+    ] = False,
+    update: Annotated[bool, typer.Option("--update", help="With --check: write lock.toml.")] = False,
+) -> None:
+    """Bring FMUs up to date and leave copies in build/fmus, or build the plant of a class of your own."""
+    if update and not check:
+        raise InputError("--update is for --check: it writes lock.toml instead of comparing.")
+    choice = cast("Compiler", compiler)
+    if listing:
+        _list()
+    elif check:
+        _check(names or [], choice, update=update)
+    elif library is not None:
+        if names is None or len(names) != 1:
+            raise InputError("--library is for one class; name it, as in `build --library MyLib MyLib.MyTrain`.")
+        _build_class(names[0], library, choice, out)
+    elif out is not None:
+        raise InputError("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
+    else:
+        from railgrip.fmus.build import build
+
+        with progress("building"):
+            for artifact in build(names or (), choice):
+                say(f"{artifact.path}  {artifact.action} ({artifact.compiler})")
+
+
+def _build_class(name: str, library: Path, compiler: "Compiler", out: Path | None) -> None:
+    from railgrip.fmus.build import build_class
+
+    artifact = build_class(name, library, compiler=compiler)
+    file = Path(f"{artifact.name}.fmu") if out is None else out
+    file.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(artifact.path, file)
+    say(f"{file}  {artifact.action} ({artifact.compiler})")
+
+
+def _list() -> None:
+    from railgrip.fmus.build import OUTPUT
+    from railgrip.fmus.recipe import read_recipes
+    from railgrip.report.table import Table
+
+    rows = [
+        {
+            "FMU": name,
+            "class": recipe.class_name,
+            "interfaces": " ".join(recipe.interfaces),
+            "solver": recipe.solver,
+            "tolerance": f"{recipe.tolerance:g}",
+            "on disk": "yes" if (OUTPUT / f"{name}.fmu").exists() else "no",
+        }
+        for name, recipe in read_recipes().recipes.items()
+    ]
+    show_table(Table(rows, left=list(rows[0])))
+
+
+def _check(names: list[str], compiler: "Compiler", *, update: bool) -> None:
+    """Validate FMUs and compare them with lock.toml, or write it."""
+    from railgrip.fmu.comparison import validation_problems
+    from railgrip.fmus.build import build, translate
+    from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
+    from railgrip.fmus.recipe import read_recipes
+
+    book = read_recipes()
+    complaints: list[str] = []
+    faces: dict[str, Entry] = {}
+    for artifact in build(() if update else names, compiler):
+        complaints += [f"{artifact.name}.fmu: {problem}" for problem in validation_problems(artifact.path)]
+        # The lock file records the built-in compiler's view, whichever compiler made the FMU.
+        faces[artifact.name] = artifact.face or translate(book[artifact.name])[1]
+    if update:
+        write_lock(book, faces)
+        say(f"{LOCK} written")
+    else:
+        lock = read_lock()
+        complaints += [f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, lock, face)]
+    if complaints:
+        fail(*complaints)
+    say(f"{len(faces)} FMUs are valid" + ("" if update else " and as lock.toml says"))
