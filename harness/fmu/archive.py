@@ -6,6 +6,7 @@ What an archive says of its sizes binds whoever reads it: Python's zipfile never
 import hashlib
 import stat
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -55,7 +56,9 @@ def members(path: Path, limits: FmuLimits) -> frozenset[str]:
             entries = archive.infolist()
             _require_harmless(path, entries, limits)
             corrupt = archive.testzip()
-    except (zipfile.BadZipFile, OSError, NotImplementedError, RuntimeError) as error:
+    except zlib.error as error:
+        raise FmuError(f"{path}: the archive is damaged ({error}); copy or export the FMU again.") from error
+    except (zipfile.BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError) as error:
         raise FmuError(f"{path}: not an FMU: it is not a zip archive ({error}).") from error
     if corrupt is not None:
         raise FmuError(f"{path}: the archive is damaged, '{corrupt}' does not match its checksum.")
@@ -133,7 +136,7 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
             while piece := stream.read(1 << 16):
                 parser.Parse(piece, False)
             parser.Parse(b"", True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, LookupError) as error:  # LookupError: it names an encoding that nobody knows
         raise FmuError(f"{path}: {DESCRIPTION} is not XML: {error}.") from error
     return Outline(version=version[0], variables=variables, relative=frozenset(relative), indices=tuple(indices))
 

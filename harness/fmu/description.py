@@ -1,5 +1,7 @@
 """What an FMU file says about itself, read once and checked, as a frozen value."""
 
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
@@ -11,7 +13,7 @@ import fmpy
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
 
 from railgrip.errors import FmuError, UnitError
-from railgrip.fmu.archive import digest, members, outline
+from railgrip.fmu.archive import Outline, digest, members, outline
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.units import BASE, Exponents, Unit, unit
 
@@ -161,7 +163,13 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
         blemishes, read = _leniently(path, [str(p) for p in cast(list[object], error.problems)])
     except Exception as error:  # FMPy raises bare Exception for what its schema does not catch
         raise FmuError(f"{path}: modelDescription.xml cannot be understood: {error}") from error
-    description = _description(path, content, read, first.relative, blemishes)
+    try:
+        description = _description(path, content, read, first, blemishes, limits)
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, FmuError):
+            raise
+        # What the schema would not have let through, in an FMU that is read all the same.
+        raise FmuError(f"{path}: {blemishes or 'modelDescription.xml cannot be understood'}: {error}.") from error
     _require_binary(description, inside)
     return description
 
@@ -209,19 +217,29 @@ def _require_binary(description: Description, inside: frozenset[str]) -> None:
 
 
 def _description(
-    path: Path, digest: str, read: ModelDescription, relative: frozenset[str], blemishes: str
+    path: Path, digest: str, read: ModelDescription, first: Outline, blemishes: str, limits: FmuLimits
 ) -> Description:
     xml: Any = read  # FMPy's classes annotate their fields loosely
     units = {u.name: _unit(path, u) for u in xml.unitDefinitions}
     variables: dict[str, Variable] = {}
     for entry in xml.modelVariables:
-        variables[entry.name] = _variable(entry, units, relative)
+        variables[entry.name] = _variable(path, entry, units, first.relative)
     derivatives = tuple(unknown.variable for unknown in xml.derivatives)
     for d in derivatives:
         if d.derivative is None:
             raise FmuError(
                 f"{path}: ModelStructure lists '{d.name}' as a derivative, which does not say of what state."
             )
+    event_indicators = int(xml.numberOfEventIndicators or 0)
+    if not 0 <= event_indicators <= limits.variables:
+        raise FmuError(
+            f"{path}: numberOfEventIndicators is {event_indicators} in modelDescription.xml; allowed are 0 to "
+            f"{limits.variables}, variables under [limits.fmu]."
+        )
+    tools = [e for e in (xml.coSimulation, xml.modelExchange) if e is not None and e.needsExecutionTool]
+    if tools:
+        blemishes = f"{blemishes}; " if blemishes else ""
+        blemishes += f"it needs {xml.generationTool or 'the tool that made it'} on this machine (needsExecutionTool)"
     return Description(
         file=path,
         digest=digest,
@@ -236,7 +254,7 @@ def _description(
             for unknown in (*xml.derivatives, *xml.outputs)
             if unknown.dependencies is not None
         },
-        event_indicators=int(xml.numberOfEventIndicators or 0),
+        event_indicators=event_indicators,
         log_categories=tuple(c.name for c in xml.logCategories),
         co_simulation=_interface(xml.coSimulation),
         model_exchange=_interface(xml.modelExchange),
@@ -272,15 +290,51 @@ def _with_angle(angle_unit: Unit) -> Unit:
     return registry_unit if not angle_unit.offset and angle_unit.leaves_the_angle_out_of(registry_unit) else angle_unit
 
 
-def _variable(element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
+_REFERENCES = 1 << 32
+"""Value references are unsigned integers of 32 bits (FMI 2.0.4, §2.1.2)."""
+_REAL = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?INF)\s*", re.ASCII)
+"""A number as XML Schema writes it, but for NaN, which is neither a bound nor a start."""
+
+
+def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> float | None:
+    """Return a value of a variable's start, min or max as a number; None when there is none.
+
+    Raises:
+        FmuError: It is no value of the variable's type.
+    """
+    if text is None or element.type == "String":
+        return None
+    kind = "Integer" if element.type == "Enumeration" else element.type
+    value = {"true": 1.0, "false": 0.0, "1": 1.0, "0": 0.0}.get(text.strip()) if kind == "Boolean" else None
+    if kind != "Boolean" and _REAL.fullmatch(text):
+        value = float(text)
+        is_whole = math.isfinite(value) and value == int(value) and abs(value) < 1 << 31
+        if (attribute == "start" and not math.isfinite(value)) or (kind == "Integer" and not is_whole):
+            value = None
+    if value is None:
+        raise FmuError(
+            f"{path}: '{element.name}' has {attribute}={text[:40]!r} in modelDescription.xml, which is no {kind}; "
+            "correct it or ask the tool that made the FMU."
+        )
+    return value
+
+
+def _variable(path: Path, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
+    reference = int(element.valueReference)
+    if not 0 <= reference < _REFERENCES:
+        raise FmuError(
+            f"{path}: '{element.name}' has valueReference {reference} in modelDescription.xml; it is a whole number "
+            f"from 0 to {_REFERENCES - 1}. Ask the tool that made the FMU."
+        )
     declaration = element.declaredType
     unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""
     least = element.min if element.min is not None or declaration is None else declaration.min
     most = element.max if element.max is not None or declaration is None else declaration.max
+    _value_of(path, element, "start", element.start)
     relative = element.name in relatives or bool(declaration is not None and declaration.relativeQuantity)
     return Variable(
         name=element.name,
-        reference=int(element.valueReference),
+        reference=reference,
         kind=element.type,
         causality=element.causality,
         # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never.
@@ -289,8 +343,8 @@ def _variable(element: Any, units: Mapping[str, Unit | None], relatives: frozens
         unit_name=unit_name,
         relative=relative,
         start=element.start,
-        minimum=None if least is None else float(least),
-        maximum=None if most is None else float(most),
+        minimum=_value_of(path, element, "min", least),
+        maximum=_value_of(path, element, "max", most),
         description=element.description or "",
     )
 
