@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, cast
+from typing import Any, Literal, cast, get_args
 
 import fmpy
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
@@ -325,6 +325,11 @@ def _variable(path: Path, element: Any, units: Mapping[str, Unit | None], relati
         raise FmuError(
             f"{path}: '{element.name}' has valueReference {reference} in modelDescription.xml; it is a whole number "
             f"from 0 to {_REFERENCES - 1}. Ask the tool that made the FMU."
+        )
+    if element.causality not in get_args(Causality):
+        raise FmuError(
+            f"{path}: '{element.name}' has causality={element.causality!r} in modelDescription.xml; it is one of "
+            f"{', '.join(get_args(Causality))}."
         )
     declaration = element.declaredType
     unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""

@@ -105,6 +105,7 @@ def test_a_mutated_description_is_used_or_refused_in_a_sentence(
         ('start="2" min', 'start="abc" min', "'rate' has start='abc'.* no Real"),
         ('start="3"/>', 'start="1e400"/>', "'gain' has start='1e400'.* no Real"),
         ('Integer start="3"', 'Integer start="0.5"', "'allowed' has start='0.5'.* no Integer"),
+        ('causality="output"', 'causality=""', "'x' has causality='' .* one of parameter,"),
         ('min="0.1"', 'min="little"', "'rate' has min='little'"),
         ('max="10"', 'max="NaN"', "'rate' has max='NaN'"),
         ('fmiVersion="2.0"', 'fmiVersion="9.9"', "runs FMI 2.0, this is FMI 9.9"),

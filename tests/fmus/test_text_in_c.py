@@ -7,11 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+import casadi as ca
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from railgrip.errors import InputError
+from railgrip.estimators.generated import in_c
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.ctext import strings
@@ -112,6 +114,17 @@ def test_a_trigraph_in_an_assertion_of_a_class_is_text(tmp_path: Path):
     assert system.assertions[0].message[0] == "too fast ??/"
     assert system.assertions[0].message[2] == " m/s\a\v?\t"
     assert archive_bytes(sources(system, interfaces=("cs",)))
+
+
+@pytest.mark.parametrize("name", [CANARY, "*/", "\n#error\n"])
+def test_c_that_casadi_writes_has_no_names_of_variables(name: str):
+    """Compiled filters, formulas of the loop and the contact patch are such C."""
+
+    def text(symbol: str) -> str:
+        x, u = ca.SX.sym(symbol, 2), ca.SX.sym(f"u{symbol}")
+        return in_c([ca.Function("slope", [x, u], [ca.sin(x) * u], ["x", "u"], ["f"])])[1]
+
+    assert text(name) == text("x")
 
 
 def test_a_quoted_name_of_a_class_is_text(tmp_path: Path):
