@@ -13,7 +13,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from railgrip.errors import InputError
-from railgrip.estimators.generated import in_c
+from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.ctext import strings
