@@ -96,7 +96,7 @@ def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the 
         outcome=outcome,
         reason=reason,
         trace=trace,
-        metrics=measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
+        metrics=measure(trace, outcome=outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind),
         versions={"railgrip": "0"},
         fmus={"Plant.fmu": "0" * 64},
     )

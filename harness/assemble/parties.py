@@ -277,8 +277,12 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
             "its contact is not that of [adhesion] polach.",
             ending.samples,
         )
-    metrics = measure(trace, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind)
-    since = "" if scenario.demand is None else f" {metrics.distance:.2f} m of that since the first brake demand."
+    metrics = measure(
+        trace, outcome=ending.outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind
+    )
+    since = (
+        "" if scenario.demand is None else f" {metrics.distance_travelled:.2f} m of that since the first brake demand."
+    )
     return Stop(
         scenario=scenario,
         outcome=ending.outcome,

@@ -10,8 +10,7 @@ from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.loop.ending import Ending
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.motion import braking_distance as distance_of
-from railgrip.trace.motion import since_brake_demand
+from railgrip.trace.motion import distance_travelled, since_brake_demand
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import Stop
 
@@ -46,7 +45,7 @@ def braking_distance(scenario: Scenario) -> float | None:
     """Return only the distance [m], None where the train does not come to stand: for searches over many stops."""
     # Where a driver demands the brake in the course of it, that sample is looked for; else first and last will do.
     ending, trace = _unjudged(scenario, capacity=2 if scenario.demand is None else None)
-    return distance_of(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
+    return distance_travelled(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
 
 
 def trace_of(scenario: Scenario) -> xarray.Dataset:

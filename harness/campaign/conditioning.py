@@ -13,7 +13,6 @@ from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import Conditioning, Repeated
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.vehicle import Nudge
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import StopRecord, read_stop
 
 _OTHER = "native"
@@ -82,4 +81,4 @@ def _changed(stop: PlannedStop, name: str, **vehicle: object) -> PlannedStop:
 
 def _distance(record: StopRecord) -> float | None:
     # To the millimetre: what one communication step of the last metre per second moves.
-    return round(record.metrics.distance, 3) if record.outcome is Outcome.STANDSTILL else None
+    return None if record.braking_distance is None else round(record.braking_distance, 3)

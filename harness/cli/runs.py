@@ -49,7 +49,8 @@ def run(
         share += (
             f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
         )
-    say(f"{scenario.name}: {stop.outcome.value}, {metrics.distance:.2f} m in {metrics.duration:.2f} s{share}")
+    travelled = f"{metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
+    say(f"{scenario.name}: {stop.outcome.value}, {travelled}{share}")
     for sentence in metrics.doubts():
         say(f"{scenario.name}: {sentence}")
     say(f"{directory}/stop.json")

@@ -124,11 +124,11 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Seq
         estimator=_estimator(result),
         draw=int(result.variants[DRAW]) if DRAW in result.variants else None,
         reference="published" if sbc is result else "best tuned" if tuned is result else None,
-        distance_m=metrics.distance if stands else None,
-        repeated=spread_text(result.conditioning, record.digest, _distance(result)),
+        distance_m=record.braking_distance,
+        repeated=spread_text(result.conditioning, record.digest, record.braking_distance),
         duration_s=metrics.duration if stands else None,
-        reduction_vs_sbc=_reduction(_distance(result), sbc, result),
-        reduction_vs_tuned=_reduction(_distance(result), tuned, result),
+        reduction_vs_sbc=_reduction(record.braking_distance, sbc, result),
+        reduction_vs_tuned=_reduction(record.braking_distance, tuned, result),
         utilisation=_number(metrics.utilisation),
         paper_distance_m=result.paper_distance,
         paper_reduction=None
@@ -150,7 +150,10 @@ def _best_tuned(stops: Sequence[Result]) -> list[Result]:
     for stop in stops:
         if is_tuned(_law(stop)):
             settings.setdefault(_setting(stop), []).append(stop)
-    candidates = (best(here, lambda stop: law_of(stop.record.scenario), _distance) for here in settings.values())
+    candidates = (
+        best(here, lambda stop: law_of(stop.record.scenario), lambda stop: stop.record.braking_distance)
+        for here in settings.values()
+    )
     return [stop for here in candidates for stop in here]
 
 
@@ -197,10 +200,6 @@ def _polach(result: Result) -> str:
     return ", ".join(dict.fromkeys(curve["name"] for curve in curves))
 
 
-def _distance(result: Result) -> float | None:
-    return result.record.metrics.distance if result.record.outcome is Outcome.STANDSTILL else None
-
-
 def _number(value: float) -> float | None:
     """Return a figure, or None where it does not exist."""
     return value if math.isfinite(value) else None
@@ -208,5 +207,5 @@ def _number(value: float) -> float | None:
 
 def _reduction(distance: float | None, reference: Result | None, own: Result) -> float | None:
     """Return 1 − distance over that of the reference; None without either, and for the reference itself."""
-    before = _distance(reference) if reference is not None and reference is not own else None
+    before = reference.record.braking_distance if reference is not None and reference is not own else None
     return None if distance is None or before is None else 1 - distance / before

@@ -14,6 +14,7 @@ from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.reference import label
 from railgrip.report.results import Result
 from railgrip.report.row import Row
+from railgrip.trace.stop import StopRecord
 
 _CONTROLLER_COLOURS = {
     "full_brake": style.GREY,
@@ -92,7 +93,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
         y="adhesion of wheelset 1",
         title=f"{_title(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
         f"sensors {abc.record.scenario['sensors']['kind']}: "
-        f"{sbc.record.metrics.distance:.1f} m with SBC, {abc.record.metrics.distance:.1f} m with ABC",
+        f"{_distance(sbc.record)} with SBC, {_distance(abc.record)} with ABC",
     )
     panel.set_xlim(0, None)
     panel.set_ylim(0, None)
@@ -204,11 +205,18 @@ def stop_figure(stop: Result) -> Figure:
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     drawing.suptitle(
         f"{_title(stop)}: {label(scenario)}, actuation "
-        f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {metrics.distance:.1f} m in "
+        f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {_distance(stop.record)} in "
         f"{metrics.duration:.1f} s{utilisation_text}{consistency}",
         x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
     )  # fmt: skip
     return drawing
+
+
+def _distance(record: StopRecord) -> str:
+    """Return the braking distance, for people; the distance travelled where there is none."""
+    if record.braking_distance is None:
+        return f"no standstill: {record.metrics.distance_travelled:.1f} m travelled"
+    return f"{record.braking_distance:.1f} m"
 
 
 def _wide(groups: int) -> int:

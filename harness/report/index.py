@@ -105,11 +105,10 @@ def _page_values(result: Result, signals: Path | None) -> dict[str, Any]:
     """Return what a page says of a stop."""
     record = result.record
     metrics = record.metrics
-    stands = record.outcome is Outcome.STANDSTILL
     return {
         "name": result.name,
         "headline": f"{metrics.distance:.1f} m in {metrics.duration:.1f} s"
-        if stands
+        if record.outcome is Outcome.STANDSTILL
         else f"{record.outcome.value}: {record.reason}",
         "doubts": metrics.doubts(),
         "signals": None if signals is None else image(signals),

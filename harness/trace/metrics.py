@@ -8,6 +8,7 @@ import xarray
 
 from railgrip.estimators.consistency import FAR
 from railgrip.trace import adhesion_use, effort, estimation, motion, slide
+from railgrip.trace.outcome import Outcome
 
 Each = tuple[float, ...]
 
@@ -34,9 +35,14 @@ class Metrics:
     A figure that does not exist (no estimator, no motion) is NaN or None; `meanings` says what each is.
     """
 
-    distance: Annotated[float, Figure("m", "distance from the brake demand to the end of the stop")]
+    distance: Annotated[
+        float, Figure("m", "braking distance, from the brake demand to standstill; none without standstill")
+    ]
+    distance_travelled: Annotated[
+        float, Figure("m", "distance from the brake demand to the end, however the stop ended")
+    ]
     duration: Annotated[float, Figure("s", "time from the brake demand to the end of the stop")]
-    mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance, (v0^2 - v1^2)/(2 s)")]
+    mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)")]
     jerk_mean: Annotated[float, Figure("m/s3", "mean magnitude of the change of acceleration over 0.1 s")]
     jerk_rms: Annotated[float, Figure("m/s3", "root mean square of the change of acceleration over 0.1 s")]
     energy_residual: Annotated[float, Figure("1", "energy the plant left unexplained over kinetic energy at the start")]
@@ -137,22 +143,25 @@ def meanings() -> dict[str, tuple[str, str]]:
     return {name: (figure.unit, figure.meaning) for name, figure in figures}
 
 
-def measure(trace: xarray.Dataset, *, alpha_max: float, actuation: str) -> Metrics:
+def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuation: str) -> Metrics:
     """Return the figures of a stop.
 
     Args:
         trace: All samples of the stop, one or more, as `with_bound` returns them; figures are of those from the first
             brake demand on.
+        outcome: How the stop ended.
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
     """
     trace = motion.since_brake_demand(trace)
+    travelled = motion.distance_travelled(trace)
     jerk_mean, jerk_rms = motion.jerk(trace)
     share, share_each = adhesion_use.utilisation(trace)
     errors = estimation.adhesion_errors(trace)
     nis_ratio, divergence = estimation.innovations(trace)
     return Metrics(
-        distance=motion.braking_distance(trace),
+        distance=travelled if outcome is Outcome.STANDSTILL else float("nan"),
+        distance_travelled=travelled,
         duration=motion.duration(trace),
         mean_deceleration=motion.mean_deceleration(trace),
         jerk_mean=jerk_mean,

@@ -20,8 +20,8 @@ def since_brake_demand(trace: xarray.Dataset) -> xarray.Dataset:
     return trace.isel(time=slice(max(int(np.argmax(demanded)) - 1, 0), None))
 
 
-def braking_distance(trace: xarray.Dataset) -> float:
-    """Return the distance from the brake demand to the last sample [m]."""
+def distance_travelled(trace: xarray.Dataset) -> float:
+    """Return the distance from the first sample to the last [m]; of a stop to standstill, its braking distance."""
     distance = trace["distance"].values
     return float(distance[-1] - distance[0])
 
@@ -34,7 +34,7 @@ def duration(trace: xarray.Dataset) -> float:
 
 def mean_deceleration(trace: xarray.Dataset) -> float:
     """Return (v₀² − v₁²)/(2 s), the mean over the distance, as braking standards take it [m/s2]."""
-    speed, distance = trace["speed"].values, braking_distance(trace)
+    speed, distance = trace["speed"].values, distance_travelled(trace)
     return float((speed[0] ** 2 - speed[-1] ** 2) / (2 * distance)) if distance > 0 else float("nan")
 
 

@@ -72,6 +72,11 @@ class StopRecord:
     fmus: Mapping[str, str]
 
     @property
+    def braking_distance(self) -> float | None:
+        """To standstill [m]; None where the stop ended otherwise."""
+        return self.metrics.distance if self.outcome is Outcome.STANDSTILL else None
+
+    @property
     def has_trace(self) -> bool:
         """Whether the samples were kept."""
         return (self.directory / TRACE_FILE).exists()

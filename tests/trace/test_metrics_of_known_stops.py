@@ -8,11 +8,12 @@ from synthetic import BRAKE, LOAD, parabola, uniform_stop
 from railgrip.trace import adhesion_use, effort, estimation, motion, slide
 from railgrip.trace.bound import with_bound
 from railgrip.trace.metrics import Metrics, meanings, measure
+from railgrip.trace.outcome import Outcome
 
 
 def test_uniform_braking_has_the_textbook_figures():
     trace = uniform_stop(speed=20.0, deceleration=1.0)
-    assert motion.braking_distance(trace) == pytest.approx(200.0)
+    assert motion.distance_travelled(trace) == pytest.approx(200.0)
     assert motion.duration(trace) == pytest.approx(20.0)
     assert motion.mean_deceleration(trace) == pytest.approx(1.0)
     assert motion.jerk(trace) == pytest.approx((0.0, 0.0))
@@ -52,7 +53,7 @@ def test_the_longest_lock_is_one_lock_and_not_their_sum():
 
 def test_tread_energy_is_force_times_creep_path():
     trace = uniform_stop(speed=20.0, deceleration=0.981, adhesion=0.1, slip=0.05)
-    distance = motion.braking_distance(trace)
+    distance = motion.distance_travelled(trace)
     assert slide.tread_energy(trace) == pytest.approx((0.1 * LOAD * 0.05 * distance,) * 6, rel=1e-6)
     assert slide.tread_power(trace).max() == pytest.approx(0.1 * LOAD * 0.05 * 20.0)
 
@@ -157,7 +158,7 @@ def test_errors_below_walking_pace_do_not_count():
 
 def test_a_stop_without_estimator_has_no_estimator_figures():
     trace = with_bound(uniform_stop(estimates=False), parabola, BRAKE, alpha_max=0.15)
-    metrics = measure(trace, alpha_max=0.15, actuation="ideal")
+    metrics = measure(trace, outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal")
     assert metrics.adhesion_rmse is None
     assert metrics.speed_rmse is None
     assert Metrics.from_plain(metrics.to_plain()) == metrics
@@ -165,8 +166,10 @@ def test_a_stop_without_estimator_has_no_estimator_figures():
 
 def test_a_stop_that_failed_at_once_still_has_its_figures():
     trace = uniform_stop().isel(time=slice(0, 1))
-    metrics = measure(with_bound(trace, parabola, BRAKE, alpha_max=0.15), alpha_max=0.15, actuation="ideal")
-    assert metrics.distance == 0.0
+    trace = with_bound(trace, parabola, BRAKE, alpha_max=0.15)
+    metrics = measure(trace, outcome=Outcome.CONTROLLER_FAILED, alpha_max=0.15, actuation="ideal")
+    assert np.isnan(metrics.distance)
+    assert metrics.distance_travelled == 0.0
     assert np.isnan(metrics.utilisation)
     assert metrics.adhesion_rmse is None
 
@@ -210,4 +213,4 @@ def test_innovations_that_do_not_fit_are_said():
 
 def _measured(**changes):
     trace = with_bound(uniform_stop(**changes), parabola, BRAKE, alpha_max=0.15)
-    return measure(trace, alpha_max=0.15, actuation="ideal")
+    return measure(trace, outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal")

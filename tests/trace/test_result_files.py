@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
+from railgrip.campaign.sweep import Result, Sweep
 from railgrip.errors import RecordError
 from railgrip.files import replacing, write_text
 from railgrip.scenario.load import load
 from railgrip.signals import PLANT, SENT
 from railgrip.trace.netcdf import read_trace, write_trace
+from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder, thinned
 from railgrip.trace.stop import read_stop, write_stop
 
@@ -72,6 +74,33 @@ def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):
     record = read_stop(tmp_path)
     assert record.metrics == stop.metrics
     assert record.trace()["mu0"].values[-1] == pytest.approx(stop.trace["mu0"].values[-1])
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+def test_only_a_standstill_has_a_braking_distance(outcome, tmp_path):
+    """However a stop ends, the distance travelled has its own name, so that no table can take it for the other."""
+    stop = stop_of(
+        load(
+            LIBRARY / "trapezoid.toml", [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]
+        ),
+        outcome=outcome,
+    )
+    travelled = (80 / 3.6) ** 2 / 2
+    write_stop(stop, tmp_path, keep_trace=False)
+    content, record = json.loads((tmp_path / "stop.json").read_text(encoding="utf-8")), read_stop(tmp_path)
+    frame = Sweep({"seed": (1,)}, (Result(outcome.value, "", stop.metrics),)).to_pandas()
+    assert content["metrics"]["distance_travelled"] == pytest.approx(travelled, rel=1e-6)
+    assert record.metrics.distance_travelled == pytest.approx(travelled, rel=1e-6)
+    assert frame["distance_travelled"][0] == pytest.approx(travelled, rel=1e-6)
+    if outcome is Outcome.STANDSTILL:
+        assert (
+            content["distance_m"] == content["metrics"]["distance"] == record.braking_distance == frame["distance"][0]
+        )
+        assert record.braking_distance == stop.metrics.distance_travelled
+    else:
+        assert content["distance_m"] is content["metrics"]["distance"] is record.braking_distance is None
+        assert np.isnan(stop.metrics.distance)
+        assert np.isnan(frame["distance"][0])
 
 
 def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):

@@ -14,7 +14,6 @@ from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
-from railgrip.trace.outcome import Outcome
 
 _AMBIENT: Final = 101325.0  # Pa
 _RESAMPLES: Final = 2000
@@ -138,7 +137,7 @@ def judgements(results: Iterable[Result], taking_part: Mapping[str, Entrant], li
         by_case.setdefault(result.variants["case"], {})[result.variants["controller"]] = result
     rows: list[Judged] = []
     for case, stops in by_case.items():
-        distances = {name: _distance(stop) for name, stop in stops.items()}
+        distances = {name: stop.record.braking_distance for name, stop in stops.items()}
         tuned = [d for n, d in distances.items() if d and taking_part[n].tuned and taking_part[n].role == "baseline"]
         best = min(tuned, default=None)
         for name, stop in stops.items():
@@ -215,10 +214,6 @@ def _judge(
         nees=None if metrics.adhesion_nees is None else _number(float(np.mean(metrics.adhesion_nees))),
         verdicts=verdicts,
     )
-
-
-def _distance(stop: Result) -> float | None:
-    return stop.record.metrics.distance if stop.record.outcome is Outcome.STANDSTILL else None
 
 
 def _number(value: float) -> float | None:
