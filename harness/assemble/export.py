@@ -23,8 +23,9 @@ def controller_fmu(scenario: Scenario) -> Source:
 
     They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
     end are decided on the inputs at its beginning. Inputs are those of
-    `railgrip.controllers.observation.Observation`; outputs are what the scenario's plant takes. Parameters may be set
-    before the first step, but for the period: that is the FMU's own, and its step refuses any other.
+    `railgrip.controllers.observation.Observation`; outputs are what the scenario's plant takes, never more than
+    `driver_demand`, which is full pressure until it is set. Parameters may be set before the first step, but for the
+    period: that is the FMU's own, and its step refuses any other.
 
     Raises:
         ScenarioError: The controller is no law of ours, such as the ideal bound.
@@ -37,19 +38,22 @@ def controller_fmu(scenario: Scenario) -> Source:
     assert valves is not None or isinstance(actuation, Direct)
     states = _variables(law.formula.states, law.state, _MEMORY)
     parameters = _variables(law.formula.parameters, law.parameters)
-    outputs, step = law.formula.outputs, law.step
+    # A law that redistributes holds the driver's demand itself, and asks some groups for more.
+    limited = law.step if scenario.controller.redistribute else _limited(law, len(groups))
+    outputs, step = law.formula.outputs, limited
     if valves is not None:
         states += _variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
         parameters += _variables(valves.formula.parameters, valves.parameters, _VALVES)
-        outputs, step = valves.formula.outputs, _in_series(law, valves, len(groups))
+        outputs, step = valves.formula.outputs, _in_series(law, limited, valves, len(groups))
     parameters, step = _paced(parameters, step)
+    full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
     return sources(
         Discrete(
             name=law.formula.name,
             description=law.formula.description,
             period=scenario.periods.controller,
             states=states,
-            inputs=_variables(law.formula.inputs, [0.0] * len(law.formula.inputs)),
+            inputs=_variables(law.formula.inputs, [full.get(one.name, 0.0) for one in law.formula.inputs]),
             parameters=parameters,
             outputs=_variables(outputs, [0.0] * len(outputs)),
             step=step,
@@ -57,8 +61,15 @@ def controller_fmu(scenario: Scenario) -> Source:
     )
 
 
-def _in_series(law: Sampled, valves: Sampled, groups: int) -> ca.Function:
-    """Return one step of both: valves take the demands of the law, and of its inputs the pressures, which are last."""
+def _limited(law: Sampled, groups: int) -> ca.Function:
+    """Return the step of a law with its demands lowered to the driver's, which stand before the pressures, the last."""
+    state, inputs, parameter = (law.step.sx_in(place) for place in range(3))
+    following, demand = law.step(state, inputs, parameter)
+    return ca.Function("step", [state, inputs, parameter], [following, ca.fmin(demand, inputs[-2 * groups : -groups])])
+
+
+def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int) -> ca.Function:
+    """Return one step of both: valves take the law's limited demands, and of its inputs the pressures, the last."""
     state, inputs, parameter = (
         ca.SX.sym(name, count)
         for name, count in (
@@ -69,7 +80,7 @@ def _in_series(law: Sampled, valves: Sampled, groups: int) -> ca.Function:
     )
     mine, theirs = ca.vertsplit(state, [0, law.state.size, state.numel()])
     tuning, model = ca.vertsplit(parameter, [0, law.parameters.size, parameter.numel()])
-    following, demand = law.step(mine, inputs, tuning)
+    following, demand = limited(mine, inputs, tuning)
     onwards, command = valves.step(theirs, ca.vertcat(demand, inputs[-groups:]), model)
     return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
 

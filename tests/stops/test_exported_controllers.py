@@ -8,6 +8,7 @@ from fmpy.validation import validate_fmu
 
 from railgrip.assemble import run_stop
 from railgrip.assemble.export import controller_fmu
+from railgrip.assemble.parties import OwnParties
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
@@ -48,7 +49,9 @@ def shown(scenario, trace):
             trace["estimate_adhesion"].values if believed else unknown,
             trace["estimate_pad_friction"].values if believed else unknown,
             wheel,
-            np.full_like(slip, [group.pressure_max for group in VehicleData(scenario).controlled.brakes]),
+            trace["driver_demand"].values
+            if "driver_demand" in trace
+            else np.full_like(slip, VehicleData(scenario).controlled.pressure_max),
             trace["reading_cylinder_pressure"].values,
         ]
     )
@@ -72,7 +75,16 @@ def test_an_exported_controller_commands_what_the_loop_did(equipment, controller
     """4 s of a stop, each command of the loop against the FMU's on the same sights. Slip is formed here from the
     trace, so its last digit may differ: 1e-6 of the full pressure; valve commands are whole numbers."""
     scenario = question(equipment, controller)
-    path = pack(controller_fmu(scenario), tmp_path / "controller.fmu")
+    observations, commands = shown(scenario, run_stop(scenario).trace)
+    with exported(scenario, tmp_path) as fmu:
+        fmu.start(observations[0])
+        for observation, command in zip(observations, commands, strict=True):
+            assert fmu.step(observation) == pytest.approx(command, abs=0.34 if equipment == "ideal" else 0.0)
+
+
+def exported(scenario, folder):
+    """Return the FMU of a scenario's controller, ready to start; its inputs are those of a law, in that order."""
+    path = pack(controller_fmu(scenario), folder / "controller.fmu")
     assert validate_fmu(str(path)) == []
     described = describe(path)
     inputs = tuple(
@@ -89,14 +101,56 @@ def test_an_exported_controller_commands_what_the_loop_did(equipment, controller
         )
     )
     output = Signal(name="demand", unit="Pa", size=4, needed=True)
-    if equipment == "service":
+    if scenario.actuation.kind == "pneumatic":
         output = Signal(name="command", unit="1", size=4, needed=True)
     binding = bind(described, inputs=inputs, outputs=(output,), parameters=(), table={}, where="test")
-    observations, commands = shown(scenario, run_stop(scenario).trace)
-    with CoSimulation(described, binding, period=scenario.periods.controller, parameters={}) as fmu:
-        fmu.start(observations[0])
-        for observation, command in zip(observations, commands, strict=True):
-            assert fmu.step(observation) == pytest.approx(command, abs=0.34 if equipment == "ideal" else 0.0)
+    return CoSimulation(described, binding, period=scenario.periods.controller, parameters={})
+
+
+class Driven:
+    """A controller in a loop without [demand]: the exported FMU, which alone is told what the driver demands."""
+
+    def __init__(self, fmu, demand):
+        self.fmu, self.demand = fmu, demand
+
+    def start(self, formation):
+        self.unknown, self.begun = np.zeros(formation.groups), False
+
+    def decide(self, seen):
+        inputs = np.concatenate(
+            [
+                *([seen.speed], [seen.acceleration], seen.slip, self.unknown, self.unknown, seen.wheelset_speed),
+                *(self.demand(seen.time), seen.pressure),
+            ]
+        )
+        if not self.begun:
+            self.begun = True
+            self.fmu.start(inputs)
+        return self.fmu.step(inputs)
+
+
+@pytest.mark.parametrize("kind", ["slip_three_state", "full_brake", "constant_slip"])
+def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(kind, tmp_path):
+    """1.2 bar, and full brake after 4 s: the loop around the FMU knows no driver, so that the FMU must hold it."""
+    changes = [f"controller.kind={kind}", "estimator={kind='none'}", "adhesion.mu0=0.12"]
+    plain = load(SCENARIOS / "library" / "plain.toml", changes)
+    phases = 'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]'
+    service = run_stop(load(SCENARIOS / "library" / "plain.toml", [*changes, phases]))
+    full = VehicleData(plain).controlled.pressure_max
+    with exported(plain, tmp_path) as fmu:
+        law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
+        stop = run_stop(plain, own=OwnParties(controller=law))
+    undriven = run_stop(plain)
+    # Another order of the same sums moves slip in its last digit; a phase begins a sample early or late.
+    assert stop.metrics.distance == pytest.approx(service.metrics.distance, abs=0.03)
+    assert undriven.metrics.distance < service.metrics.distance - 5.0
+
+
+def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
+    """A tool that leaves `driver_demand` alone has the emergency brake, as a stop without [demand]."""
+    described = describe(pack(controller_fmu(load(SCENARIOS / "library" / "plain.toml")), tmp_path / "law.fmu"))
+    starts = [float(described.variables[f"driver_demand[{g}]"].start) for g in range(1, 5)]
+    assert starts == VehicleData(load(SCENARIOS / "library" / "plain.toml")).controlled.pressure_max.tolist()
 
 
 @pytest.mark.parametrize(
