@@ -1,6 +1,6 @@
 """The table [sensors]: what stands between the plant and those who see it."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, model_validator
 
@@ -34,9 +34,8 @@ class WheelEncoder(Table):
 
 
 class SpeedSensor(Table):
-    """Speed over ground: Doppler radar or GNSS."""
+    """Speed over ground: Doppler radar or GNSS, which differ by the numbers below."""
 
-    principle: Literal["doppler", "gnss"]
     noise: SpeedError = Field(description="1σ, white, each reading")
     scale_error: Deviation = Field(description="1σ of the relative error, drawn once a stop")
     scale_offset: Annotated[float, Unit("1", at_least=-0.5, at_most=0.5, because=_OFF)] = Field(
@@ -48,6 +47,13 @@ class SpeedSensor(Table):
     drift_time: Duration | None = optional("over which the autocorrelation of the drift falls to 1/e")
     dropouts: Deviation = optional("share of the time without readings", default=0.0)
     dropout_time: Duration | None = optional("mean length of a drop-out")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_principle(cls, entry: Any) -> Any:
+        if isinstance(entry, dict) and "principle" in entry:
+            raise broken("has the key 'principle' of earlier versions, which changed nothing; remove it")
+        return entry
 
     @model_validator(mode="after")
     def _times(self) -> Self:

@@ -7,7 +7,7 @@ and 4: verify in the standards).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, log, sqrt
+from math import exp, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,16 @@ def corrected_distance(distance: float, speed: float, nominal_speed: float, time
     return nominal_speed * time + (distance - speed * time) * (nominal_speed / speed) ** 2
 
 
+def deceleration_distance(distance: float, speed: float, time: float) -> float:
+    """Return a stopping distance [m] less what is travelled at `speed` [m/s] in the equivalent time [s]."""
+    return distance - speed * time
+
+
+def k_wet_of_distances(dry: float, wet: float, speed: float, time: float) -> float:
+    """Return K_wet_rst of a stopping distance on dry and one on wet rail [m], from one speed [m/s]."""
+    return deceleration_distance(dry, speed, time) / deceleration_distance(wet, speed, time)
+
+
 def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float, confidence: float = 0.95) -> Interval:
     """Return K_wet_rst of stops from one speed.
 
@@ -75,7 +85,7 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     variances: list[float] = []
     freedom: list[int] = []
     for name, distances in (("dry", dry), ("wet", wet)):
-        braking_distance = np.asarray(distances, dtype=np.float64) - speed * time
+        braking_distance = np.array([deceleration_distance(one, speed, time) for one in distances])
         if len(braking_distance) < 2 or not np.isfinite(braking_distance).all() or braking_distance.min() <= 0:
             raise ValueError(
                 f"K_wet wants two {name} stops or more, each longer than the {speed * time:.4g} m of the equivalent "
@@ -85,9 +95,9 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
         variances.append(float(braking_distance.var(ddof=1)) / len(braking_distance) / means[-1] ** 2)
         freedom.append(len(braking_distance) - 1)
     both = sum(variances)
-    value = log(means[0] / means[1])
+    value = k_wet_of_distances(float(np.mean(dry)), float(np.mean(wet)), speed, time)
     half = 0.0
     if both > 0.0:
         count = both**2 / sum(one**2 / n for one, n in zip(variances, freedom, strict=True))
         half = float(t.ppf((1 + confidence) / 2, count)) * sqrt(both)
-    return Interval(exp(value), exp(value - half), exp(value + half))
+    return Interval(value, value * exp(-half), value * exp(half))

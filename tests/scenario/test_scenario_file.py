@@ -107,6 +107,10 @@ REFUSALS = [
     (["adhesion.minimum=2"], "[adhesion] minimum must be at most 1, got 2."),
     (["adhesion.minimum=0.5"], "[adhesion] minimum 0.5 is above maximum 0.13."),
     (["adhesion.period=3 m"], "[adhesion] period is '3 m', but 'm' cannot be converted to 's'"),
+    (
+        ["sensors.kind=service", "sensors.speed.principle=doppler"],
+        "[sensors.speed] has the key 'principle' of earlier versions, which changed nothing; remove it",
+    ),
     (["adhesion.ramp=0 s"], "[adhesion] ramp must be above 0 s, got 0."),
     (["adhesion.low=30 s"], "[adhesion] low and two ramps take 32 s, longer than period 8."),
     (["adhesion.polach=wett"], "[adhesion] polach is 'wett', which is not a Polach set; there are dry, wet,"),

@@ -14,6 +14,7 @@ from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
+from railgrip.trace.k_wet import k_wet_of_distances
 
 _AMBIENT: Final = 101325.0  # Pa
 _RESAMPLES: Final = 2000
@@ -189,7 +190,6 @@ def _judge(
         "reservoir": keeps(limits.reservoir, remaining, at_least=True),
         "utilisation": keeps(limits.utilisation, utilisation, at_least=True),
     }
-    build_up = speed * limits.build_up.time
     return Judged(
         case=case,
         variants={k: v for k, v in stop.variants.items() if k not in ("case", "controller")},
@@ -203,7 +203,11 @@ def _judge(
         extension=extension,
         over_bound=_ratio(distance, bound),
         over_best=_ratio(distance, best),
-        k_wet=None if dry is None else 0.0 if distance is None else min(1.0, (dry - build_up) / (distance - build_up)),
+        k_wet=None
+        if dry is None
+        else 0.0
+        if distance is None
+        else min(1.0, k_wet_of_distances(dry, distance, speed, limits.build_up.time)),
         longest_lock_s=lock,
         locked_distance_m=dragged,
         air_l=None if air is None else 1e3 * air,
