@@ -9,6 +9,7 @@ from railgrip.studies.pad_monitor import study as monitor_study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
+from railgrip.studies.pad_monitor.page import group_names
 from railgrip.studies.pad_monitor.study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
@@ -18,7 +19,9 @@ DESIGN = Design()
 
 
 def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
-    return Evidence(health=health, covariance=np.eye(4) * deviation**2, offset=np.full(4, offset), drag=drag)
+    return Evidence(
+        health=health, covariance=np.eye(health.size) * deviation**2, offset=np.full(health.size, offset), drag=drag
+    )
 
 
 def row(
@@ -120,6 +123,22 @@ def test_a_loss_of_a_fifth_is_found_within_ten_stops_in_the_right_group():
         assert alarm.kind == "friction lost"
         # A mean of a handful of stops with 3 % scatter, over medians with as much.
         assert alarm.loss == pytest.approx(0.2, abs=0.08)
+
+
+@pytest.mark.parametrize("groups", [3, 6])
+def test_a_train_of_other_groups_is_watched_alike(groups):
+    """White scatter of 1 %, and a group that loses a quarter."""
+    random = np.random.default_rng(1)
+    health = 1.0 + 0.01 * random.standard_normal((80, groups))
+    health[50:, -1] *= 0.75
+    history = watch([told(one) for one in health], DESIGN)
+    assert history.index.shape == history.chart.shape == (80, groups)
+    (alarm,) = history.alarms
+    assert alarm.group == groups - 1
+
+
+def test_groups_are_called_by_the_wheelsets_of_the_formation():
+    assert group_names() == ["wheelsets 1 to 2", "wheelset 3", "wheelset 4", "wheelsets 5 to 6"]
 
 
 def test_after_an_alarm_the_index_stands_where_health_has_gone():

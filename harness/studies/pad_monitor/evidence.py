@@ -11,6 +11,7 @@ import xarray
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from railgrip.assemble.vehicle import catalogue_counts
 from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimation.run import equations_of, model_of, units_of
 from railgrip.estimators.belief import Matrix, Vector
@@ -18,6 +19,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import pressure_spread
 from railgrip.fmus.native import lower
+from railgrip.formation import Formation
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import period_of, samples
 
@@ -66,7 +68,13 @@ def _stepper(friction_radius: float, period: float) -> tuple[float, ca.Function]
 
 
 MODEL = "TrainPredictionReduced"
-GROUPS = 4
+
+
+@cache
+def formation() -> Formation:
+    """Return wheelsets and groups of the train that `MODEL` predicts and lives are simulated of."""
+    return Formation(catalogue_counts())
+
 
 PRIOR = 0.10
 """Standard deviation of friction before a stop, 1: wide, and taken out of the evidence again."""
@@ -94,12 +102,12 @@ class Evidence:
     """Friction of each group in one stop, over that of healthy pads in the same conditions.
 
     Attributes:
-        health: Shape (4,); 1 is nominal.
-        covariance: Of `health` without any prior, shape (4, 4); large where the stop does not tell groups apart. Noise
-            of the readings only, new in every stop.
-        offset: 1σ that the transducers' `PRESSURE_OFFSET` puts on `health`, shape (4,). Readings tell torque; pressure
-            that reads too high makes the pads look worse. Stops do not average it out, and it is no reason to chart a
-            stop less: charts hold a group against its own reference, which was read by the same transducer.
+        health: Shape (groups,); 1 is nominal.
+        covariance: Of `health` without any prior, shape (groups, groups); large where the stop does not distinguish
+            groups. Noise of the readings only, new in every stop.
+        offset: 1σ that the transducers' `PRESSURE_OFFSET` puts on `health`, shape (groups,). Readings give the torque;
+            pressure that reads too high makes the pads look worse. Stops do not average it out, and it is no reason to
+            chart a stop less: charts compare a group with its own reference, which was read by the same transducer.
         drag: Deceleration with released brakes that resistance does not explain [m/s²]; NaN without coasting.
     """
 
@@ -110,7 +118,7 @@ class Evidence:
 
     @property
     def deviation(self) -> Vector:
-        """Standard deviations of `health`, shape (4,)."""
+        """Standard deviations of `health`, shape (groups,)."""
         return np.sqrt(np.diag(self.covariance))
 
 
@@ -121,21 +129,21 @@ def evidence_of(
 
     Args:
         recording: With the inputs and outputs of `MODEL`.
-        temperature: Of the discs of each group at its first sample [K], shape (4,).
+        temperature: Of the discs of each group at its first sample [K], shape (groups,).
         parameters: Of `MODEL`, where the train is another than the nominal one, SI.
 
     Raises:
         EstimationError: A signal is missing, nothing was braked, or the filter diverged.
     """
-    period = period_of(recording)
+    period, groups = period_of(recording), formation().groups
     prediction, filter_ = _filter(period, tuple(sorted(parameters.items())))
-    names = [f"cylinder_pressure[{g + 1}]" for g in range(GROUPS)]
-    pressure = samples(recording, names, ["Pa"] * GROUPS)
+    names = [f"cylinder_pressure[{g + 1}]" for g in range(groups)]
+    pressure = samples(recording, names, ["Pa"] * groups)
     readings = samples(recording, prediction.outputs, [model_units()[name] for name in prediction.outputs])
     at = prediction.outputs.index
     speed = _without_gaps(readings[:, at("speed")], "speed")
     wheels = np.stack(
-        [_without_gaps(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(GROUPS)], 1
+        [_without_gaps(readings[:, at(f"wheelset_speed[{g + 1}]")], "wheelset_speed") for g in range(groups)], 1
     )
     moving = np.flatnonzero(speed < _SLOWEST)
     count = int(moving[0]) if moving.size else speed.size
@@ -151,31 +159,31 @@ def evidence_of(
     drag = _drag(acceleration[:onset], speed[:onset], values) if onset * period >= _COASTING else float("nan")
     # Pressures that with constant nominal friction would brake as healthy pads do: what is left to estimate is health.
     reduced = pressure.copy()
-    for g in range(GROUPS):
+    for g in range(groups):
         mu = nominal_friction(
             force[:, g], wheels[:, g], speed, period, values[f"r_friction[{g + 1}]"], float(temperature[g])
         )
         equivalent = (values["F_spring"] + mu / NOMINAL * force[:, g] / lever) / values["A_piston"]
         reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
-    mass = sum(values[f"m_wheelset[{i + 1}]"] for i in range(6))
+    mass = _mass(values)
     inputs = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
     radius = values["r_wheel"]
     locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
-    for g in range(GROUPS):
+    for g in range(groups):
         readings[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
     mean, covariance = _run_filter(
         filter_, prediction.states, inputs, readings, locked, wheels[0], float(speed[0]), count
     )
     # The prior is taken out, so that stops can be put together without counting it once each.
-    information = np.linalg.inv(covariance) - np.eye(GROUPS) / PRIOR**2
+    information = np.linalg.inv(covariance) - np.eye(groups) / PRIOR**2
     # What a stop does not tell at all has an information of zero, here with rounding: at most 100 priors wide.
-    information += np.eye(GROUPS) / (100.0 * PRIOR) ** 2
+    information += np.eye(groups) / (100.0 * PRIOR) ** 2
     spread = np.linalg.inv(0.5 * (information + information.T))
-    health = spread @ (np.linalg.solve(covariance, mean) - np.full(GROUPS, NOMINAL) / PRIOR**2
-                       + np.full(GROUPS, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
+    health = spread @ (np.linalg.solve(covariance, mean) - np.full(groups, NOMINAL) / PRIOR**2
+                       + np.full(groups, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
     offset = pressure_spread(
         pad_friction=health / NOMINAL,
-        pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(GROUPS)]),
+        pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(groups)]),
         offset=PRESSURE_OFFSET,
         A_piston=values["A_piston"],
         F_spring=values["F_spring"],
@@ -195,7 +203,7 @@ def _braking_pressure(pressure: Vector, force: Vector) -> float:
 
 
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
-    """Return where wheelsets are locked or nearly so, and `around` samples to both sides, shape (k, 4).
+    """Return where wheelsets are locked or nearly so, and `around` samples to both sides, shape (k, groups).
 
     A locked wheelset tells nothing of its pads: they hold it with less than they could.
     """
@@ -230,24 +238,25 @@ def _run_filter(
     speed: float,
     count: int,
 ) -> tuple[Vector, Matrix]:
-    """Return mean (4,) and covariance (4, 4) of reduced pad friction after `count` samples.
+    """Return mean (groups,) and covariance (groups, groups) of reduced pad friction after `count` samples.
 
     Args:
         inputs: Inputs at every sample, shape (k, nu).
         readings: Readings, shape (k, m); none of a wheelset while it is locked.
-        locked: Which are, shape (k, 4).
-        wheels: Wheelset speeds at the first sample [rad/s], shape (4,).
+        locked: Which are, shape (k, groups).
+        wheels: Wheelset speeds at the first sample [rad/s], shape (groups,).
         speed: Of the train then [m/s].
     """
-    place = [states.index(f"mu_b[{g + 1}]") for g in range(GROUPS)]
+    groups = formation().groups
+    place = [states.index(f"mu_b[{g + 1}]") for g in range(groups)]
     mean, deviation = np.zeros(len(states)), np.array([_START.get(n.partition("[")[0], PRIOR) for n in states])
     mean[place] = NOMINAL
     mean[states.index("v")] = speed
-    mean[[states.index(f"w[{g + 1}]") for g in range(GROUPS)]] = wheels
+    mean[[states.index(f"w[{g + 1}]") for g in range(groups)]] = wheels
     filter_.start(mean, deviation**2)
     middle = 0.5 * (inputs[:-1] + inputs[1:])  # pressures move within a period
     usual = np.array([_PROCESS[name.partition("[")[0]] for name in states]) ** 2
-    turning = np.array([states.index(f"w[{g + 1}]") for g in range(GROUPS)])
+    turning = np.array([states.index(f"w[{g + 1}]") for g in range(groups)])
     filter_.retune(usual)
     try:
         for k in range(1, count):
@@ -280,11 +289,16 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
 
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
     """Return the deceleration before the stop that running resistance does not explain [m/s²]."""
-    mass = sum(values[f"m_wheelset[{i + 1}]"] for i in range(6))
+    mass = _mass(values)
     air = 0.5 * values["rho_air"] * values["c_drag"] * values["A_drag"] * float(np.mean(speed**2))
     wheel, bearing = values["r_wheel"], values["mu_bearing"] * values["r_bearing"]
     rolling = (bearing + values["e_rolling"]) / wheel * mass * 9.81
     return -float(np.nanmean(acceleration)) - (air + rolling) / mass
+
+
+def _mass(values: dict[str, float]) -> float:
+    """Return the mass of the train [kg]."""
+    return sum(values[f"m_wheelset[{i + 1}]"] for i in range(formation().wheelsets))
 
 
 def _without_gaps(values: Vector, name: str) -> Vector:

@@ -8,7 +8,7 @@ import numpy as np
 from railgrip.errors import EstimationError
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import Specification, parameters_for
-from railgrip.studies.pad_monitor.evidence import GROUPS, MODEL, Evidence, evidence_of
+from railgrip.studies.pad_monitor.evidence import MODEL, Evidence, evidence_of, formation
 from railgrip.trace.files import FORMATS
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.samples import evenly
@@ -54,7 +54,7 @@ def stops_in(
     for number, place in enumerate(places):
         progress(number, len(places))
         try:
-            temperature = np.full(GROUPS, UNKNOWN_TEMPERATURE)
+            temperature = np.full(formation().groups, UNKNOWN_TEMPERATURE)
             if specification is None:
                 trace = read_trace(place / FILE_NAME)
                 recording = evenly(trace, place.name)

@@ -21,6 +21,7 @@ from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
+from railgrip.studies.pad_monitor.evidence import formation
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import recording_of
 
@@ -53,7 +54,7 @@ class Life:
         stops: How many.
         seed: Of everything that is drawn.
         worn: Stop from which one group has lost friction; None never.
-        worn_group: Which, 0 to 3.
+        worn_group: Which, from 0.
         loss: Share of friction that it has lost.
         stuck: Stop from which one group does not release; None never.
         stuck_group: Which.
@@ -78,15 +79,15 @@ class Life:
 def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Dataset, Vector]]:
     """Yield the stops of a life in order; `numbers` takes some of them, each the same as in the whole.
 
-    What was read, with the truth of pad friction, and the temperature of the discs at the start, [K] as read, (4,).
+    What was read, with the truth of pad friction, and the disc temperatures at the start as read, (groups,) [K].
     """
-    lot = generator(life.seed, "life.lot")
-    base = 1.0 + 0.05 * lot.standard_normal(4)
-    transducers = life.pressure_offset * generator(life.seed, "life.transducers").standard_normal(4)
-    wear = lot.uniform(0.0, 0.04, 4)  # share of friction lost over the life by glazing; still healthy
+    lot, groups = generator(life.seed, "life.lot"), formation().groups
+    base = 1.0 + 0.05 * lot.standard_normal(groups)
+    transducers = life.pressure_offset * generator(life.seed, "life.transducers").standard_normal(groups)
+    wear = lot.uniform(0.0, 0.04, groups)  # share of friction lost over the life by glazing; still healthy
     for k in numbers or range(life.stops):
         random = generator(life.seed, f"life.stop.{k}")
-        factor = base * (1.0 - wear * k / max(life.stops - 1, 1)) * (1.0 + 0.02 * random.standard_normal(4))
+        factor = base * (1.0 - wear * k / max(life.stops - 1, 1)) * (1.0 + 0.02 * random.standard_normal(groups))
         wet = random.random() < 0.2
         factor *= 1.0 - (random.uniform(0.0, 0.05) if wet else 0.0)
         first_friction = factor * (random.uniform(0.70, 0.80) if wet else 1.0)
@@ -101,14 +102,14 @@ def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
     """Return the table [demand] of a stop: coasting, then braking, and each group released in turn where it is tested.
 
     Args:
-        full: Pressures that are braked with, shape (4,) [Pa].
-        residual: Pressure that stays in the cylinders of each group whatever is demanded, shape (4,) [Pa].
+        full: Pressures that are braked with, shape (groups,) [Pa].
+        residual: Pressure that stays in the cylinders of each group whatever is demanded, shape (groups,) [Pa].
     """
-    brake, release = full.copy(), np.zeros(4)
+    brake, release = full.copy(), np.zeros(full.size)
     courses = [(release, COASTING)]
     if testing:
         courses.append((brake, COASTING + _FIRST_SLOT))
-        for group in range(4):
+        for group in range(full.size):
             demand = brake.copy()
             demand[group] = 0.0
             courses.append((demand, COASTING + _FIRST_SLOT + (group + 1) * _SLOT))
@@ -134,19 +135,19 @@ def _stop(
     stuck: int | None,
     transducers: Vector,
 ) -> tuple[xarray.Dataset, Vector]:
-    nominal = _nominal()
-    full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(4)])
+    nominal, groups = _nominal(), formation().groups
+    full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(groups)])
     speed = random.uniform(70.0, 110.0) / 3.6
     load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor believes in the nominal mass
     slope = 0.002 * random.standard_normal()
-    discs = random.uniform(293.15, 393.15, 4)
-    loads = {f"m_wheelset[{i + 1}]": load * nominal[f"m_wheelset[{i + 1}]"] for i in range(6)}
+    discs = random.uniform(293.15, 393.15, groups)
+    loads = {f"m_wheelset[{i + 1}]": load * nominal[f"m_wheelset[{i + 1}]"] for i in range(formation().wheelsets)}
     parameters = {"T_pressure": _LAG} | loads
-    for g in range(4):
+    for g in range(groups):
         parameters[f"mu_b_nominal[{g + 1}]"] = float(friction[g])
         parameters[f"mu_b_start[{g + 1}]"] = float(first_friction[g])
         parameters[f"T_disc_start[{g + 1}]"] = float(discs[g])
-    residual = np.zeros(4)
+    residual = np.zeros(groups)
     if stuck is not None:
         residual[stuck] = life.residual
     changes = {
@@ -169,12 +170,12 @@ def _stop(
     velocity = trace["speed"].values * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
     velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
     acceleration = trace["acceleration"].values + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
-    wheels = trace["wheelset_speed"].values + 0.2 * noise((count, 4))
-    pressure = readings + transducers + 500.0 * noise(4)
+    wheels = trace["wheelset_speed"].values + 0.2 * noise((count, groups))
+    pressure = readings + transducers + 500.0 * noise(groups)
     signals: dict[str, tuple[Vector, str]] = {"speed": (velocity, "m/s"), "acceleration": (acceleration, "m/s2")}
-    for g in range(4):
+    for g in range(groups):
         signals[f"wheelset_speed[{g + 1}]"] = (wheels[:, g], "rad/s")
         signals[f"cylinder_pressure[{g + 1}]"] = (np.maximum(pressure[:, g], 0.0), "Pa")
-    truth = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(4)}
+    truth = {f"mu_b[{g + 1}]": (trace["pad_friction"].values[:, g], "1") for g in range(groups)}
     recording = recording_of(signals, period=PERIOD, truth=truth, name=f"stop-{number:04d}")
-    return recording, discs + 10.0 * noise(4)
+    return recording, discs + 10.0 * noise(groups)

@@ -7,10 +7,18 @@ import numpy as np
 
 from railgrip.report import style
 from railgrip.report.table import Table
-from railgrip.studies.pad_monitor.evidence import GROUPS
+from railgrip.studies.pad_monitor.evidence import formation
 from railgrip.studies.pad_monitor.watch import Design, History
 
-GROUP_NAMES = ("motor bogie 1", "Jacobs wheelset 3", "Jacobs wheelset 4", "motor bogie 2")
+
+def group_names() -> list[str]:
+    """Return what each group is called: by its wheelsets, counted from the leading one."""
+    return [
+        f"wheelset {members.stop}"
+        if members.stop - members.start == 1
+        else f"wheelsets {members.start + 1} to {members.stop}"
+        for members in formation().members()
+    ]
 
 
 def health_table(history: History, names: Sequence[str]) -> Table:
@@ -18,7 +26,7 @@ def health_table(history: History, names: Sequence[str]) -> Table:
     alarms = {alarm.group: alarm for alarm in reversed(history.alarms)}
     rows = [
         {
-            "group": f"{g + 1} {GROUP_NAMES[g]}",
+            "group": f"{g + 1} {name}",
             "health": f"{history.index[-1, g]:.3f} ± {history.index_sd[-1, g]:.3f}",
             "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}"
             if np.isfinite(history.trend_sd[g])
@@ -27,7 +35,7 @@ def health_table(history: History, names: Sequence[str]) -> Table:
             if (alarm := alarms.get(g))
             else "none",
         }
-        for g in range(GROUPS)
+        for g, name in enumerate(group_names())
     ]
     return Table(rows, left=rows[0])
 
@@ -49,9 +57,10 @@ def summary_of(history: History, design: Design) -> str:
 
 def draw(history: History, design: Design, path: Path) -> Path:
     """Draw health and chart of each group over the stops and return the file."""
-    drawing, axes = style.panels(11.0, 8.0, GROUPS, 2, sharex=True, width_ratios=(3, 2))
+    called = group_names()
+    drawing, axes = style.panels(11.0, 2.0 * len(called), len(called), 2, sharex=True, width_ratios=(3, 2))
     number = np.arange(len(history.index)) + 1
-    for g in range(GROUPS):
+    for g, name in enumerate(called):
         left, right = axes[g]
         distinct = history.deviation[:, g] < design.told_apart
         left.plot(
@@ -70,7 +79,7 @@ def draw(history: History, design: Design, path: Path) -> Path:
         left.set_ylim(0.3, 1.4)
         # Steps after an alarm go on; what matters is what led to it.
         right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)
-        style.dress(left, y="friction / nominal", title=f"{g + 1} {GROUP_NAMES[g]}")
+        style.dress(left, y="friction / nominal", title=f"{g + 1} {name}")
         style.dress(right, y="cumulated sum [sd]")
     style.legend(axes[0, 0], loc="upper right", ncols=2)
     for part in axes[-1]:

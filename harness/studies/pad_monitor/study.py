@@ -14,7 +14,7 @@ from railgrip.campaign.store import digest_of, results_of
 from railgrip.fmus.build import fmu
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor import evidence, life
-from railgrip.studies.pad_monitor.evidence import Evidence, evidence_of
+from railgrip.studies.pad_monitor.evidence import Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.life import PLANT, Life, live
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.studies.pad_monitor.watch import Design, watch
@@ -30,15 +30,16 @@ WORN, STUCK = 100, 160
 
 def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESSURE_OFFSET) -> list[Life]:
     """Return lives in which one group loses 20 % and another sticks later; every pair of groups takes its turn."""
+    groups = formation().groups
     worn, stuck = round(WORN * stops / STOPS), round(STUCK * stops / STOPS)
     return [
         Life(
             stops=stops,
             seed=seed,
             worn=worn,
-            worn_group=seed % 4,
+            worn_group=seed % groups,
             stuck=stuck,
-            stuck_group=(seed + 1 + seed // 4 % 3) % 4,
+            stuck_group=(seed + 1 + seed // groups % (groups - 1)) % groups,
             pressure_offset=pressure_offset,
         )
         for seed in range(1, seeds + 1)
@@ -136,7 +137,7 @@ def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], 
                 delays.append(None if first is None else first.stop - begin + 1)
                 alarms_due += first is not None
                 right += first is not None and first.kind == kind
-        others = set(range(4)) - {one.worn_group, one.stuck_group}
+        others = set(range(formation().groups)) - {one.worn_group, one.stuck_group}
         healthy += len(others) * (one.stops - design.reference)
         false_alarms += sum(alarm.group in others for alarm in alarms)
     return Assessment(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
 from railgrip.estimators.belief import Matrix, Vector
-from railgrip.studies.pad_monitor.evidence import GROUPS, Evidence
+from railgrip.studies.pad_monitor.evidence import Evidence
 
 Kind = Literal["friction lost", "does not release"]
 
@@ -60,7 +60,7 @@ class Alarm:
 
     Attributes:
         stop: Number of the stop that raised it, from 0.
-        group: 0 to 3.
+        group: Its number, from 0.
         kind: What it looks like.
         loss: Friction lost against the reference, mean of the stops since the chart left zero, share.
     """
@@ -76,13 +76,13 @@ class History:
     """What the monitor made of a row of stops.
 
     Attributes:
-        evidence: Health of each stop, shape (k, 4).
-        deviation: Of it, shape (k, 4).
-        index: Health followed over stops, 1 nominal, shape (k, 4).
-        index_sd: Its standard deviation, the offsets of the pressure transducers included, shape (k, 4).
-        chart: Cumulated sum of each group, in deviations, shape (k, 4).
-        threshold: At which the chart alarms, shape (4,).
-        trend: Change of the index over the last stops, share a stop, shape (4,).
+        evidence: Health of each stop, shape (k, groups).
+        deviation: Of it, shape (k, groups).
+        index: Health followed over stops, 1 nominal, shape (k, groups).
+        index_sd: Its standard deviation, the offsets of the pressure transducers included, shape (k, groups).
+        chart: Cumulated sum of each group, in deviations, shape (k, groups).
+        threshold: At which the chart alarms, shape (groups,).
+        trend: Change of the index over the last stops, share a stop, shape (groups,).
         trend_sd: Its standard deviation.
         alarms: In the order of stops.
         chart_points: Stops that told the groups apart.
@@ -104,22 +104,22 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
     """Return what the monitor makes of stops, oldest first.
 
     A load that is not the nominal one, wet pads and a wind move all groups together; a fault moves one. So a group is
-    charted by its health over the median of the three others, relative to the same ratio in the reference stops. All
-    four losing friction alike is seen in the index, not in the chart.
+    charted by its health over the median of the others, relative to the same ratio in the reference stops. All
+    groups losing friction alike is seen in the index, not in the chart.
     """
-    count = len(stops)
-    health = np.array([stop.health for stop in stops]).reshape(count, GROUPS)
-    deviation = np.array([stop.deviation for stop in stops]).reshape(count, GROUPS)
+    count, groups = len(stops), len(stops[0].health) if stops else 0
+    health = np.array([stop.health for stop in stops]).reshape(count, groups)
+    deviation = np.array([stop.deviation for stop in stops]).reshape(count, groups)
     apart = np.asarray((deviation < design.told_apart).all(axis=1), dtype=np.bool_)
     reference = np.flatnonzero(apart)[: design.reference]
     # Load, wet pads and wind: what all groups share from stop to stop, seen in the mean over groups.
     together = float(np.var(health[reference].mean(axis=1))) if reference.size > 2 else _TOGETHER**2
-    ratio = np.full((count, GROUPS), np.nan)
-    for g in range(GROUPS):
-        others = [o for o in range(GROUPS) if o != g]
+    ratio = np.full((count, groups), np.nan)
+    for g in range(groups):
+        others = [o for o in range(groups) if o != g]
         ratio[apart, g] = health[apart, g] / np.median(health[apart][:, others], axis=1)
-    deficit, chart = np.full((count, GROUPS), np.nan), np.zeros((count, GROUPS))
-    threshold = np.full(GROUPS, np.nan)
+    deficit, chart = np.full((count, groups), np.nan), np.zeros((count, groups))
+    threshold = np.full(groups, np.nan)
     alarms: list[Alarm] = []
     if reference.size == design.reference:
         # Medians: an odd stop among the first must not blunt the monitor for its whole life.
@@ -178,8 +178,8 @@ def _chart(
     before = [stop.drag for stop in stops[:first] if np.isfinite(stop.drag)]
     coasting = float(np.median(before)) if before else float("nan")
     alarms: list[Alarm] = []
-    zero_until = np.full(GROUPS, first)
-    distinct = np.zeros(GROUPS, dtype=np.bool_)
+    zero_until = np.full(len(threshold), first)
+    distinct = np.zeros(len(threshold), dtype=np.bool_)
     for k in range(first, len(stops)):
         chart[k] = chart[k - 1]
         if np.isnan(deficit[k]).any():
@@ -198,12 +198,12 @@ def _chart(
 
 
 def _own_scatter(health: Matrix, design: Design) -> Vector:
-    """Return how far a group's evidence strays from that of the others, stop to stop, shape (4,).
+    """Return how far a group's evidence strays from that of the others, stop to stop, shape (groups,).
 
     Evidence claims what noise does to it. Latencies and slides do more, and nobody but the stops themselves can tell.
     """
     if len(health) < FEWEST:
-        return np.full(GROUPS, design.least_scatter)
+        return np.full(health.shape[1], design.least_scatter)
     apart = health - np.median(health, axis=1, keepdims=True)
     mad = 1.4826 * np.median(np.abs(apart - np.median(apart, axis=0)), axis=0)
     return np.maximum(mad, design.least_scatter)
@@ -212,7 +212,7 @@ def _own_scatter(health: Matrix, design: Design) -> Vector:
 def _follow(
     stops: Sequence[Evidence], together: float, own: Vector, alarms: Sequence[Alarm], design: Design
 ) -> tuple[Matrix, Matrix]:
-    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, 4).
+    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, groups).
 
     The offset of a transducer is the same in every stop: it does not weigh stops, and no number of them averages it
     out. `shift` is what offsets of one standard deviation, one a column, have moved the index by, through the same
@@ -223,18 +223,19 @@ def _follow(
     Args:
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
-        own: Deviation of each group from stop to stop beside that, shape (4,).
+        own: Deviation of each group from stop to stop beside that, shape (groups,).
     """
-    mean, covariance = np.ones(GROUPS), np.eye(GROUPS) * _UNKNOWN**2
-    shift = np.zeros((GROUPS, GROUPS))
+    groups = len(own)
+    mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
+    shift = np.zeros((groups, groups))
     scatter = np.diag(own**2) + together
-    index, spread = np.empty((len(stops), GROUPS)), np.empty((len(stops), GROUPS))
+    index, spread = np.empty((len(stops), groups)), np.empty((len(stops), groups))
     for k, stop in enumerate(stops):
-        jumps = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(GROUPS)])
+        jumps = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(groups)])
         covariance = covariance + np.diag(np.where(jumps, _UNKNOWN**2, design.drift**2))
         gain = np.linalg.solve(covariance + stop.covariance + scatter, covariance).T
         mean = mean + gain @ (stop.health - mean)
-        remainder = np.eye(GROUPS) - gain
+        remainder = np.eye(groups) - gain
         covariance = remainder @ covariance @ remainder.T + gain @ (stop.covariance + scatter) @ gain.T
         shift = remainder @ shift + gain * stop.offset
         index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shift**2, axis=1))
@@ -242,7 +243,7 @@ def _follow(
 
 
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Vector, Vector]:
-    """Return the slope of health over the last stops and its deviation, share a stop, each shape (4,).
+    """Return the slope of health over the last stops and its deviation, share a stop, each shape (groups,).
 
     A straight line by least squares through the stops that told groups apart; its deviation comes from what they
     scatter about it.
@@ -250,7 +251,7 @@ def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Ve
     number = np.flatnonzero(apart)
     number = number[number >= len(health) - design.trend]
     if number.size < FEWEST:
-        return np.full(GROUPS, np.nan), np.full(GROUPS, np.nan)
+        return np.full(health.shape[1], np.nan), np.full(health.shape[1], np.nan)
     time = number - number.mean()
     deviation = health[number] - health[number].mean(axis=0)
     slope = time @ deviation / (time @ time)
