@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from railgrip.assemble.plant import NEEDED
-from railgrip.assemble.trial import findings, tried
+from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, findings, tried
+from railgrip.assemble.vehicle import GRAVITY
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
 from railgrip.custom import (
@@ -29,6 +30,7 @@ from railgrip.custom import (
 )
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Formation
+from railgrip.loop.plausible import slowing_of
 from railgrip.signals import Layout, layout_of
 
 Row = tuple[float, ...]
@@ -135,7 +137,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
 
     In a short run it starts at the speed that it is given, coasts, and brakes on a good rail; distance, speed and
     acceleration are integrals of each other, wheels roll when nothing brakes, cylinders fill, and what it shows of slip
-    and adhesion can be. It does the same again after `start`. Nothing is said about braking on a poor rail.
+    and adhesion can be. On a poor rail it brakes no more than friction allows. It does the same again after `start`.
 
     Args:
         factory: Class or function that returns a new plant.
@@ -151,11 +153,16 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
             brakes = layout.formation
             pressure, release = tuple(brakes.pressure_max.tolist()), (0.0,) * brakes.groups
             plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
-            trial = tried(layout, plant, period=_PERIOD, release=release, brake=pressure)
-            results = findings(trial, speed=_SPEED, radius=tuple(brakes.wheel_radius.tolist()), pressure=pressure)
+            good, poor = (
+                tried(layout, plant, period=_PERIOD, release=release, brake=pressure, friction=friction)
+                for friction in (GOOD_RAIL, POOR_RAIL)
+            )
+            slowing = slowing_of(sum(brakes.wheelset_load) / GRAVITY, is_known=False)
+            radius = tuple(brakes.wheel_radius.tolist())
+            results = findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing)
             for finding in (finding for finding in results if not finding.good):
                 raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
-            yield from (tuple(row) for row in np.nan_to_num(trial.rows).tolist())
+            yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
 
         _demand_same(own, "step", run)
 

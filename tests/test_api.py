@@ -246,7 +246,7 @@ def test_a_sweep_of_fifty_stops_is_a_table_in_order(scenario):
     assert table["start.speed"].tolist() == ["30 km/h"] * 25 + ["40 km/h"] * 25
     assert table["seed"].tolist() == [*range(25), *range(25)]
     assert set(table["outcome"]) == {"horizon"}
-    assert (table["distance"][25:].to_numpy() > table["distance"][:25].to_numpy()).all()
+    assert (table["distance_travelled"][25:].to_numpy() > table["distance_travelled"][:25].to_numpy()).all()
     grid = sweep.to_xarray()
     assert grid["distance"].dims == ("start.speed", "seed")
     assert grid["longest_lock"].dims == ("start.speed", "seed", "group")
@@ -327,6 +327,40 @@ def test_a_plant_in_python_brakes_as_its_one_equation_says(scenario, tmp_path):
     content = json.loads((tmp_path / "stop.json").read_text())
     assert content["classes"]["plant"]["class"] == content["scenario"]["vehicle"]["plant"] == f"{__name__}:Rolling"
     assert "TwoPartTrain.fmu" not in content["fmus"]
+
+
+class Slippery:
+    """A plant that takes part in nothing but friction: what it is given is `factor` times what lies on the rail."""
+
+    def __init__(self, factor):
+        self.train, self.factor = rolling()(), factor
+
+    def start(self, formation, speed, period):
+        return self.train.start(formation, speed, period)
+
+    def step(self, inputs):
+        return self.train.step(inputs | {"mu0": self.factor(inputs["mu0"])})
+
+
+def test_a_plant_in_python_on_which_friction_has_no_effect_is_refused(scenario):
+    """It would stop in the same distance on any rail."""
+    deaf = Slippery(lambda friction: np.full_like(friction, 0.9))
+    with pytest.raises(
+        rg.RailgripError, match=r"'mu0' does not bound the brakes: .* 2\.\d+ m/s2 with friction of 0\.4 and"
+    ):
+        rg.run(scenario, controller=BangBang, plant=deaf)
+
+
+@pytest.mark.parametrize(("factor", "outcome"), [(1.0, "standstill"), (1.1, "implausible"), (1.3, "implausible")])
+def test_a_stop_with_more_friction_than_the_rail_has_is_implausible(scenario, factor, outcome):
+    """What the trial on two rails cannot see, because friction still has an effect; 10 % is more than resistance is."""
+    poor = scenario.changed(
+        {"controller.kind": "full_brake", "limits.horizon": "200 s", "adhesion": {"kind": "constant", "polach": "dry",
+         "mu0": 0.1}, "start.speed": "72 km/h", "estimator": {"kind": "none"}}
+    )  # fmt: skip
+    stop = rg.run(poor, plant=Slippery(lambda friction: factor * friction))
+    assert stop.outcome.value == outcome
+    assert np.isnan(stop.metrics.distance) == (outcome != "standstill")
 
 
 def test_a_plant_may_be_named_and_have_a_formation_of_its_own(scenario, tmp_path):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from railgrip.assemble.files import description_of, parameters_of, recipe_file, units_of
+from railgrip.assemble.files import description_of, units_of
 from railgrip.assemble.foreign_controller import foreign_controller
 from railgrip.assemble.vehicle import VehicleData, units_of_nominal_data
 from railgrip.controllers import tuning
@@ -189,18 +189,19 @@ def law_states(controller: Controller) -> LawStates | None:
     return LawStates(columns, controller.state, places)
 
 
-def actuation_of(scenario: Scenario, groups: tuple[BrakeGroup, ...]) -> Actuation:
-    """Return what turns demanded pressures into what the plant takes."""
+def actuation_of(vehicle: VehicleData) -> Actuation:
+    """Return what turns demanded pressures into what the plant takes, by what the controller knows of its valves."""
+    scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
         return Direct()
-    nominal = parameters_of(description_of(recipe_file("TwoPartTrainPneumatic")))
+    valves = vehicle.valves
     return ValveLogic(
-        [group.pressure_max for group in groups],
+        vehicle.controlled.pressure_max.tolist(),
         ValveModel(
             period=scenario.periods.controller,
-            dead_time=0.5 * (nominal["dead_fill"] + nominal["dead_vent"]),
-            fill_time=nominal["T_fill"],
-            vent_time=nominal["T_vent"],
+            dead_time=0.5 * (valves["dead_fill"] + valves["dead_vent"]),
+            fill_time=valves["T_fill"],
+            vent_time=valves["T_vent"],
             band=tuning.VALVE_BANDS.get(scenario.controller.kind, tuning.VALVE_BAND),
             pulse_min=tuning.VALVE_PULSE_MIN,
         ),

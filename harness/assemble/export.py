@@ -32,7 +32,7 @@ def controller_fmu(scenario: Scenario) -> Source:
     """
     vehicle = VehicleData(scenario)
     groups = vehicle.controlled.brakes
-    law, actuation = controller_of(vehicle), actuation_of(scenario, groups)
+    law, actuation = controller_of(vehicle), actuation_of(vehicle)
     assert isinstance(law, Sampled)
     valves = actuation if isinstance(actuation, Sampled) else None
     assert valves is not None or isinstance(actuation, Direct)

@@ -148,7 +148,7 @@ class _Tracking:
         self._recorder, self._period = recorder, scenario.periods.communication
         self._limit, self._ahead = scenario.limits.alpha_max, 0.0
         if scenario.actuation.kind == "pneumatic":
-            self._ahead = _DEAD_TIME
+            self._ahead = max(vehicle.true_valves["dead_fill"], vehicle.true_valves["dead_vent"])
         self._due, self._slip, self._most, self._change = 0.0, np.zeros(0), np.zeros(0), np.zeros(0)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
@@ -194,7 +194,6 @@ class _Tracking:
 
 _SLOWEST = 0.5  # m/s; below, slip is a ratio of two small numbers
 _PEAK_PERIOD = 0.05  # s; friction of scenarios changes over tenths of a second
-_DEAD_TIME = 0.05  # s, that valves of the library's trains take
 _RATE = 10.0  # 1/s; valves fill and vent within some tenths of a second, and their predictor looks ahead
 _BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of its adhesion
 _NO_PAD = 1e-6  # m

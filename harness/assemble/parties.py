@@ -196,7 +196,7 @@ def assembled(
             controller = over_the_train(vehicle, custom.CustomController(own_law, formation))
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, tell, stack)
-        actuation = Direct() if commands_valves else actuation_of(scenario, formation.brakes)
+        actuation = Direct() if commands_valves else actuation_of(vehicle)
         _demand_estimates(scenario, controller, estimates)
         if commands_valves and demand is not None:
             raise ScenarioError(
@@ -234,6 +234,7 @@ def assembled(
                 samples=samples,
                 sensors=sampled_every(scenario.sensors, period),
             ),
+            slowing=vehicle.slowing,
             start_speed=scenario.start.speed,
             stop_speed=scenario.limits.stop_speed,
             recorder=Recorder(signals, formation, min(capacity or samples + 1, samples + 1)),

@@ -1,7 +1,7 @@
 """The plant of a scenario, bound to the vectors of the loop."""
 
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from math import inf
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from railgrip import custom
 from railgrip.assemble.files import is_trusted
-from railgrip.assemble.trial import findings, tried
+from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
 from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.fmu import CoSimulation, Description, Signal, bind, open_plant
@@ -61,7 +61,7 @@ def plant_signals(
 
 
 def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStack) -> Plant:
-    """Open the plant of a scenario that is an FMU; one from outside makes a short run before.
+    """Open the plant of a scenario that is an FMU; one from outside makes two short runs before.
 
     Raises:
         ScenarioError: The short run shows what no train is, or the track is none for this one.
@@ -100,8 +100,9 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
     # A train file's class is of our parts; what a distributor does by speed or a long pipe late is no mistake of a map.
     if not own and (table.train is None or table.map):
         # The stop itself will say how it failed.
-        with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
-            _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, first)
+        with suppress(PlantFailed):
+            quiet = partial(opening, tell=lambda sentence: None)
+            _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
     plant = stack.enter_context(opening(tell=tell))
     if "slip" not in binding.outputs.absent:
         return plant
@@ -109,7 +110,7 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
 
 
 def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
-    """Return a plant in Python, after a short run of it.
+    """Return a plant in Python, after two short runs of it.
 
     Raises:
         ScenarioError: It is no plant, or the short run shows what no train is.
@@ -122,7 +123,7 @@ def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
         custom.CustomPlant(own, layout, speed=speed, period=period, required=NEEDED, command=command), layout
     )
     with suppress(PlantFailed):  # the stop itself will say how it failed
-        _refuse_unfit(f"{scenario.name}: the plant {type(own).__name__} is none", vehicle, plant)
+        _refuse_unfit(f"{scenario.name}: the plant {type(own).__name__} is none", vehicle, lambda: nullcontext(plant))
     return plant
 
 
@@ -164,20 +165,27 @@ def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) 
     return nudges
 
 
-def _refuse_unfit(who: str, vehicle: VehicleData, plant: Plant) -> None:
-    """Refuse a plant from outside that is no train in a short run before its stop."""
+def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[Plant]]) -> None:
+    """Refuse a plant from outside that is no train in short runs before its stop, on a good rail and on a poor one."""
     scenario, brakes = vehicle.scenario, vehicle.controlled.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
     ideal = scenario.actuation.kind == "ideal"
     vent, fill = -1.0, 1.0
-    trial = tried(
-        vehicle.layout,
-        plant,
-        period=scenario.periods.communication,
-        release=(0.0 if ideal else vent,) * len(brakes),
-        brake=pressure if ideal else (fill,) * len(brakes),
-    )
-    results = findings(trial, speed=scenario.start.speed, radius=radius, pressure=pressure)
+    trials: list[Trial] = []
+    for friction in (GOOD_RAIL, POOR_RAIL):
+        with opening() as plant:
+            trials.append(
+                tried(
+                    vehicle.layout,
+                    plant,
+                    period=scenario.periods.communication,
+                    release=(0.0 if ideal else vent,) * len(brakes),
+                    brake=pressure if ideal else (fill,) * len(brakes),
+                    friction=friction,
+                )
+            )
+    speed, slowing = scenario.start.speed, vehicle.slowing
+    results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=slowing)
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]
     if wrong:
         raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")

@@ -22,6 +22,8 @@ from railgrip.assemble.sensors import readings_of
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
+from railgrip.loop.plausible import UNBOUNDED, Slowing, slowing_of
+from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.custom import Custom
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.file import NamedFile
@@ -38,6 +40,11 @@ GRAVITY = 9.81  # m/s2, as in RailBraking.Types
 
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the nominal data of a plant of the same formation that does not say its own."""
+
+CATALOGUE_WITH_VALVES = "TwoPartTrainPneumatic"
+
+VALVES = MappingProxyType({"T_fill": "s", "T_vent": "s", "dead_fill": "s", "dead_vent": "s"})
+"""Parameters of a plant with valves: time constants and dead times of filling and venting; their units."""
 
 COUNTS = "wheelsets_per_group"
 DESCRIPTIVE = MappingProxyType(
@@ -135,21 +142,47 @@ class VehicleData:
         return self.own | entries
 
     @cached_property
+    def known(self) -> dict[str, float]:
+        """Data as the controller knows them: `nominal`, changed by [controller.parameters].
+
+        Raises:
+            ScenarioError: Plant and [vehicle.formation] disagree, or a parameter is wrong.
+        """
+        formation, nominal, controller = self.formation, self.nominal, self.scenario.controller
+        if isinstance(controller, ControllerFmu | Custom):
+            return nominal
+        units = units_of_nominal_data(formation)
+        entries = {name: value for name, value in controller.parameters.items() if name in units}
+        entries = in_units("[controller.parameters]", entries, units)
+        nominal = spread(nominal, formation) | spread(entries, formation)
+        if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
+            each = entries["m"] / formation.wheelsets
+            nominal |= {f"m_wheelset[{i + 1}]": each for i in range(formation.wheelsets)}
+        return nominal
+
+    @cached_property
+    def valves(self) -> dict[str, float]:
+        """Times of the valves as the controller knows them, by the names of `VALVES` [s].
+
+        What neither the plant nor the file says is that of the catalogue train.
+        """
+        return _valves_of(self.known)
+
+    @cached_property
+    def true_valves(self) -> dict[str, float]:
+        """The same as they are."""
+        vehicle = self.scenario.vehicle
+        foreign = isinstance(vehicle.plant, NamedFile) or vehicle.own_class
+        return self.valves if foreign else _valves_of(self.true_parameters)
+
+    @cached_property
     def controlled(self) -> Formation:
-        """The vehicle as the controller knows it, whole: `formation`, `nominal` and [controller.parameters].
+        """The vehicle as the controller knows it, whole: `formation` and `known`.
 
         Raises:
             ScenarioError: Something of it is missing, or FMU and file disagree.
         """
-        formation, nominal, controller = self.formation, self.nominal, self.scenario.controller
-        if not isinstance(controller, ControllerFmu | Custom):
-            units = units_of_nominal_data(formation)
-            entries = {name: value for name, value in controller.parameters.items() if name in units}
-            entries = in_units("[controller.parameters]", entries, units)
-            nominal = spread(nominal, formation) | spread(entries, formation)
-            if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
-                each = entries["m"] / formation.wheelsets
-                nominal |= {f"m_wheelset[{i + 1}]": each for i in range(formation.wheelsets)}
+        formation, nominal = self.formation, self.known
         return replace(
             formation,
             wheelset_load=tuple(mass * GRAVITY for mass in masses_of(nominal, formation).tolist()),
@@ -217,6 +250,25 @@ class VehicleData:
         with suppress(ScenarioError):
             return float(masses_of(self.true_parameters, self.formation).sum())
         return None
+
+    @cached_property
+    def slowing(self) -> Slowing:
+        """Bounds of what slows the vehicle as it is, beside adhesion.
+
+        A plant from outside may hide its mass, or call something else so; that of the controller stands for it.
+        """
+        if "drive_torque" in self.shown:
+            return UNBOUNDED
+        vehicle, own = self.scenario.vehicle, self.true_parameters
+        known = self.mass if vehicle.recipe or vehicle.train else None
+        brakes = 0.0 if vehicle.formation is None else vehicle.formation.track_brakes
+        if vehicle.train is not None:
+            brakes += load_train(vehicle.train.path).track_brake_force
+        if known is None:
+            believed = sum(self.controlled.wheelset_load) / GRAVITY
+            return slowing_of(believed, is_known=False, track_brakes=brakes)
+        drag = 0.5 * own.get("rho_air", 0.0) * own.get("c_drag", 0.0) * own.get("A_drag", 0.0)
+        return slowing_of(known, is_known=True, drag=drag, track_brakes=brakes)
 
     @cached_property
     def track_force(self) -> TrackForce:
@@ -307,6 +359,17 @@ def catalogue_brakes(groups: int) -> tuple[BrakeGroup, ...]:
     return tuple(brakes[g % len(brakes)] for g in range(groups))
 
 
+def _valves_of(parameters: Mapping[str, float]) -> dict[str, float]:
+    """Return the times of the valves among parameters, means over groups that differ, else the catalogue train's."""
+    own = {name: _array_of(parameters, name) for name in VALVES}
+    times = {name: sum(each) / len(each) for name, each in own.items() if each}
+    times |= {name: parameters[name] for name in VALVES if name in parameters}
+    if times.keys() == VALVES.keys():
+        return times
+    catalogue = parameters_of(description_of(recipe_file(CATALOGUE_WITH_VALVES)))
+    return {name: catalogue[name] for name in VALVES} | times
+
+
 def _catalogue() -> dict[str, float]:
     return parameters_of(description_of(recipe_file(CATALOGUE)))
 
@@ -334,7 +397,7 @@ def units_of_nominal_data(formation: Formation) -> dict[str, str]:
 def units_of_brakes(formation: Formation) -> dict[str, str]:
     """Return the same of its brakes and what turns with them."""
     each = {f"{name}[{g + 1}]": unit for name, unit in _OF_GROUPS.items() for g in range(formation.groups)}
-    return {**_OF_GROUPS, **each}
+    return {**_OF_GROUPS, **each, **VALVES}
 
 
 def spread(parameters: Mapping[str, float], formation: Formation) -> dict[str, float]:

@@ -92,12 +92,13 @@ def map_(
     """Print a draft of [vehicle.map] for a train of one's own, and what a short run with it shows."""
     from railgrip.assemble.files import parameters_of
     from railgrip.assemble.plant import plant_signals
-    from railgrip.assemble.trial import findings, tried
-    from railgrip.assemble.vehicle import catalogue_brakes, catalogue_counts, counts_of
+    from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
+    from railgrip.assemble.vehicle import GRAVITY, catalogue_brakes, catalogue_counts, counts_of
     from railgrip.errors import PlantFailed
     from railgrip.fmu import bind, describe, open_plant
     from railgrip.fmu.draft import drafted
     from railgrip.formation import Formation
+    from railgrip.loop.plausible import slowing_of
     from railgrip.signals import layout_of
 
     description = describe(file)
@@ -124,17 +125,24 @@ def map_(
     )
     groups = catalogue_brakes(formation.groups)
     pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
-    plant = open_plant(
-        description, binding, period=period, parameters=binding.translate({"speed_start": speed}), trusted=False,
-        tell=lambda sentence: None,
-    )  # fmt: skip
+    slowing = slowing_of(sum(group.load for group in groups) / GRAVITY, is_known=False)
+    trials: list[Trial] = []
     try:
-        with plant as fmu:
-            trial = tried(layout_of(formation), fmu, period=period, release=(0.0,) * len(groups), brake=pressure)
+        for friction in (GOOD_RAIL, POOR_RAIL):
+            with open_plant(
+                description, binding, period=period, parameters=binding.translate({"speed_start": speed}),
+                trusted=False, tell=lambda sentence: None,
+            ) as fmu:  # fmt: skip
+                trials.append(
+                    tried(
+                        layout_of(formation), fmu, period=period, release=(0.0,) * len(groups), brake=pressure,
+                        friction=friction,
+                    )
+                )  # fmt: skip
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")
         raise typer.Exit(RUN_FAILED) from failed
-    for finding in findings(trial, speed=speed, radius=radius, pressure=pressure):
+    for finding in findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=slowing):
         say(f"# {'fits' if finding.good else 'WRONG'}: {finding.signal} {finding.sentence}")
 
 

@@ -173,7 +173,7 @@ class _Parts:
         layout, sensors, state_estimator, law = parties.layout, parties.sensors, parties.state_estimator, parties.law
         rail, driver, faults, recorder = parties.rail, parties.driver, parties.faults, parties.recorder
         clock = parties.clock
-        self.plausibility = Plausibility(period=clock.period, start_speed=parties.start_speed)
+        self.plausibility = Plausibility.before(clock.period, parties.start_speed, parties.slowing)
         assert isinstance(rail, TabulatedRail)
         assert isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors)
         self._keep: list[Any] = [parties, plant]

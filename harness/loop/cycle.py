@@ -83,7 +83,7 @@ def decisions(
     traction_columns = recorder.columns.get("traction")
     demands = driver_demands = command = (0.0,) * layout.formation.groups
     nothing_new = np.full(layout.readings, np.nan)
-    plausibility = Plausibility(period=period, start_speed=parties.start_speed)
+    plausibility = Plausibility.before(period, parties.start_speed, parties.slowing)
     time, distance, speed = 0.0, float(truth[at_distance]), float(truth[at_speed])
     count, has_moved = 0, False
     try:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from railgrip.loop.driver import Driver
 from railgrip.loop.ending import Clock
 from railgrip.loop.faults import Faults
+from railgrip.loop.plausible import Slowing
 from railgrip.loop.ports import Actuation, Controller, DirectEstimator, LawStates, Plant, Rail, Sensors
 from railgrip.loop.watch import StateEstimator
 from railgrip.signals import Layout
@@ -28,6 +29,7 @@ class Parties:
         wheel_radius: Nominal radii for a slip from readings [m].
         law: What of the controller's states is kept, if any is.
         clock: Periods and horizon.
+        slowing: Bounds of what slows the plant beside adhesion.
         start_speed: That the plant was asked to start with [m/s].
         stop_speed: The train stands below this speed [m/s]; one that starts at rest, once it has been faster or brakes
             are asked for.
@@ -46,6 +48,7 @@ class Parties:
     wheel_radius: tuple[float, ...]
     law: LawStates | None = None
     clock: Clock
+    slowing: Slowing
     start_speed: float
     stop_speed: float
     recorder: Recorder

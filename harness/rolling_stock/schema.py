@@ -371,6 +371,12 @@ class Train(Table):
             raise broken("[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles")
         return self
 
+    @property
+    def track_brake_force(self) -> float:
+        """Greatest force of all track brakes [N]."""
+        brakes = [bogie.track_brake for bogie in self.bogies_in_train if bogie.track_brake is not None]
+        return sum(one.magnets * one.attraction * max(one.friction_slow, one.friction_fast) for one in brakes)
+
     @cached_property
     def bogies_in_train(self) -> tuple[BogieInTrain, ...]:
         """All bogies, leading first."""

@@ -37,10 +37,14 @@ class FormationTable(Table):
     wheelset_load: tuple[Annotated[float, Unit("N", above=0, at_most=1e6)], ...] = Field(
         default=(), description="static force of each wheelset on the rail"
     )
+    track_brakes: Annotated[float, Unit("N", at_least=0, at_most=1e7)] = optional(
+        "greatest force of brakes that act on the rail itself, magnetic or eddy current; train files say it",
+        default=0.0,
+    )
     brakes: Parameters = Field(
         default={},
         description="p_max, n_units, r_friction, r_wheel, J, A_piston, i_rigging, eta_rigging, F_spring, "
-        "for all or each group",
+        "for all or each group; T_fill, T_vent, dead_fill, dead_vent of the valves",
     )
 
 

@@ -41,6 +41,9 @@
 #ifndef SIGN
 #define SIGN 1 /* of the acceleration that it shows */
 #endif
+#ifndef GRIP
+#define GRIP 9.81 /* m/s2 at friction of 1 */
+#endif
 #define SOON 0.1 /* s */
 #define RATE 4e-6 /* m/s2 per Pa */
 
@@ -148,7 +151,8 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             break;
         default: break;
     }
-    m->v[13] = SIGN * (MISBEHAVIOUR == NEVER_HALTS && m->v[12] < 5 ? 0 : -RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4);
+    const double braked = fmin(RATE * (m->v[0] + m->v[1] + m->v[2] + m->v[3]) / 4, GRIP * m->v[4]);
+    m->v[13] = SIGN * (MISBEHAVIOUR == NEVER_HALTS && m->v[12] < 5 ? 0 : -braked);
     m->v[11] += h * m->v[12];
     m->v[12] = fmax(0, m->v[12] + h * SIGN * m->v[13]);
     show(m);

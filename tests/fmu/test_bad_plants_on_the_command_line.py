@@ -181,6 +181,19 @@ def test_wheels_of_another_radius_than_the_harness_believes_are_found_before_the
     assert "a constant slip of 17%" in result.err
 
 
+@pytest.mark.parametrize("trust", [True, False])
+def test_a_plant_on_which_friction_has_no_effect_is_found_before_the_stop(
+    railgrip: Railgrip, foundry: Path, trust: bool
+):
+    """It would stop from 36 km/h in 46 m on any rail, where friction of 0.01 needs 510 m."""
+    result = railgrip(faulty_fmu(foundry, defined=("GRIP=1e9",)), trust=trust)
+    assert result.code == 2
+    assert (
+        "'mu0' does not bound the brakes: they slow the train by 1.08 m/s2 with friction of 0.4 and by 1.08 m/s2 with "
+        "0.01, where 0.139 and less is expected" in result.err
+    )
+
+
 def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path, capfd: pytest.CaptureFixture[str]):
     theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "speed_start": "v0"}
     theirs |= {f"pressure_command[{i}]": f"demand[{i}]" for i in range(1, 5)}

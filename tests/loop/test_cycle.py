@@ -11,6 +11,7 @@ from railgrip.loop.cycle import run
 from railgrip.loop.driver import Driver
 from railgrip.loop.ending import Clock
 from railgrip.loop.parties import Parties
+from railgrip.loop.plausible import UNBOUNDED
 from railgrip.loop.sensors import IdealSensors
 from railgrip.loop.watch import StateEstimator
 from railgrip.trace.outcome import Outcome
@@ -98,6 +99,7 @@ def brake(
         driver=Driver(LAYOUT, PERIOD, full=FULL, touching=np.zeros(4)),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every[0], controller=every[1], samples=samples),
+        slowing=UNBOUNDED,
         start_speed=plant.speed,
         stop_speed=stop_speed,
         recorder=recorder,

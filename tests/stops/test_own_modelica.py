@@ -10,11 +10,17 @@ import pytest
 import railgrip
 from railgrip.__main__ import main
 from railgrip.assemble import run_stop
+from railgrip.assemble.controller import actuation_of
 from railgrip.assemble.files import is_trusted, plant_description
+from railgrip.assemble.ideal import _Tracking
+from railgrip.assemble.vehicle import VehicleData
+from railgrip.controllers.valves import ValveLogic
 from railgrip.errors import InputError, ScenarioError
 from railgrip.fmus.build import build_class
 from railgrip.scenario.load import load, scenario_of
+from railgrip.signals import PLANT, SENT
 from railgrip.trace.outcome import Outcome
+from railgrip.trace.recorder import Recorder
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -40,7 +46,7 @@ def test_it_is_compiled_on_the_way_and_again_when_a_file_of_its_library_changes(
     assert before.file.is_relative_to(own_cache.resolve())
     assert is_trusted(first)
     assert plant_description(first).file == before.file
-    digest, distance = first.digest(), run_stop(first).metrics.distance
+    digest, distance = first.digest(), run_stop(first).metrics.distance_travelled
 
     # Not the class itself, but what it is made of.
     axle = mine.parent / "SimpleTrain" / "Axle.mo"
@@ -48,7 +54,7 @@ def test_it_is_compiled_on_the_way_and_again_when_a_file_of_its_library_changes(
     second = load(mine, SHORT)
     assert second.digest() != digest
     assert plant_description(second).digest != before.digest
-    assert distance < run_stop(second).metrics.distance < distance + 0.1
+    assert distance < run_stop(second).metrics.distance_travelled < distance + 0.1
 
 
 def test_its_scenario_says_the_library_as_written_and_loads_again(mine):
@@ -191,7 +197,7 @@ end Lean;
 def test_a_short_stop_of_it_brakes(mine):
     stop = run_stop(load(mine, SHORT))
     assert stop.outcome is Outcome.HORIZON
-    assert stop.metrics.distance is not None
+    assert stop.metrics.distance_travelled > 0.0
 
 
 def test_another_plant_takes_its_place_from_python(mine):
@@ -200,3 +206,40 @@ def test_another_plant_takes_its_place_from_python(mine):
     assert scenario.vehicle.model is not None
     other = scenario.with_plant(Path("Wagon"))
     assert (other.vehicle.plant, other.vehicle.model, other.vehicle.library) == ("Wagon", None, None)
+
+
+def with_valves(folder, vehicle, parameters=None):
+    """The plain scenario with another plant, which has valves."""
+    plain = load(Path("plain")).resolved()
+    controller = plain["controller"] | {"parameters": parameters or {}}
+    changes = {"vehicle": vehicle, "actuation": {"kind": "pneumatic"}, "controller": controller}
+    return VehicleData(scenario_of(plain | changes, directory=folder, origin="slow.toml"))
+
+
+def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant(tmp_path):
+    """A train with slow valves, and one whose controller and whose plant have another value, each of its own."""
+    (tmp_path / "Slow.mo").write_text(
+        "block Slow extends RailBraking.FMUs.TwoPartTrainPneumatic("
+        "T_fill=0.8, T_vent=0.5, dead_fill=0.09, dead_vent=0.11); end Slow;"
+    )
+    vehicle = {"model": "Slow", "library": "Slow.mo"}
+    slow = with_valves(tmp_path, vehicle)
+    other = with_valves(tmp_path, vehicle | {"parameters": {"dead_vent": "120 ms"}}, {"T_fill": "0.6 s"})
+    logic = actuation_of(slow)
+    assert isinstance(logic, ValveLogic)
+    values = dict(zip((quantity.name for quantity in logic.formula.parameters), logic.parameters, strict=True))
+    assert (values["fill_time"], values["vent_time"]) == (0.8, 0.5)
+    # Commands on their way for (90 + 110)/2 ms, one each millisecond.
+    assert sum(quantity.name.startswith("under_way[1,") for quantity in logic.formula.states) == 100
+    assert other.valves == {"T_fill": 0.6, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.11}
+    assert other.true_valves == {"T_fill": 0.8, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.12}
+    recorder = Recorder((*PLANT, *SENT), slow.formation, 2)
+    assert (_Tracking(slow, recorder)._ahead, _Tracking(other, recorder)._ahead) == (0.11, 0.12)
+
+
+def test_valves_of_a_plant_that_hides_them_stand_in_the_file_or_are_those_of_the_catalogue_train(tmp_path):
+    catalogue = {"T_fill": 0.4, "T_vent": 0.2, "dead_fill": 0.05, "dead_vent": 0.04}
+    brakes = {"T_fill": "0.3 s", "dead_fill": "20 ms"}
+    assert with_valves(tmp_path, {"plant": "own:Train"}).valves == catalogue
+    told = with_valves(tmp_path, {"plant": "own:Train", "formation": {"brakes": brakes}})
+    assert told.valves == told.true_valves == catalogue | {"T_fill": 0.3, "dead_fill": 0.02}

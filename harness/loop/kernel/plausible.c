@@ -1,19 +1,28 @@
-/* One table of checks for every plant, own or foreign, at every sample, called by both engines.
+/* Checks of the outputs of every plant, own or foreign, at every sample, called by both engines.
 
-   Each is an interval around what must be true. The intervals are as wide as an honest plant may need, and no wider: what is
-   off by more gives a wrong distance. A signal that a plant lacks is NaN and passes. */
+   Each check is an interval around what must be true. What its width leaves of an error in the braking distance is stated
+   beside it. A signal that a plant lacks is NaN and passes. */
 
 #include <math.h>
 
 #include "plausible.h"
 
-/* A plant may show its speed in steps of 0.1 km/h, or find it by solving; a wrong unit is off by 3.6. */
-static const double START_SHARE = 0.01, START_STEP = 0.02;          /* 1, m/s */
-/* Nothing on a rail accelerates by more: friction of 1 on a gradient of 20 %, the steepest that [track] takes. */
-static const double ACCELERATION = 1.2 * 9.81;   /* m/s2 */
-/* A plant may snap to rest at a low speed, and may show its speed in steps; 0.1 m/s is the usual stop speed. */
-static const double SPEED_STEP = 0.1;            /* m/s */
-/* Solvers keep distance and speed together to 1e-5, odometers of trains to some 1e-3. On top comes one sample of travel: a
+static const double GRAVITY = 9.81;              /* m/s2, as in RailBraking.Types */
+/* Of the speed asked for; distance goes with its square: 0.2 %. The floor is for starts at rest. */
+static const double SPEED_SHARE = 1e-3, SPEED_FLOOR = 1e-3;         /* 1, m/s */
+/* Nothing on a rail pushes by more: friction of 1 on a gradient of 20 %, the steepest that [track] takes. */
+static const double MOST_ACCELERATION = 1.2 * 9.81;                 /* m/s2 */
+/* Excess of a fall (or rise) of speed over its bound, in any interval of time, however short or long: SPEED_SHARE of the
+   highest speed so far. All of it at the start shortens the distance by 0.2 %. A share of the bound, 0.1 % of the distance,
+   is for another constant of gravity. */
+static const double BOUND_SHARE = 1e-3;
+/* At this speed, the usual stop speed, a plant may snap to rest: less than a centimetre at 0.5 m/s2. */
+static const double SNAP = 0.1;                  /* m/s */
+/* The integral of the acceleration may leave the change of speed by SPEED_SHARE of the highest speed, so that what an estimator
+   concludes from it is off by 0.1 %; by one sample, for a plant that holds its acceleration over a step or shows it late; and by
+   what noise of 0.1 m/s2 sums up to in some 1e4 samples of a millisecond. */
+static const double GAIN_STEP = 0.01;            /* m/s */
+/* Solvers keep distance and speed together to 1e-5, odometers of trains to some 1e-3: 0.1 %. On top comes one sample of travel: a
    plant may hold its speed over a step, or show one of the two a sample late; and a step of the odometer. */
 static const double DISTANCE_SHARE = 1e-3, DISTANCE_STEP = 0.01;    /* 1, m */
 /* A brake stops a wheel but cannot turn it back; nothing drives it, so that it leads by creep, below 1 %, and by what its
@@ -21,7 +30,8 @@ static const double DISTANCE_SHARE = 1e-3, DISTANCE_STEP = 0.01;    /* 1, m */
 static const double LEAST_SLIP = -0.1, MOST_SLIP = 1.05;
 /* Below this speed slip is a ratio of two small numbers. */
 static const double SLOW = 1.0;                  /* m/s */
-/* mu0 is the most that the rail gives at any slip; the share is for a plant that computes its loads otherwise. */
+/* mu0 is the most that the rail gives at any slip; the share is for a plant that computes its loads otherwise. It leaves no error
+   in the distance, which the fall of the speed bounds. */
 static const double ADHESION_SHARE = 0.01, ADHESION_STEP = 1e-3;
 
 static int within(Plausibility *its, int check, int element, double value, double least, double most)
@@ -42,21 +52,69 @@ static int around(Plausibility *its, int check, double value, double expected, d
     return within(its, check, 0, value, expected - tolerance, expected + tolerance);
 }
 
-/* Return 1 when the truth of a sample can be; `inputs` are those that were held until then. Samples come in order. */
+/* Return the most deceleration [m/s2] under inputs that are held: mean friction over the wheelset loads, track force, and what
+   slows a train beside both. Friction is the highest where a plant does not show its loads. */
+static double most_deceleration(const Plausibility *its, double speed, const double *truth, const double *inputs)
+{
+    const double force = inputs[INPUT_TRACK_FORCE];
+    double load = 0.0, held = 0.0, highest = 0.0;
+
+    for (int i = 0; i < WHEELSETS; i++) {
+        const double friction = inputs[INPUT_MU0 + i], each = truth[OUTPUT_WHEELSET_LOAD + i];
+        load += each < 0.0 ? 0.0 / 0.0 : each;
+        held += friction * each;
+        highest = fmax(highest, friction);
+    }
+    return (1.0 + BOUND_SHARE) * GRAVITY * (load > 0.0 ? held / load : highest) + its->constant +
+           its->quadratic * speed * speed - force / (force > 0.0 ? its->heaviest : its->lightest);
+}
+
+/* Return a speed without SNAP on either side of rest. */
+static double beyond_snap(double speed)
+{
+    return speed > SNAP ? speed - SNAP : fmin(speed + SNAP, 0.0);
+}
+
+/* Return 1 if the speed changes by no more than it can, and as its acceleration says. */
+static int moves(Plausibility *its, long long sample, const double *truth, const double *inputs)
+{
+    const double speed = truth[OUTPUT_SPEED], acceleration = truth[OUTPUT_ACCELERATION], time = sample * its->period;
+    const double bound = most_deceleration(its, fmax(its->speed, speed), truth, inputs);
+    const double change = beyond_snap(speed) - beyond_snap(its->speed);
+
+    its->top = fmax(its->top, speed);
+    const double tolerance = SPEED_SHARE * its->top + SPEED_FLOOR;
+    /* The higher of two bounds: a plant may take an input a sample late. What is below its bound pays no later excess. */
+    its->fall = fmax(its->fall - change - fmax(bound, its->deceleration) * its->period, 0.0);
+    its->rise = fmax(its->rise + change - MOST_ACCELERATION * its->period, 0.0);
+    its->deceleration = bound;
+    if (fmin(its->speed, speed) > SNAP)
+        its->gained += 0.5 * its->period * (its->acceleration + acceleration) - (speed - its->speed);
+    its->acceleration = acceleration;
+    its->hardest = fmax(its->hardest, fabs(acceleration));
+    const double mean = (speed - its->start_speed) / time;
+    return around(its, SPEED, speed, speed + its->fall, tolerance) && around(its, SPEED, speed, speed - its->rise, tolerance) &&
+           around(its, ACCELERATION, mean + its->gained / time, mean, (tolerance + its->period * its->hardest + GAIN_STEP) / time);
+}
+
+/* Return 1 if the outputs of a sample are possible; `inputs` are those that were held until then. Samples come in order. */
 EXPORT int plausible(Plausibility *its, long long sample, const double *truth, const double *inputs)
 {
     const double speed = truth[OUTPUT_SPEED], distance = truth[OUTPUT_DISTANCE];
-    const double last = its->speed, one_sample = its->period * its->start_speed;
+    const double one_sample = its->period * its->start_speed;
 
     if (sample == 0) {
         its->origin = distance;
-        its->travel = 0.0;
-        if (!around(its, START_SPEED, speed, its->start_speed, START_SHARE * its->start_speed + START_STEP) ||
+        its->travel = its->gained = its->hardest = its->rise = its->fall = 0.0;
+        its->top = speed;
+        its->acceleration = truth[OUTPUT_ACCELERATION];
+        its->deceleration = most_deceleration(its, speed, truth, inputs);
+        if (!around(its, START_SPEED, speed, its->start_speed, SPEED_SHARE * its->start_speed + SPEED_FLOOR) ||
             !around(its, START_DISTANCE, distance, 0.0, one_sample + DISTANCE_STEP))
             return 0;
     } else {
-        its->travel += 0.5 * its->period * (last + speed);
-        if (!around(its, SPEED, speed, last, ACCELERATION * its->period + SPEED_STEP) ||
+        its->travel += 0.5 * its->period * (its->speed + speed);
+        if (!moves(its, sample, truth, inputs) ||
             !around(its, DISTANCE, distance, its->origin + its->travel,
                     DISTANCE_SHARE * its->travel + one_sample + DISTANCE_STEP))
             return 0;

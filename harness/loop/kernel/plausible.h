@@ -10,11 +10,15 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { PLAUSIBLE, START_SPEED, START_DISTANCE, SPEED, DISTANCE, SLIP, ADHESION };   /* the check that failed */
+enum { PLAUSIBLE, START_SPEED, START_DISTANCE, SPEED, ACCELERATION, DISTANCE, SLIP, ADHESION };   /* the check that failed */
 
 typedef struct {
     double period, start_speed;
+    double lightest, heaviest;                   /* bounds of the train's mass [kg] */
+    double constant, quadratic;                  /* most deceleration beside adhesion and track force, constant + quadratic v^2 */
     double speed, origin, travel;                /* last speed; first distance; integral of the speed since */
+    double acceleration, gained, hardest;        /* last; its integral less the change of speed; greatest magnitude */
+    double top, deceleration, rise, fall;        /* highest speed; last bound; excess of the speed's change over its bounds */
     double value, least, most;                   /* of the check that failed: shown, and the bounds it had */
     long long check, element;
 } Plausibility;
