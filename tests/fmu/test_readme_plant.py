@@ -61,8 +61,9 @@ def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
 
 
 def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Their FMU takes friction in per cent, as the table says."""
     monkeypatch.chdir(tmp_path)
-    faulty_fmu(foundry, names=THEIRS, defined=("SIGN=-1",)).rename(tmp_path / "MyTrain.fmu")
+    faulty_fmu(foundry, names=THEIRS, defined=("SIGN=-1", "GRIP=0.0981")).rename(tmp_path / "MyTrain.fmu")
     (tmp_path / "mine.toml").write_text(f"{HEAD}\n{printed}\n{quick_stop('slip_two_state')}")
     with pytest.raises(SystemExit) as end:
         main(["run", "mine.toml"])
