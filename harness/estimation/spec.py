@@ -33,7 +33,7 @@ track_force = "0 N"
 scenario = "rig_slide"
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -45,7 +45,7 @@ from railgrip.estimation.run import Kind, Settings, equations_of, estimate, mode
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.load import demand_kind, read_toml, validated
-from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
 from railgrip.scenario.track import CurveLaw
@@ -186,8 +186,12 @@ class Specification(Table):
 LIBRARY = Path(__file__).parent / "library"
 
 
-def load_specification(path: Path, overrides: Sequence[str] = ()) -> Specification:
-    """Return the estimation that a TOML file describes, with `table.key=value` overrides on top.
+def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] = ()) -> Specification:
+    """Return the estimation that a TOML file describes, with overrides on top.
+
+    Args:
+        path: Of the file.
+        overrides: Texts such as "start.speed=100 km/h", or values by key.
 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
@@ -197,7 +201,7 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> Specificati
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
         table = table | {"noise": _noise_elsewhere(path, noise)}
-    table = merged(table, read_overrides(overrides))
+    table = merged(table, nested(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
     return validated(Specification, table, directory=path.parent, origin=path.name)
 
 

@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from railgrip.errors import ScenarioError
 from railgrip.scenario.file import installed, is_file
 from railgrip.scenario.load import demand_kind, read_toml, scenario_of, validated
-from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Table, broken
@@ -144,7 +144,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     if DRAW in axes:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{DRAW}', [draws] is that axis")
     for key, values in campaign.sweep.items():
-        axes[key] = {_spelled(value): read_overrides([f"{key}={json.dumps(value)}"]) for value in values}
+        axes[key] = {_spelled(value): nested({key: value}) for value in values}
     _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
     stops = tuple(_stops(path, campaign, axes, last))
@@ -241,4 +241,4 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
 
 
 def _spelled(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+    return value if isinstance(value, str) else json.dumps(value, default=str)  # a date of TOML, as it is written

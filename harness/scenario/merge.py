@@ -1,5 +1,6 @@
 """Changes laid over a scenario's tables: `--set` on the command line, variants and sweeps in a campaign."""
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
@@ -9,6 +10,9 @@ from railgrip.units import cut, short
 
 _DEEPEST = 12
 """Levels of tables and lists; the deepest file of ours has five."""
+
+_PART = re.compile(r"""[A-Za-z0-9_-]+|"[^"]*"|'[^']*'""")
+_KEY = re.compile(rf"(?:{_PART.pattern})(?:\s*\.\s*(?:{_PART.pattern}))*")
 
 
 _KINDS_OF_ONE_FILTER = ("fmu", "compiled", "python")
@@ -65,12 +69,47 @@ def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
     return kind is None or own == kind or (kind in _KINDS_OF_ONE_FILTER and own in (*_KINDS_OF_ONE_FILTER, None))
 
 
+def parts_of(key: Any) -> tuple[str, ...]:
+    """Return the parts of a key with dots; one that has dots or brackets itself stands in quotes, as in TOML.
+
+    Raises:
+        ScenarioError: It is no such key.
+    """
+    if not isinstance(key, str) or not _KEY.fullmatch(key):
+        raise ScenarioError(
+            f"{short(key)} is not a key such as start.speed; "
+            'a part with brackets takes quotes: vehicle.parameters."r_wheel[2]"'
+        )
+    parts = tuple(part[1:-1] if part[0] in "\"'" else part for part in _PART.findall(key))
+    if len(parts) > _DEEPEST:
+        raise ScenarioError(f"{short(key)} has {len(parts)} parts; tables are nested {_DEEPEST} levels deep at most")
+    return parts
+
+
+def nested(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return keys with dots and their values, which stay as they are, as one tree of tables.
+
+    Raises:
+        ScenarioError: A key is none; see `parts_of`.
+    """
+    tree: dict[str, Any] = {}
+    for key, value in changes.items():
+        layer = value
+        for part in reversed(parts_of(key)):
+            layer = {part: layer}
+        try:
+            _demand_shallow(layer, _DEEPEST)
+        except RecursionError:
+            raise ScenarioError(f"the value of {short(key)} is nested deeper than {_DEEPEST} levels") from None
+        _insert(tree, layer)
+    return tree
+
+
 def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     """Return `table.key=value` texts as one tree of tables.
 
     The value is read as TOML (`5`, `true`, `[1, 2]`, `"text"`), and as plain text where it is none, so that
-    `start.speed=80 km/h` needs no quotes. A key with dots or brackets in it takes quotes, as in TOML:
-    `vehicle.parameters."r_wheel[2]"=0.37`.
+    `start.speed=80 km/h` needs no quotes. For keys see `parts_of`: `vehicle.parameters."r_wheel[2]"=0.37`.
 
     Raises:
         ScenarioError: Not of that form.
@@ -81,13 +120,9 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
         if not equals or not key.strip() or not value.strip():
             raise ScenarioError(f"--set {cut(override)}: wanted is table.key=value, such as start.speed='80 km/h'")
         try:
-            layer = parsed(f"{key} = {_toml_value(value.strip())}")
-        except tomllib.TOMLDecodeError as problem:
-            raise ScenarioError(
-                f"--set {cut(override)}: {short(key.strip())} is not a key such as start.speed; "
-                'a part with brackets takes quotes: vehicle.parameters."r_wheel[2]"=0.37'
-            ) from problem
-        _insert(tree, layer)
+            _insert(tree, nested({key.strip(): _toml_value(value.strip())}))
+        except ScenarioError as problem:
+            raise ScenarioError(f"--set {cut(override)}: {problem}") from None
     return tree
 
 
@@ -101,11 +136,11 @@ def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
             tree[key] = merged({}, value) if isinstance(value, Mapping) else value
 
 
-def _toml_value(text: str) -> str:
-    """Return `text` itself if TOML reads it as a value, else as a TOML string."""
+def _toml_value(text: str) -> Any:
+    """Return the value that TOML reads in a text, or else the text itself."""
     try:
-        parsed(f"value = {text}")
+        table = parsed(f"value = {text}")
     except tomllib.TOMLDecodeError:
-        content = text.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{content}"'
-    return text
+        return text
+    # More than one line: a text that goes on after its value.
+    return table["value"] if len(table) == 1 else text

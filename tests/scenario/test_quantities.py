@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railgrip.errors import ScenarioError
-from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.merge import merged, nested, parts_of, read_overrides
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.units import to_si
 
@@ -113,3 +113,38 @@ def test_another_kind_starts_its_table_anew():
         "seed": 3,
     }
     assert merged(base, {"adhesion": {"kind": "trapezoid", "low": 2}})["adhesion"]["ramp"] == 1
+
+
+tree_keys = st.text(min_size=1, max_size=8).filter(lambda key: not ('"' in key and "'" in key))
+
+
+@given(
+    key=st.lists(tree_keys, min_size=1, max_size=4), value=st.one_of(scalars, st.dates(), st.just(None), st.tuples())
+)
+def test_a_value_by_key_stays_what_it_is(key, value):
+    """Any text is a key: in quotes, of which it holds the other sort at most."""
+    quoted = [f"'{part}'" if '"' in part else f'"{part}"' for part in key]
+    assert parts_of(" . ".join(quoted)) == tuple(key)
+    tree = nested({".".join(quoted): value})
+    for part in key:
+        tree = tree[part]
+    assert tree is value
+
+
+@pytest.mark.parametrize(
+    "key", ["", ".", "a.", ".a", "a..b", "a b", "r_wheel[2]", '"a', "a=1", "a\nb", 3, None, b"a", "a." * 900 + "a"]
+)
+def test_what_is_no_key_is_refused(key):
+    with pytest.raises(ScenarioError, match=r"is not a key such as|parts; tables are nested"):
+        nested({key: 1})
+
+
+def test_a_text_of_several_lines_is_no_second_key():
+    assert read_overrides(["a=1\nb = 2"]) == {"a": "1\nb = 2"}
+
+
+def test_a_list_that_holds_itself_is_refused():
+    endless = []
+    endless.append(endless)
+    with pytest.raises(ScenarioError, match="nested deeper than"):
+        nested({"a": endless})
