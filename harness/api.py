@@ -1,15 +1,19 @@
 """What `import railgrip` offers; see docs/api.md."""
 
-from collections.abc import Iterable, Mapping
+import copy
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import PrivateAttr
 
+from railgrip.custom import foreign
+from railgrip.errors import ScenarioError
 from railgrip.scenario import schema
-from railgrip.scenario.file import installed
+from railgrip.scenario.file import installed, is_file, is_folder
 from railgrip.scenario.load import demand_kind, read_toml, validated
-from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.merge import merged, nested, parts_of
+from railgrip.units import cut, place, short
 
 if TYPE_CHECKING:
     # CasADi and the FMU loader take a second; whoever only reads scenarios does without.
@@ -39,29 +43,27 @@ class Scenario(schema.Scenario):
             ScenarioError: Missing, or not a scenario; each problem in one sentence with its key.
         """
         if isinstance(source, Mapping):
-            table, directory = dict(source), Path.cwd()
-            origin = str(table.get("name", "the scenario"))
+            table, directory = _plain(source, "scenario"), Path.cwd()
+            origin = cut(table["name"]) if isinstance(table.get("name"), str) else "the scenario"
         else:
-            path = installed(Path(source), "library")
+            path = installed(_path(source, "scenario"), "library")
             table, directory, origin = read_toml(path), path.parent, path.name
             demand_kind(table, "scenario", path)
-        return cls._of(merged(table, _tree(changes or {})), directory, origin)
+        return cls._of(merged(table, nested(_changes(changes))), directory, origin)
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
         """Return the scenario with other values; see `load`."""
-        return self._of(merged(self.resolved(), _tree(changes)), self._directory, self.name)
+        return self._of(merged(self.resolved(), nested(_changes(changes))), self._directory, self.name)
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
         """Return the scenario with a recipe, an .fmu, or keys of [vehicle] for its plant, whatever that was before.
 
         Paths are from the current folder.
         """
-        keys = dict(plant) if isinstance(plant, Mapping) else {"plant": plant}
+        keys = _plain(plant, "plant") if isinstance(plant, Mapping) else {"plant": str(_path(plant, "plant"))}
         for key, value in keys.items():
-            if key == "library" or (key == "plant" and str(value).endswith(".fmu")):
-                keys[key] = str(Path(value).resolve())
-            elif key == "plant":
-                keys[key] = str(value)
+            if isinstance(value, str) and (key == "library" or (key == "plant" and value.endswith(".fmu"))):
+                keys[key] = str(Path.cwd() / value)
         table = self.resolved()
         before = {key: value for key, value in table["vehicle"].items() if key not in ("plant", "model", "library")}
         table["vehicle"] = before | keys
@@ -109,7 +111,12 @@ def run(
     from railgrip.campaign.one_stop import with_sources
     from railgrip.engine import Engine
 
-    own = _own(controller, estimator, sensors, plant, import_from)
+    if not _is_one_of(engine, tuple(Engine)):
+        raise ScenarioError(f"engine is {short(engine)}; there is {', '.join(Engine)}")
+    written = isinstance(plant, _WRITTEN)
+    own = _parts(
+        import_from, controller=controller, estimator=estimator, sensors=sensors, plant=None if written else plant
+    )
     return with_sources(run_stop(_scenario_of(scenario, plant), engine=Engine(engine), own=own))
 
 
@@ -124,7 +131,10 @@ def open(
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.assemble.by_hand import Bench
 
-    return Bench(_scenario_of(scenario, plant), _own(None, estimator, sensors, plant, import_from))
+    own = _parts(
+        import_from, estimator=estimator, sensors=sensors, plant=None if isinstance(plant, _WRITTEN) else plant
+    )
+    return Bench(_scenario_of(scenario, plant), own)
 
 
 def sweep(
@@ -142,20 +152,29 @@ def sweep(
 
     Args:
         scenario: What all have in common.
-        axes: Key → values, as {"start.speed": ["80 km/h", "120 km/h"], "seed": range(10)}.
-        controller: As for `run`, a copy for each stop; likewise estimator, sensors and plant.
+        axes: Key → values, as {"start.speed": ["80 km/h", "120 km/h"], "seed": range(10)}; "controller.parameters.X" is
+            the argument X of a class that is handed over, and so for estimator, sensors and vehicle.
+        controller: As for `run`, a copy of an object and a new one of a class for each stop; likewise estimator,
+            sensors and plant.
         workers: Processes. Objects whose class a process could not import, of a script or notebook, run in this one.
         import_from: As for `run`.
 
     Raises:
-        ScenarioError: A combination is no scenario; nothing was run.
+        ScenarioError: A combination is no scenario, or a class does not take it; nothing was run.
     """
     from railgrip.campaign.sweep import swept
 
     base = _scenario_of(scenario, plant)
     whole = base if isinstance(base, Scenario) else Scenario.load(base.resolved())
-    values = {key: [_plain(value) for value in choices] for key, choices in axes.items()}
-    return swept(whole.name, whole.changed, values, _own(controller, estimator, sensors, plant, import_from), workers)
+    parts: dict[str, Any] = {"controller": controller, "estimator": estimator, "sensors": sensors}
+    parts["plant"] = None if isinstance(plant, _WRITTEN) else plant
+    handed_over = [name for name, part in parts.items() if part is not None]
+
+    def variant(values: Mapping[str, Any]) -> "tuple[Scenario, OwnParties]":
+        rest, parameters = _split(values, handed_over)
+        return whole.changed(rest), _parts(import_from, parameters, **{n: _copied(n, p) for n, p in parts.items()})
+
+    return swept(whole.name, variant, {key: _choices(key, axis) for key, axis in _axes(axes)}, workers)
 
 
 def estimate(
@@ -173,15 +192,19 @@ def estimate(
         ScenarioError: The file is no estimation.
         EstimationError: The recording does not fit it.
     """
+    from railgrip.errors import EstimationError
     from railgrip.estimation.sources import completed, recording_of_estimation
     from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 
-    path = Path(model)
+    path = _path(model, "model")
     ours = LIBRARY / f"{path}.toml"
-    overrides = [f"{key}={value}" for key, value in (changes or {}).items()]
-    specification = load_specification(ours if not path.suffix and ours.is_file() else path, overrides)
+    specification = load_specification(ours if not path.suffix and is_file(ours) else path, _changes(changes))
     if isinstance(recording, str | Path):
         return estimate_of(specification, recording_of_estimation(specification, data=Path(recording)))
+    if not _is_over_time(recording):
+        raise EstimationError(
+            f"recording is {short(recording)}; wanted is a trace over time, such as stop.trace, or the path of a file"
+        )
     return estimate_of(specification, completed(specification, recording))
 
 
@@ -193,32 +216,143 @@ def _scenario_of(scenario: ScenarioLike, plant: Any) -> schema.Scenario:
     return whole.with_plant(plant)
 
 
-def _own(controller: Any, estimator: Any, sensors: Any, plant: Any, folders: Iterable[str | Path]) -> "OwnParties":
+_TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sensors", "plant": "vehicle"}
+"""Table of a scenario in whose place an object stands, by its argument."""
+
+_BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valve"), ("vehicle", "formation")})
+"""Keys of these tables that hold beside an object, too; see `OwnParties.standing_for`."""
+
+
+def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "OwnParties":
+    """Return what a caller hands over, classes as new objects.
+
+    Args:
+        folders: Where modules that a scenario names are imported from.
+        parameters: Of the classes, by table.
+        parts: Objects or classes by argument, in place of what the scenario names.
+
+    Raises:
+        ScenarioError: A class does not take its parameters, an object has some, or a folder is none.
+    """
     from railgrip.assemble import OwnParties
+    from railgrip.assemble.importing import made
 
-    objects = {"controller": controller, "estimator": estimator, "sensors": sensors}
-    objects["plant"] = None if isinstance(plant, _WRITTEN) else plant
-    parties: dict[str, Any] = {name: party() if isinstance(party, type) else party for name, party in objects.items()}
-    return OwnParties(**parties, folders=tuple(map(Path, folders)))
-
-
-def _tree(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return dotted keys with their values as one tree of tables."""
-    tree: dict[str, Any] = {}
-    for key, value in changes.items():
-        layer = read_overrides([f"{key}=0"])
-        inner = layer
-        while isinstance(next(iter(inner.values())), dict):
-            inner = next(iter(inner.values()))
-        inner[next(iter(inner))] = _plain(value)
-        tree = merged(tree, layer)
-    return tree
+    objects: dict[str, Any] = {}
+    for name, part in parts.items():
+        table = _TABLES[name]
+        arguments = (parameters or {}).get(table, {})
+        if isinstance(part, type):
+            part = made(part, arguments, f"{name}:")
+        elif arguments:
+            raise ScenarioError(
+                f"'{table}.parameters.{next(iter(arguments))}' is a parameter of a class, but {name} is an object "
+                f"already made; hand over the class {type(part).__name__} itself"
+            )
+        objects[name] = part
+    return OwnParties(**objects, folders=_folders(folders))
 
 
-def _plain(value: Any) -> Any:
-    """Return a value as files have it: of numpy, of paths and tuples."""
+def _folders(folders: Any) -> tuple[Path, ...]:
+    """Return folders to import from, absolute, for processes that work elsewhere."""
+    several = [folders] if isinstance(folders, str | Path) else folders
+    if not isinstance(several, Iterable):
+        raise ScenarioError(f"import_from is {short(folders)}; wanted are paths of folders")
+    entries = foreign(lambda: list(several), _unreadable("import_from"))
+    paths = [Path.cwd() / _path(entry, "import_from") for entry in entries]
+    for path in paths:
+        if not is_folder(path):
+            raise ScenarioError(f"import_from: there is no folder {place(path)}")
+    return tuple(paths)
+
+
+def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
+    """Part values into those of the scenario, by key, and parameters of classes that are handed over, by table.
+
+    Raises:
+        ScenarioError: A key would change nothing, because what it is of is handed over.
+    """
+    rest: dict[str, Any] = {}
+    parameters: dict[str, dict[str, Any]] = {}
+    tables = {_TABLES[name]: name for name in handed_over}
+    for key, value in values.items():
+        table, *path = parts_of(key)
+        if table not in tables or (path and (table, path[0]) in _BESIDE):
+            rest[key] = value
+        elif len(path) == 2 and path[0] == "parameters":
+            parameters.setdefault(table, {})[path[1]] = value
+        else:
+            raise ScenarioError(
+                f"'{key}' changes nothing: {tables[table]}= stands in place of [{table}]; sweep "
+                f"'{table}.parameters.NAME', an argument of its class, or leave one of the two out"
+            )
+    return rest, parameters
+
+
+def _copied(name: str, part: Any) -> Any:
+    """Return a copy of an object; a class is itself."""
+    return foreign(
+        lambda: copy.deepcopy(part),
+        lambda problem: ScenarioError(
+            f"{name}: each stop of a sweep has a copy of an object, and there is none: {problem}; hand over its class"
+        ),
+    )
+
+
+def _axes(axes: Any) -> list[tuple[str, Any]]:
+    if not isinstance(axes, Mapping):
+        raise ScenarioError(f'axes are {short(axes)}; wanted is key → values, as {{"start.speed": ["80 km/h"]}}')
+    return list(foreign(axes.items, _unreadable("axes")))
+
+
+def _choices(key: Any, choices: Any) -> list[Any]:
+    if not isinstance(choices, Iterable) or isinstance(choices, str | bytes | Mapping):
+        raise ScenarioError(f"sweep: the axis {short(key)} is {short(choices)}; wanted are its values, in a list")
+    return [_plain(value, "axes") for value in foreign(lambda: list(choices), _unreadable("axes"))]
+
+
+def _is_one_of(value: Any, names: Collection[str]) -> bool:
+    return isinstance(value, str) and value in names
+
+
+def _is_over_time(recording: Any) -> bool:
+    import xarray
+
+    return isinstance(recording, xarray.Dataset) and "time" in recording.indexes
+
+
+def _path(value: Any, name: str) -> Path:
+    if not isinstance(value, str | Path):
+        raise ScenarioError(f"{name} is {short(value)}; wanted is a name or a path")
+    return Path(value)
+
+
+def _changes(changes: Any) -> dict[str, Any]:
+    """Return changes by key, values as files have them."""
+    if changes is None:
+        return {}
+    if not isinstance(changes, Mapping):
+        raise ScenarioError(f'changes are {short(changes)}; wanted is key → value, as {{"start.speed": "100 km/h"}}')
+    return _plain(changes, "changes")
+
+
+def _unreadable(name: str) -> Callable[[str], ScenarioError]:
+    return lambda problem: ScenarioError(f"{name} cannot be read: {problem}")
+
+
+def _plain(value: Any, name: str) -> Any:
+    """Return a value as files have it: of NumPy, of paths, tuples and mappings.
+
+    Raises:
+        ScenarioError: Nested without end, or an object that fails when it is looked at; it begins with `name`.
+    """
+    return foreign(lambda: _as_in_files(value), _unreadable(name))
+
+
+def _as_in_files(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Path):
         return str(value)
-    return list(value) if isinstance(value, tuple) else value
+    if isinstance(value, Mapping):
+        return {key: _as_in_files(inner) for key, inner in value.items()}
+    return [_as_in_files(inner) for inner in value] if isinstance(value, list | tuple) else value

@@ -1,21 +1,34 @@
-"""Controllers, estimators, sensors and plants of a user: what each is asked, and how it takes part in a stop."""
+"""Controllers, estimators, sensors and plants of a user: the interface of each, and how it takes part in a stop."""
 
 import inspect
+import math
 import traceback
-from collections.abc import Collection, Mapping
+import warnings
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railgrip.controllers.observation import Observation
-from railgrip.errors import ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
+from railgrip.errors import (
+    ControllerFailed,
+    EstimatorFailed,
+    PlantFailed,
+    RailgripError,
+    ScenarioError,
+    SensorsFailed,
+)
 from railgrip.formation import Extent, Formation
+from railgrip.interrupted import Interrupted
+from railgrip.scenario.custom import Role
 from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
+from railgrip.units import mistake, short
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -128,6 +141,22 @@ class Plant(Protocol):
         ...
 
 
+_PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
+_LEAST_SHARE = 0.01
+"""Of full pressure: pads do not touch below some 5 %, so that a law that never demands more brakes nothing; bar, kPa,
+mbar and shares of full brake, taken for Pa, are 1 % and less."""
+_ROUNDING = 1e-9
+"""Of full pressure: what a law's own arithmetic may be beyond it."""
+_LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pressure": 2e4}
+"""Magnitudes in SI units from which sensors, with offsets of some percent of full scale, show the unit of a signal."""
+_MOST_RATIO = 1.5
+"""Above any adhesion, pad friction or slip: such an estimate is in percent."""
+
+
+class _Decides(Protocol):
+    def decide(self, observation: Observation) -> Sequence[float]: ...
+
+
 class CustomController:
     """A control law of the user's own in the loop."""
 
@@ -137,9 +166,9 @@ class CustomController:
         Raises:
             ScenarioError: It is no controller, or fails to start.
         """
-        _demand_methods(own, "a controller", "start", "decide")
+        require_methods(own, type(own).__name__, "controllers")
         self._own, self._groups = own, formation.groups
-        self.needs: tuple[str, ...] = tuple(getattr(own, "needs", ()))
+        self.needs = _names(own, "needs", PROVIDED)
         _called(ScenarioError, own, "start", formation)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
@@ -157,6 +186,105 @@ class CustomController:
         return tuple(np.asarray(demands, dtype=np.float64).tolist())
 
 
+class DemandLimits:
+    """Limits demands from outside of this project to what cylinders take, and remembers how often.
+
+    Attributes:
+        decisions: Number of decisions.
+        limited: Number of those that were lowered or raised.
+    """
+
+    def __init__(self, formation: Formation) -> None:
+        """Limit nothing yet."""
+        self.decisions = self.limited = 0
+        self._most: tuple[float, ...] = tuple(formation.pressure_max.tolist())
+        self._lowest = self._highest = 0.0
+        self._share, self._since = 0.0, math.inf
+
+    def limit(self, demands: Sequence[float], observation: Observation) -> Sequence[float]:
+        """Return demands between none and the highest pressure of each cylinder [Pa]; count those that were outside.
+
+        Raises:
+            ControllerFailed: All of them are too small to be Pa.
+        """
+        if not math.isfinite(sum(demands)):
+            return demands  # what refuses them comes next
+        self.decisions += 1
+        within = tuple(min(max(demand, 0.0), most) for demand, most in zip(demands, self._most, strict=True))
+        pairs = zip(demands, within, self._most, strict=True)
+        if any(abs(demand - inside) > _ROUNDING * most for demand, inside, most in pairs):
+            self.limited += 1
+            self._lowest, self._highest = min(self._lowest, *demands), max(self._highest, *demands)
+        self._refuse_another_unit(within, observation)
+        return within
+
+    def sentence(self) -> str:
+        """Return what was limited, as a sentence after others; empty if nothing was."""
+        if not self.limited:
+            return ""
+        return (
+            f" In {self.limited} of {self.decisions} decisions the controller demanded pressures beyond what cylinders "
+            f"take, between {self._lowest:.6g} and {self._highest:.6g} Pa; they were limited to 0 and "
+            f"{max(self._most):.6g} Pa."
+        )
+
+    def _refuse_another_unit(self, demands: Sequence[float], observation: Observation) -> None:
+        """Refuse demands that brake nothing although the driver asks for it, for a second after the first of them."""
+        if self._share > _LEAST_SHARE:
+            return
+        shares = [demand / most for demand, most in zip(demands, self._most, strict=True)]
+        self._share = max(self._share, *shares)
+        if self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * max(self._most):
+            return
+        self._since = min(self._since, observation.time)
+        if self._share <= _LEAST_SHARE and observation.time >= self._since + _PATIENCE:
+            words = mistake(self._share) or "another unit than Pa, such as bar or a share of full brake"
+            raise ControllerFailed(
+                f"The controller demands {self._share * max(self._most):.3g} Pa at most, and a full brake has "
+                f"{max(self._most):.6g} Pa; it looks like {words}. At {observation.time:.3f} s."
+            )
+
+
+class Limited:
+    """A controller whose demands are limited."""
+
+    def __init__(self, controller: _Decides, limits: DemandLimits) -> None:
+        """Take a controller that has been started."""
+        self.needs: tuple[str, ...] = tuple(getattr(controller, "needs", ()))
+        self._controller, self._limits = controller, limits
+
+    def decide(self, observation: Observation) -> Sequence[float]:
+        """Return the demanded pressure of each group [Pa]; see `DemandLimits.limit`."""
+        return self._limits.limit(self._controller.decide(observation), observation)
+
+
+class _UnitCheck:
+    """Compares the first second of a signal with what it should show, and names the mistake of units it looks like."""
+
+    def __init__(self, least: float) -> None:
+        """Compare where the expected magnitude is `least` or more: below, a ratio is that of offsets and noise."""
+        self._least, self._since, self._ratios, self._done = least, math.inf, list[Array](), False
+
+    def mistake(self, time: float, value: Any, expected: Any) -> str:
+        """Return the mistake, once a second of a stop is over, or ''."""
+        value, expected = np.atleast_1d(value), np.atleast_1d(expected)
+        if self._done or not np.isfinite(value).all() or not (np.abs(expected) >= self._least).all():
+            return ""
+        self._ratios.append(value / expected)
+        self._since = min(self._since, time)
+        if time < self._since + _PATIENCE:
+            return ""
+        self._done = True
+        # The median: a sensor that fails now and then, or a wheel that locks, is no mistake of units.
+        medians: list[float] = np.median(self._ratios, axis=0).tolist()
+        return next((f"; it looks like {words}" for ratio in medians if (words := mistake(ratio))), "")
+
+    def mistake_of_ratio(self, time: float, value: Any) -> str:
+        """Return whether a ratio is in percent, once a second of a stop is over, or ''."""
+        values = np.atleast_1d(value)
+        return self.mistake(time, np.where(np.abs(values) > _MOST_RATIO, 100.0, 1.0), np.ones(values.shape))
+
+
 class CustomEstimator:
     """An estimator of the user's own in the loop.
 
@@ -170,15 +298,14 @@ class CustomEstimator:
         Raises:
             ScenarioError: It is no estimator, or does not say what it provides.
         """
-        _demand_methods(own, "an estimator", "start", "step")
-        provides: Any = getattr(own, "provides", None)
-        if not isinstance(provides, tuple | list) or not provides or not set(provides) <= set(PROVIDED):
+        require_methods(own, type(own).__name__, "estimators")
+        self.provides = _names(own, "provides", PROVIDED)
+        if not self.provides:
             raise ScenarioError(
-                f"{type(own).__name__}: `provides` is {provides!r}; an estimator says there what its steps give, of "
-                f'{", ".join(PROVIDED)}, as in provides = ("adhesion",)'
+                f"{type(own).__name__}: `provides` is empty; an estimator names there what its steps give"
             )
         self._own, self._formation, self._has_started = own, formation, False
-        self.provides: tuple[str, ...] = tuple(dict.fromkeys(provides))
+        self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
             name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides
@@ -208,7 +335,16 @@ class CustomEstimator:
                 raise EstimatorFailed(
                     f"{_place(own, 'step')} gave {name} as {wrong}, not finite numbers of shape {self._shapes[name]}."
                 )
+            words = self._mistake(name, value, observation)
+            if words:
+                raise EstimatorFailed(f"{_place(own, 'step')} gave {name} as {np.asarray(value).tolist()}{words}.")
         return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
+
+    def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
+        if name in _LEAST:
+            return self._checks[name].mistake(observation.time, value, getattr(observation, name))
+        # Of ratios nothing is read beside them, and a deviation may be as large as one likes.
+        return "" if name.endswith("_sd") else self._checks[name].mistake_of_ratio(observation.time, value)
 
 
 class CustomSensors:
@@ -222,10 +358,12 @@ class CustomSensors:
         Raises:
             ScenarioError: They are no sensors, or fail to start.
         """
-        _demand_methods(own, "a sensor model", "start", "read")
+        require_methods(own, type(own).__name__, "sensors")
         self._own, self._layout, self._period = own, layout, period
         self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
         self._shapes = _shapes(layout.reading)
+        self._checks = {name: _UnitCheck(least) for name, least in _LEAST.items()}
+        self._has_read = False
         _called(ScenarioError, own, "start", formation, random)
 
     def read(self, sample: int, truth: Array) -> Array:
@@ -252,6 +390,15 @@ class CustomSensors:
                     f"{self._shapes[name]}.{when}"
                 )
             reading[self._layout.reading[name]] = value
+            truth_of_it = self._truth_by_name.get(name)
+            if name in self._checks and (words := self._checks[name].mistake(time, value, truth_of_it)):
+                raise SensorsFailed(
+                    f"{_place(self._own, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
+                    f"{np.asarray(truth_of_it).tolist()}{words}.{when}"
+                )
+        self._has_read = self._has_read or bool(np.isfinite(reading).any())
+        if not self._has_read and time >= _PATIENCE:
+            raise SensorsFailed(f"{_place(self._own, 'read')} gives no reading at all.{when}")
         return reading
 
 
@@ -270,7 +417,7 @@ class CustomPlant:
         Raises:
             ScenarioError: It is no plant.
         """
-        _demand_methods(own, "a plant", "start", "step")
+        require_methods(own, type(own).__name__, "plants")
         self._own, self._layout, self._speed, self._period = own, layout, speed, period
         self._required, self._output_names, self._steps = frozenset(required), frozenset[str](), 0
         self._inputs, inputs = _by_name(layout.inputs, layout.input)
@@ -351,9 +498,8 @@ def _locked(observation: Observation) -> Observation:
 
 def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> str:
     """Return what a value is that should have been finite numbers of a shape; empty if it is that."""
-    try:
-        numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    numbers = _numbers(value)
+    if numbers is None:
         return _short(value)
     if numbers.shape != shape:
         return f"numbers of shape {numbers.shape}"
@@ -361,24 +507,98 @@ def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> st
     return "" if bool(np.all(good)) else str(numbers.tolist())
 
 
+def _numbers(value: Any) -> Array | None:
+    """Return integers or floats as an array; None for all else that NumPy would make floats of without a word.
+
+    That is complex numbers, whose imaginary parts it drops, masked elements, texts, truth values, None, and integers
+    that no float holds.
+    """
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # such as that a quantity loses its unit
+            array = np.asarray(value)
+            is_masked = np.ma.is_masked(value) or (
+                isinstance(value, list | tuple) and any(element is np.ma.masked for element in value)
+            )
+        return None if is_masked or array.dtype.kind not in "fiu" else np.asarray(array, dtype=np.float64)
+    except Exception:  # whatever the user's object raises in __array__, __len__ or __float__
+        return None
+
+
 def _short(value: object) -> str:
-    text = repr(value)
-    return f"{type(value).__name__} {text if len(text) <= 80 else text[:77] + '...'}"
+    return f"{type(value).__name__} {short(value)}"
 
 
-def _demand_methods(own: object, what: str, *names: str) -> None:
-    missing = [name for name in names if not callable(getattr(own, name, None))]
+_METHODS: Mapping[Role, tuple[str, str, str]] = {
+    "controllers": ("a controller", "start", "decide"),
+    "estimators": ("an estimator", "start", "step"),
+    "sensors": ("a sensor model", "start", "read"),
+    "plants": ("a plant", "start", "step"),
+}
+
+
+def require_methods(own: object, name: str, role: Role) -> None:
+    """Refuse a class or an object without the methods of its role.
+
+    Raises:
+        ScenarioError: It names them.
+    """
+    what, *names = _METHODS[role]
+    missing = foreign(
+        lambda: [method for method in names if not callable(getattr(own, method, None))],
+        lambda problem: ScenarioError(f"{name}: its methods cannot be looked at: {problem}"),
+    )
     if missing:
-        lacks, wants = " and ".join(missing), " and ".join(names)
-        raise ScenarioError(f"{type(own).__name__}: has no method {lacks}; {what} has {wants}")
+        raise ScenarioError(f"{name}: has no method {' and '.join(missing)}; {what} has {' and '.join(names)}")
 
 
-def _called(failed: type[Exception], own: object, method: str, *arguments: object, when: str = "") -> Any:
+def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
+    """Return what a user's code returns; whatever it raises, SystemExit too, becomes `failed` of its type and text."""
+    try:
+        return call()
+    except (KeyboardInterrupt, Interrupted):
+        raise  # not from that code, but from whoever wants the program to end
+    except BaseException as problem:
+        raise failed(_text_of(problem)) from problem
+
+
+def _names(own: object, attribute: str, choice: Collection[str]) -> tuple[str, ...]:
+    """Return an attribute of a user's object that is names of estimates; empty where it has no such attribute.
+
+    Raises:
+        ScenarioError: It is something else.
+    """
+
+    def refusal(found: str) -> ScenarioError:
+        return ScenarioError(
+            f"{type(own).__name__}: `{attribute}` is {found}; wanted are names of {', '.join(choice)}, as in "
+            f'{attribute} = ("adhesion",)'
+        )
+
+    value = foreign(lambda: getattr(own, attribute, ()), refusal)
+    if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in choice for name in value):
+        raise refusal(short(value))
+    return tuple(dict.fromkeys(value))
+
+
+def _called(failed: type[RailgripError], own: object, method: str, *arguments: object, when: str = "") -> Any:
     """Return what a method of the user's class returns, or raise `failed` with a sentence."""
     try:
         return getattr(own, method)(*arguments)
-    except Exception as problem:
+    except (KeyboardInterrupt, Interrupted):
+        raise
+    except BaseException as problem:  # SystemExit ends a part, not the program
         raise failed(_failure(own, method, problem) + when) from problem
+
+
+def _text_of(problem: BaseException) -> str:
+    try:
+        text = str(problem)
+    except Exception:
+        text = "its text cannot be read"
+    return f"{type(problem).__name__}: {text or 'without a message'}"
 
 
 def _place(own: object, method: str) -> str:
@@ -387,15 +607,15 @@ def _place(own: object, method: str) -> str:
     return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
 
 
-def _failure(own: object, method: str, problem: Exception) -> str:
+def _failure(own: object, method: str, problem: BaseException) -> str:
     """Return an exception of the user's class as a sentence, with the last line of their file that led to it."""
     frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
     try:
         file = inspect.getsourcefile(type(own))
-    except TypeError:
+    except (OSError, TypeError):
         file = None
     theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
-    what = f"{type(problem).__name__}: {str(problem) or 'without a message'}"
+    what = _text_of(problem)
     if not theirs:  # it could not even be called
         return f"{_place(own, method)} failed: {what}."
     return f"{type(own).__name__}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."

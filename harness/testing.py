@@ -10,6 +10,7 @@ that rolls, slides and locks, of a train that stands, and of sensors that have n
 import copy
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -24,15 +25,19 @@ from railgrip.custom import (
     CustomEstimator,
     CustomPlant,
     CustomSensors,
+    DemandLimits,
     Estimator,
     Plant,
     Sensors,
+    foreign,
 )
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.formation import Formation
 from railgrip.loop.plausible import slowing_of
 from railgrip.signals import Layout, layout_of
+from railgrip.units import short
 
+T = TypeVar("T")
 Row = tuple[float, ...]
 
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
@@ -60,9 +65,11 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
         ContractBroken: It does something else.
     """
     for formation in formations():
-        law = factory()
+        law, limits = _made(factory), DemandLimits(formation)
 
-        def run(law: Controller = law, formation: Formation = formation) -> Iterator[Row]:
+        def run(
+            law: Controller = law, formation: Formation = formation, limits: DemandLimits = limits
+        ) -> Iterator[Row]:
             controller = CustomController(law, formation)
             for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
                 for observation in observations(formation, estimated=estimated):
@@ -70,7 +77,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                     demands = controller.decide(observation)
                     _demand_unchanged(law, before, observation)
                     _demand_pressures(law, formation, demands)
-                    yield demands
+                    yield tuple(limits.limit(demands, observation))
 
         _demand_same(law, "decide", run)
 
@@ -85,7 +92,7 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
         ContractBroken: It does something else.
     """
     for formation in formations():
-        own = factory()
+        own = _made(factory)
 
         def run(own: Estimator = own, formation: Formation = formation) -> Iterator[Row]:
             estimator = CustomEstimator(own, formation)
@@ -114,7 +121,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
         ContractBroken: It does something else.
     """
     for formation in formations():
-        own, layout = factory(), layout_of(formation)
+        own, layout = _made(factory), layout_of(formation)
 
         def run(own: Sensors = own, layout: Layout = layout) -> Iterator[Row]:
             sensors = CustomSensors(own, layout, layout.formation, _PERIOD, np.random.default_rng(1))
@@ -147,7 +154,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
         ContractBroken: It does something else.
     """
     for vehicle in formations() if formation is None else (formation,):
-        own, layout = factory(), layout_of(vehicle)
+        own, layout = _made(factory), layout_of(vehicle)
 
         def run(own: Plant = own, layout: Layout = layout) -> Iterator[Row]:
             brakes = layout.formation
@@ -165,6 +172,10 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
             yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
 
         _demand_same(own, "step", run)
+
+
+def _made(factory: Callable[[], T]) -> T:
+    return foreign(lambda: factory(), lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
 
 
 def formations() -> Iterator[Formation]:

@@ -194,12 +194,29 @@ def to_si(text: str, target_unit: str | Unit) -> float:
     return gain * number + shift
 
 
+_MISTAKES = {
+    "the other sign": -1.0, "km/h for m/s": 3.6, "m/s for km/h": 1 / 3.6, "km for m, or kPa for Pa": 1e-3,
+    "m for km, or mm for m": 1e3, "bar for Pa": 1e-5, "Pa for bar": 1e5,
+    "revolutions per second for rad/s": 1 / (2 * math.pi), "revolutions per minute for rad/s": 30 / math.pi,
+    "percent for a ratio": 100.0, "multiples of g for m/s2": 1 / 9.81,
+}  # fmt: skip
+_ALIKE = 0.08
+"""Wheels differ from nominal by as much, and no two of the mistakes differ by so little."""
+
+
+def mistake(ratio: float) -> str:
+    """Return which mistake of unit or sign gives values that are `ratio` times as large as they should be, or ''."""
+    return next((words for words, factor in _MISTAKES.items() if abs(ratio / factor - 1) < _ALIKE), "")
+
+
 def short(value: object) -> str:
     """Return what was written as a sentence may repeat it: its representation, cut to a line."""
     try:
         return cut(repr(value))
     except ValueError:  # Python writes out no integer of more than 4300 digits
         return "a number of thousands of digits"
+    except Exception:  # a user's object may raise anything there
+        return "what has no representation"
 
 
 def cut(text: str, longest: int = 80) -> str:

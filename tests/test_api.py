@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 import railgrip as rg
 from railgrip.errors import ScenarioError
@@ -300,6 +301,16 @@ def test_an_estimate_of_a_recording():
     estimated = rg.estimate(recording, "wagon")
     assert estimated["mean"].sizes["time"] == 400
     assert rg.estimate(recording, LIBRARY / "wagon.toml").equals(estimated)
+
+
+def test_changes_of_an_estimation_keep_their_type():
+    """A text "True" is no number, and True is none either; a whole table is one value."""
+    with pytest.raises(ScenarioError, match=r"\[source\] seed is True"):
+        rg.estimate(xarray.Dataset(), "wagon", {"source.seed": True})
+    with pytest.raises(ScenarioError, match=r"\[start\] must be a table, got 'none'"):
+        rg.estimate(xarray.Dataset(), "wagon", {"start": "none"})
+    with pytest.raises(rg.RailgripError, match="wanted is a trace over time"):
+        rg.estimate(xarray.Dataset(), "wagon", {"source": {"scenario": "wagon", "seed": np.int64(3)}})
 
 
 def rolling():

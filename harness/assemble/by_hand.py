@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from railgrip.assemble.parties import Assembled, OwnParties, assembled
 from railgrip.controllers.observation import Observation
 from railgrip.custom import problem_with
-from railgrip.errors import PlantFailed, ScenarioError
+from railgrip.errors import ControllerFailed, PlantFailed, ScenarioError
 from railgrip.formation import Formation
 from railgrip.loop import cycle
 from railgrip.loop.ending import Ending
@@ -120,7 +120,15 @@ class Bench:
             raise ScenarioError(
                 f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
             )
-        self._advance(lambda: self._going.send(np.asarray(pressures, dtype=np.float64).tolist()))
+        assert self._parts is not None
+        demands = np.asarray(pressures, dtype=np.float64).tolist()
+        try:
+            within = self._parts.limits.limit(demands, self._observation)
+        except ControllerFailed as failed:
+            failure = failed
+            self._advance(lambda: self._going.throw(failure))
+        else:
+            self._advance(lambda: self._going.send(within))
         return self._observation
 
     def close(self) -> None:

@@ -23,6 +23,7 @@ from railgrip.controllers.slope_seeking import SlopeSeeking
 from railgrip.controllers.train_level import OverTheTrain, pass_through, with_redistribution, with_shared_valves
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
+from railgrip.custom import DemandLimits, Limited
 from railgrip.errors import ScenarioError
 from railgrip.fmu import Description
 from railgrip.loop.actuation import Direct
@@ -39,12 +40,13 @@ def controlling(
     vehicle: VehicleData,
     estimates: Collection[str],
     fmus: dict[str, Description],
+    limits: DemandLimits,
     tell: Callable[[str], None],
     stack: ExitStack,
 ) -> tuple[Controller, bool]:
     """Open the controller of a scenario; return also whether it commands the valves itself.
 
-    An FMU that takes part adds itself to `fmus`.
+    An FMU that takes part adds itself to `fmus`, and what it demands is limited by `limits`.
 
     Raises:
         ScenarioError: A parameter is wrong, or the controller asks for something that is not there.
@@ -61,7 +63,7 @@ def controlling(
     context = foreign_controller(scenario, table, description, values, groups, estimates, tell)
     controller, commands_valves = stack.enter_context(context)
     if not commands_valves:
-        return over_the_train(vehicle, controller), False
+        return over_the_train(vehicle, Limited(controller, limits)), False
     if table.redistribute:
         raise ScenarioError(
             f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "

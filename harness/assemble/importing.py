@@ -1,21 +1,23 @@
 """Classes that a scenario names, and what a result says of them."""
 
 import hashlib
-import importlib
 import inspect
 import os
 import sys
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from importlib import import_module, invalidate_caches
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from railgrip import custom
 from railgrip.errors import ScenarioError
 from railgrip.scenario.custom import Custom, Role, installed_names
-from railgrip.units import cut
+from railgrip.units import cut, short
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,36 +41,73 @@ class Origin:
 
 
 def party_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
-    """Import the class that a table names, and return a new object of it.
-
-    The module is taken from the installed environment and from `folders`, never from the current folder alone: a
-    scenario that came with a folder of files runs none of them.
+    """Return a new object of the class that a table names.
 
     Raises:
-        ScenarioError: There is no such module or class, or it does not take these parameters.
+        ScenarioError: See `class_of`, or the class does not take these parameters.
     """
-    where = {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
-    class_name = table.kind if ":" in table.kind else installed_names(role)[table.kind]
+    return made(class_of(table, role, folders), table.parameters, _table(role))
+
+
+def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
+    """Import the class that a table names.
+
+    Text in a file decides what is imported here, so that only two places are trusted: `folders`, which the command line
+    or a caller names, and entry points of installed packages. Nothing is called before it is a class with the methods
+    of its role.
+
+    Raises:
+        ScenarioError: The module is in neither place or cannot be imported, or there is no such class in it.
+    """
+    who = f"{_table(role)} kind {cut(table.kind)}"
+    points = installed_names(role)
+    class_name = points.get(table.kind, table.kind)
     module, _, name = class_name.partition(":")
-    with _path_without_current_folder(folders):
-        try:
-            factory: Any = importlib.import_module(module)
-        except Exception as problem:
-            raise ScenarioError(
-                f"{where} kind {cut(table.kind)}: the module {cut(module)} cannot be imported: "
-                f"{type(problem).__name__}: {problem}; install its package, or name its folder by --import-from DIR"
-            ) from problem
-    for part in name.split("."):
-        factory = getattr(factory, part, None)
-    if not callable(factory):
-        raise ScenarioError(f"{where} kind {cut(table.kind)}: the module {module} has no class {cut(name)}")
-    try:
-        return factory(**table.parameters)
-    except Exception as problem:
+    if not all(part.isidentifier() for part in module.split(".")):
+        raise ScenarioError(f"{who}: {cut(module)} is not the name of a module")
+    is_installed = class_name in points.values()
+    invalidate_caches()  # a file may have been written a moment ago
+    if not is_installed and PathFinder.find_spec(module.partition(".")[0], [str(folder) for folder in folders]) is None:
         raise ScenarioError(
-            f"{where} {name} cannot be made with parameters {dict(table.parameters)}: {type(problem).__name__}: "
-            f"{problem}"
-        ) from problem
+            f"{who}: the module {cut(module)} cannot be imported: a class that a file names comes from a folder named "
+            f"by --import-from DIR (import_from=[…] in Python), or is an entry point railgrip.{role} of an installed "
+            "package"
+        )
+    with _path_without_current_folder(() if is_installed else folders):
+        loaded: Any = custom.foreign(
+            lambda: import_module(module),
+            lambda problem: ScenarioError(f"{who}: the module {cut(module)} cannot be imported: {problem}"),
+        )
+    file = getattr(loaded, "__file__", None)
+    if not is_installed and not (file and any(Path(file).is_relative_to(folder.resolve()) for folder in folders)):
+        raise ScenarioError(
+            f"{who}: another module named {module} is loaded already, from {file or 'Python itself'}; rename yours"
+        )
+    found: Any = loaded
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    if not isinstance(found, type):
+        raise ScenarioError(f"{who}: the module {module} has no class {cut(name)}")
+    custom.require_methods(found, found.__name__, role)
+    return found
+
+
+def made(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
+    """Return a new object of a user's class.
+
+    Raises:
+        ScenarioError: The class does not take these parameters, or fails; it begins with `where`.
+    """
+    return custom.foreign(
+        lambda: kind(**parameters),
+        lambda problem: ScenarioError(
+            f"{where} {kind.__name__} cannot be made with parameters {short(dict(parameters))}: {problem}"
+        ),
+    )
+
+
+def _table(role: Role) -> str:
+    return {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
 
 
 def table_of(own: object) -> Custom:
@@ -94,17 +133,17 @@ def _source(kind: type) -> str | None:
 
 
 def _plain_attributes(own: object) -> dict[str, Any]:
-    attributes: dict[str, Any] = getattr(own, "__dict__", {})
+    attributes: dict[str, Any] = vars(own) if hasattr(own, "__dict__") else {}
     values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _plain(value: object) -> Any:
-    """Return a number, text or array as JSON values, else None."""
+def _plain(value: object, levels: int = 12) -> Any:
+    """Return a number, text or array as JSON values, else None, as for lists nested in more levels."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
-        elements = [_plain(element) for element in value]
+        elements = [_plain(element, levels - 1) for element in value] if levels else [None]
         return None if any(element is None for element in elements) else elements
     return value if isinstance(value, bool | int | float | str) else None
 

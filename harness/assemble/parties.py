@@ -91,6 +91,7 @@ class Assembled:
         obstacle: Why C cannot run it; None if it can.
         fmus: Those that take part, by name.
         classes: Of the user's own that take part, by party.
+        limits: What limits the demands of a controller that is no law of ours.
     """
 
     vehicle: VehicleData
@@ -98,6 +99,7 @@ class Assembled:
     obstacle: str | None
     fmus: Mapping[str, Description]
     classes: Mapping[str, Origin]
+    limits: custom.DemandLimits
 
     @property
     def recorder(self) -> Recorder:
@@ -133,7 +135,12 @@ class Assembled:
         # A plant that does not even start leaves one row without a number: rows are memory as it was found.
         self.recorder.rows[self.recorder.written : 1] = np.nan
         stop = judged(self.vehicle, self.recorder, ending, self.fmus)
-        return replace(stop, classes={name: origin.to_plain() for name, origin in self.classes.items()})
+        return replace(
+            stop,
+            classes={name: origin.to_plain() for name, origin in self.classes.items()},
+            reason=stop.reason + self.limits.sentence(),
+            limited_demands=self.limits.limited,
+        )
 
 
 @contextmanager
@@ -191,11 +198,12 @@ def assembled(
             sensors = custom.CustomSensors(instruments, layout, formation, period, noise)
         else:
             sensors = sensors_of(scenario, layout, radius[0])
-        commands_valves = False
+        commands_valves, limits = False, custom.DemandLimits(formation)
         if (own_law := party("controllers", scenario.controller, own.controller)) is not None:
-            controller = over_the_train(vehicle, custom.CustomController(own_law, formation))
+            controller = custom.Limited(custom.CustomController(own_law, formation), limits)
+            controller = over_the_train(vehicle, controller)
         else:
-            controller, commands_valves = controlling(vehicle, estimates, fmus, tell, stack)
+            controller, commands_valves = controlling(vehicle, estimates, fmus, limits, tell, stack)
         actuation = Direct() if commands_valves else actuation_of(vehicle)
         _demand_estimates(scenario, controller, estimates)
         if commands_valves and demand is not None:
@@ -245,6 +253,7 @@ def assembled(
             obstacle=compiled_cycle.obstacle(parties),
             fmus=fmus,
             classes=classes,
+            limits=limits,
         )
 
 

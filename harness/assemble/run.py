@@ -1,6 +1,7 @@
 """Stops of scenarios."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import xarray
 
@@ -41,26 +42,33 @@ def run_stop(
     return parts.stop(ending)
 
 
-def braking_distance(scenario: Scenario) -> float | None:
-    """Return only the distance [m], None where the train does not come to stand: for searches over many stops."""
+def braking_distance(scenario: Scenario, import_from: Sequence[Path] = ()) -> float | None:
+    """Return only the distance [m], None where the train does not come to stand: for searches over many stops.
+
+    Classes that the scenario names are imported from the folders `import_from`.
+    """
     # Where a driver demands the brake in the course of it, that sample is looked for; else first and last will do.
-    ending, trace = _unjudged(scenario, capacity=2 if scenario.demand is None else None)
+    ending, trace = _unjudged(scenario, import_from, capacity=2 if scenario.demand is None else None)
     return distance_travelled(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
 
 
-def trace_of(scenario: Scenario) -> xarray.Dataset:
+def trace_of(scenario: Scenario, import_from: Sequence[Path] = ()) -> xarray.Dataset:
     """Return only what happened, without the ideal bound: for studies of many stops, three times as fast.
+
+    Classes that the scenario names are imported from the folders `import_from`.
 
     Raises:
         ScenarioError: The run ended with a failure.
     """
-    ending, trace = _unjudged(scenario)
+    ending, trace = _unjudged(scenario, import_from)
     if ending.outcome not in (Outcome.STANDSTILL, Outcome.HORIZON):
         raise ScenarioError(f"{scenario.name}: ended with {ending.outcome.value}: {ending.reason}")
     return trace
 
 
-def _unjudged(scenario: Scenario, capacity: int | None = None) -> tuple[Ending, xarray.Dataset]:
-    with assembled(scenario, capacity=capacity) as parts:
+def _unjudged(
+    scenario: Scenario, import_from: Sequence[Path], capacity: int | None = None
+) -> tuple[Ending, xarray.Dataset]:
+    with assembled(scenario, own=OwnParties(folders=tuple(import_from)), capacity=capacity) as parts:
         ending = parts.run()
     return ending, parts.recorder.trace(max(ending.samples, 1), scenario.periods.communication)

@@ -15,6 +15,7 @@ from railgrip.assemble.vehicle import GRAVITY
 from railgrip.loop.plausible import Slowing
 from railgrip.loop.ports import Plant
 from railgrip.signals import Layout
+from railgrip.units import mistake
 
 Matrix = NDArray[np.float64]
 
@@ -28,11 +29,6 @@ _CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
 _WEAR = 0.08
 """A new wheel and a worn one differ by as much; one that differs by more looks like a wheel in slide."""
 _LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
-_FACTORS = {
-    "the other sign": -1.0, "km/h for m/s": 3.6, "m/s for km/h": 1 / 3.6, "km for m": 1e-3, "m for km": 1e3,
-    "bar for Pa": 1e-5, "Pa for bar": 1e5, "revolutions per second for rad/s": 1 / (2 * math.pi),
-    "revolutions per minute for rad/s": 30 / math.pi, "percent for a ratio": 100.0,
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,5 +190,5 @@ def _ratio(signal: str, value: float, expected: float, tolerance: float, words: 
 
 
 def _hint(ratio: float) -> str:
-    likely = [words for words, factor in _FACTORS.items() if abs(ratio / factor - 1) < 0.08]
-    return f"; it looks like {likely[0]}" if likely else ""
+    likely = mistake(ratio)
+    return f"; it looks like {likely}" if likely else ""

@@ -1,6 +1,5 @@
 """Every combination of values of a scenario, as one table."""
 
-import copy
 import itertools
 import math
 import pickle
@@ -18,6 +17,7 @@ from railgrip.console import progress
 from railgrip.errors import InputError, RailgripError, ScenarioError
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics, meanings
+from railgrip.units import short
 
 if TYPE_CHECKING:
     import pandas
@@ -95,17 +95,15 @@ class Sweep:
 
 def swept(
     name: str,
-    variant: Callable[[Mapping[str, Any]], Scenario],
+    variant: Callable[[Mapping[str, Any]], tuple[Scenario, OwnParties]],
     axes: Mapping[str, Sequence[Any]],
-    own: OwnParties,
-    workers: int,
+    workers: Any,
 ) -> Sweep:
     """Run every combination of values.
 
     Args:
         name: Of the scenario, for the progress.
-        variant: Returns the scenario with values laid over it by key.
-        own: The user's objects; each stop has a copy.
+        variant: Returns the scenario with values laid over it by key, and the user's objects for it.
 
     Raises:
         ScenarioError: A combination is no scenario, or an axis has no value; nothing was run.
@@ -113,30 +111,26 @@ def swept(
     empty = next((axis for axis, values in axes.items() if not len(values)), None)
     if empty is not None:
         raise ScenarioError(f"sweep: the axis '{empty}' has no value")
-    if workers < 1:
-        raise ScenarioError(f"sweep: workers is 1 or more, got {workers}")
-    scenarios = [variant(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
+    if not isinstance(workers, int) or workers < 1:
+        raise ScenarioError(f"sweep: workers is 1 or more, got {short(workers)}")
+    stops = [variant(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
     results: dict[int, Result] = {}
-    with progress(name, len(scenarios), is_count=True) as bar:
-        numbered_results = (
-            _in_processes(scenarios, own, workers) if workers > 1 and _portable(own) else _here(scenarios, own)
-        )
-        for number, result in numbered_results:
+    is_portable = workers > 1 and all(_portable(own) for _, own in stops)
+    with progress(name, len(stops), is_count=True) as bar:
+        for number, result in _in_processes(stops, workers) if is_portable else _here(stops):
             results[number] = result
             bar.advance()
-    return Sweep(
-        {axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(scenarios)))
-    )
+    return Sweep({axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(stops))))
 
 
-def _here(scenarios: Sequence[Scenario], own: OwnParties) -> Iterator[tuple[int, Result]]:
-    for number, scenario in enumerate(scenarios):
-        yield number, _result(scenario, copy.deepcopy(own))
+def _here(stops: Sequence[tuple[Scenario, OwnParties]]) -> Iterator[tuple[int, Result]]:
+    for number, (scenario, own) in enumerate(stops):
+        yield number, _result(scenario, own)
 
 
-def _in_processes(scenarios: Sequence[Scenario], own: OwnParties, workers: int) -> Iterator[tuple[int, Result]]:
-    with processes(min(workers, len(scenarios)), main=False) as pool:
-        running = {pool.submit(_result, scenario, own): number for number, scenario in enumerate(scenarios)}
+def _in_processes(stops: Sequence[tuple[Scenario, OwnParties]], workers: int) -> Iterator[tuple[int, Result]]:
+    with processes(min(workers, len(stops)), main=False) as pool:
+        running = {pool.submit(_result, *stop): number for number, stop in enumerate(stops)}
         for number, result in ended(running):
             yield number, _failed(result) if isinstance(result, RailgripError) else result
 

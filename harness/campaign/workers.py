@@ -17,7 +17,7 @@ import pebble
 
 from railgrip.errors import InputError, RailgripError, for_user
 from railgrip.files import scratch
-from railgrip.interrupted import deaf_children
+from railgrip.interrupted import Interrupted, deaf_children
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 
@@ -162,7 +162,7 @@ def _start_worker() -> None:
     assert parent is not None, "for a process that multiprocessing started"
 
     def leave(number: int, frame: FrameType | None) -> None:
-        sys.exit(1)
+        raise Interrupted(signal.SIGTERM)  # SystemExit would be taken for a failure of a user's class
 
     def wait() -> None:
         parent.join()

@@ -28,7 +28,10 @@ ImportFrom = Annotated[
     typer.Option(
         "--import-from",
         metavar="DIR",
-        help="Folder of modules that a scenario names as module:Class; their code runs. Repeatable.",
+        exists=True,
+        file_okay=False,
+        resolve_path=True,  # workers may stand in another folder
+        help="Folder of modules that a file names as module:Class; their code runs. Repeatable.",
     ),
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]

@@ -80,6 +80,7 @@ def conditioning(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
     workers: Workers = 2,
     fresh: Fresh = False,
+    import_from: ImportFrom = None,
 ) -> None:
     """Repeat the stops of a campaign with the plant's parameters moved a little; write how far distances spread."""
     from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
@@ -99,7 +100,10 @@ def conditioning(
     repetitions = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in selection.stops}
     directory = out / whole.name
     problem = _run_campaigns(
-        [CampaignRun(campaign_of(selection, repetitions), directory)], workers=workers, fresh=fresh
+        [CampaignRun(campaign_of(selection, repetitions), directory)],
+        workers=workers,
+        fresh=fresh,
+        import_from=import_from or (),
     )
     # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
     results = conditioning_of(selection, repetitions, directory, relative)
@@ -147,6 +151,7 @@ def regress(
     across_compilers: Annotated[
         bool, typer.Option("--across-compilers", help="Campaigns alone, with FMUs of another compiler: within 0.5 %.")
     ] = False,
+    import_from: ImportFrom = None,
 ) -> None:
     """Run the campaigns and studies that have baselines and compare every number with what was accepted."""
     from railgrip.report.baseline import compare, comparison_table, load_baseline
@@ -158,7 +163,7 @@ def regress(
             if baseline.campaign is None:
                 continue
             baseline = baseline.across_compilers()
-        code, findings = _numbers_of(baseline, path, out / path.stem, workers)
+        code, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from or ())
         problem = code or problem
         comparisons = compare(baseline, findings)
         show_table(comparison_table(comparisons, path.name), "nothing changed")
@@ -346,7 +351,9 @@ def _run_campaigns(
     return RUN_FAILED if states & {"failed", "ended_badly"} else 0
 
 
-def _numbers_of(baseline: "Baseline", path: Path, out: Path, workers: int) -> "tuple[int, Findings]":
+def _numbers_of(
+    baseline: "Baseline", path: Path, out: Path, workers: int, import_from: Sequence[Path]
+) -> "tuple[int, Findings]":
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
     from railgrip.campaign.run import CampaignRun
     from railgrip.report.baseline import findings_of, write_findings
@@ -355,7 +362,7 @@ def _numbers_of(baseline: "Baseline", path: Path, out: Path, workers: int) -> "t
 
     if baseline.campaign is not None:
         runs = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
-        code = _run_campaigns(runs, workers=workers, fresh=False)
+        code = _run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)
         return code, findings_of(read_results(out))
     from railgrip.studies.headlines import headlines
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from railgrip.cli.app import Overrides, app, fail
+from railgrip.cli.app import ImportFrom, Overrides, app, fail
 from railgrip.console import progress, say, show_table
 from railgrip.report.table import Form, Table, share
 
@@ -34,6 +34,7 @@ def observability(
     scenario: Scenario = None,
     seed: Seed = None,
     data: Data = None,
+    import_from: ImportFrom = None,
 ) -> None:
     """Ask what the recording of an estimation can tell about each state, and plot it along the way.
 
@@ -47,7 +48,9 @@ def observability(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     with progress(f"{specification.name}: recording"):
-        recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
+        recording = recording_of_estimation(
+            specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ()
+        )
     if data is not None:
         _say_flags(recording)
         with progress(f"{specification.name}: filter"):
@@ -79,6 +82,7 @@ def estimate(
     scenario: Scenario = None,
     seed: Seed = None,
     data: Data = None,
+    import_from: ImportFrom = None,
 ) -> None:
     """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
     from railgrip.estimation.plausible import strange_estimates, strange_signals
@@ -90,7 +94,9 @@ def estimate(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     with progress(f"{specification.name}: recording"):
-        recording = recording_of_estimation(specification, data=data, scenario=scenario, seed=seed)
+        recording = recording_of_estimation(
+            specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ()
+        )
     _say_flags(recording)
     with progress(f"{specification.name}: filter"):
         prediction = prediction_for(specification)

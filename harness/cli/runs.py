@@ -53,6 +53,8 @@ def run(
     say(f"{scenario.name}: {stop.outcome.value}, {travelled}{share}")
     for sentence in metrics.doubts():
         say(f"{scenario.name}: {sentence}")
+    if stop.limited_demands:
+        say(f"{scenario.name}: {stop.reason}")
     say(f"{directory}/stop.json")
     if stop.outcome.value != "standstill":
         fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")

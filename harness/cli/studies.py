@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from railgrip.cli.app import Overrides, Workers, app
+from railgrip.cli.app import ImportFrom, Overrides, Workers, app
 from railgrip.console import progress, remark, say, show_table
 from railgrip.errors import ScenarioError
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
@@ -85,13 +85,14 @@ def ride(
 def field(
     out: Annotated[Path, typer.Option(help="Folder for figures and page.")] = Path("build/estimate/field"),
     campaign: FieldTest = None,
+    import_from: ImportFrom = None,
 ) -> None:
     """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
     from railgrip.studies.field_test.report import write_report
     from railgrip.studies.field_test.runs import cases
 
     with progress("field test") as bar:
-        page = write_report(cases(campaign), out, tell=lambda what: bar.update(doing=what))
+        page = write_report(cases(campaign), out, lambda what: bar.update(doing=what), import_from or ())
     say(page.read_text(encoding="utf-8"))
     say(str(page))
 
@@ -106,6 +107,7 @@ def tune(
     stage: Annotated[int, typer.Option(min=1, help="Generations between two checkpoints.")] = 10,
     seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn.")] = 1,
     workers: Annotated[int, typer.Option(min=1, max=64, help="Threads.")] = 2,
+    import_from: ImportFrom = None,
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
     from railgrip.errors import EstimationError
@@ -120,7 +122,7 @@ def tune(
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     model, name = equations(), "field_test" if campaign is None else campaign.stem
     with progress("field test") as bar:
-        field_runs = runs(cases(campaign), TUNING, lambda case: bar.update(doing=case))
+        field_runs = runs(cases(campaign), TUNING, lambda case: bar.update(doing=case), import_from or ())
     tasks = [task_of(run.braking, model) for run in field_runs.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
@@ -241,6 +243,7 @@ def k_factors(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")] = Path("build/k_factors"),
     loop: Annotated[bool, typer.Option("--loop", help="Also stops with the controller, as [loop] says.")] = False,
     workers: Workers = 2,
+    import_from: ImportFrom = None,
 ) -> None:
     """Print K_dry_rst for EBCL 0 to 9 from the dispersion of a brake's components, with intervals of 95 %."""
     from railgrip.campaign.one_stop import make_folder
@@ -251,7 +254,14 @@ def k_factors(
     specification, scenario = load_specification(file, overrides or [])
     make_folder(out, *FILES)
     with progress(specification.name) as bar:
-        study = conduct(specification, scenario, loop=loop, workers=workers, tell=lambda what: bar.update(doing=what))
+        study = conduct(
+            specification,
+            scenario,
+            loop=loop,
+            workers=workers,
+            tell=lambda what: bar.update(doing=what),
+            import_from=import_from or (),
+        )
         page = write(study, out)
     show_table(table(study))
     for sentence in sentences(study):

@@ -8,6 +8,7 @@ somebody recorded it, `braking`; else braking begins where a cylinder fills. The
 the readings.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,12 @@ _UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
 
 
 def recording_of_estimation(
-    specification: Specification, *, data: Path | None = None, scenario: str | None = None, seed: int | None = None
+    specification: Specification,
+    *,
+    data: Path | None = None,
+    scenario: str | None = None,
+    seed: int | None = None,
+    import_from: Sequence[Path] = (),
 ) -> xarray.Dataset:
     """Return what an estimation's filter is given.
 
@@ -35,6 +41,7 @@ def recording_of_estimation(
         data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
         scenario: Another one than [source] says.
         seed: Likewise.
+        import_from: Folders of classes that the scenario names.
 
     Raises:
         EstimationError: There is no scenario or file, or no estimate can be made of it; in a sentence.
@@ -48,7 +55,8 @@ def recording_of_estimation(
         from railgrip.estimation.stop import recording_of_stop
 
         source = specification.simulated()
-        recording = recording_of_stop(scenario or source.scenario, source.seed if seed is None else seed, source.noise)
+        seed = source.seed if seed is None else seed
+        recording = recording_of_stop(scenario or source.scenario, seed, source.noise, import_from)
     recording = completed(specification, recording)
     return recording if specification.course is None else with_track_force(recording, specification.course)
 

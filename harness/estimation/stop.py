@@ -1,6 +1,6 @@
 """A stop of the loop as a recording: truth of its trace, read by instruments with white noise."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import xarray
@@ -15,16 +15,20 @@ from railgrip.trace.recorder import thinned
 from railgrip.trace.samples import evenly, recording_of
 
 
-def stop_read(scenario: Scenario, name: str = "") -> xarray.Dataset:
+def stop_read(scenario: Scenario, name: str = "", import_from: Sequence[Path] = ()) -> xarray.Dataset:
     """Return the trace of a stop on the grid of [periods] trace, as a recording named after the scenario or otherwise.
+
+    Classes that the scenario names are imported from the folders `import_from`.
 
     Raises:
         ScenarioError: It fails.
     """
-    return evenly(thinned(trace_of(scenario), scenario.periods.every("trace")), name or scenario.name)
+    return evenly(thinned(trace_of(scenario, import_from), scenario.periods.every("trace")), name or scenario.name)
 
 
-def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magnitude]) -> xarray.Dataset:
+def recording_of_stop(
+    scenario: str, seed: int | None, noise: Mapping[str, Magnitude], import_from: Sequence[Path] = ()
+) -> xarray.Dataset:
     """Return the recording of a stop.
 
     Its signals are those of the plant under their names, an element of an array as `name[i]`, and `wheel_torque`, the
@@ -36,12 +40,13 @@ def recording_of_stop(scenario: str, seed: int | None, noise: Mapping[str, Magni
         seed: Of the scenario and the noise; None for the scenario's own.
         noise: Signal → standard deviation of what is read, white from sample to sample; a signal without is not
             read. None at all leaves it to the sensors of the scenario: the trace of the stop is the recording.
+        import_from: Folders of classes that the scenario names.
 
     Raises:
         ScenarioError: There is no such scenario, it fails, or its plant does not show what is to be read.
     """
     question = load(Path(scenario), [] if seed is None else [f"seed={seed}"])
-    trace = stop_read(question)
+    trace = stop_read(question, import_from=import_from)
     if not noise:
         return trace
     unit_of_signal = {

@@ -1,8 +1,11 @@
-"""A party of the user's own: a class named in place of a kind, and what it is constructed with."""
+"""A class named in place of a kind, and its arguments."""
 
+import os
+import sys
 from collections.abc import Callable, Mapping
 from functools import cache
-from importlib.metadata import entry_points
+from importlib.metadata import distributions
+from pathlib import Path
 from typing import Any, Literal, cast
 
 from pydantic import Field
@@ -18,7 +21,7 @@ OURS, CUSTOM = "of this project", "of one's own"
 class Custom(Table):
     """A class of the user's own; see `railgrip.custom` for what it is asked.
 
-    To run the scenario is to import the module: code of whoever wrote it.
+    `railgrip.assemble.importing` says from where it is imported.
     """
 
     kind: str = Field(description="module:Class, or the name of an entry point in the group railgrip.<table>s")
@@ -27,8 +30,17 @@ class Custom(Table):
 
 @cache
 def installed_names(role: Role) -> dict[str, str]:
-    """Return name → module:Class of what installed packages offer; only their metadata is read."""
-    return {point.name: point.value for point in entry_points(group=f"railgrip.{role}")}
+    """Return name → module:Class of what installed packages offer; only their metadata is read.
+
+    Metadata in the current folder is left out: a folder of files that somebody sent may hold some.
+    """
+    here = os.path.realpath(Path.cwd())
+    path = [entry for entry in sys.path if entry and os.path.realpath(entry) != here]
+    names: dict[str, str] = {}
+    for package in distributions(path=path):
+        for point in package.entry_points.select(group=f"railgrip.{role}"):
+            names.setdefault(point.name, point.value)
+    return names
 
 
 def whose(role: Role, ours: frozenset[str]) -> Callable[[Any], str]:

@@ -22,6 +22,14 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def is_folder(path: Path) -> bool:
+    """Say whether there is a folder; as `is_file`."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def installed(name: Path, folder: Literal["library", "campaigns", "trains"]) -> Path:
     """Return the file that comes with this package under a bare name, such as `trapezoid`; else the path as it is."""
     ours = Path(__file__).parent / folder / f"{name}.toml"

@@ -36,6 +36,8 @@ class Stop:
         fmus: Name of each FMU → SHA-256 of its file.
         classes: controller, estimator or sensors → class, digest of its source and parameters, as JSON values, where
             it is the user's own.
+        limited_demands: Decisions of a controller from outside of this project that demanded pressures beyond what
+            cylinders take, and were limited.
     """
 
     scenario: Scenario
@@ -46,6 +48,7 @@ class Stop:
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
     classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
+    limited_demands: int = 0
 
     def write(self, directory: Path | str) -> None:
         """Write stop.json and trace.nc into a folder; see `write_stop`."""
@@ -114,6 +117,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "versions": dict(sorted(stop.versions.items())),
         "fmus": dict(sorted(stop.fmus.items())),
         **({"classes": stop.classes} if stop.classes else {}),
+        **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
     }
     try:
         if keep_trace:

@@ -36,7 +36,12 @@ TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 PHYSICAL_NAME = "sensors and physics"
 
 
-def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[str], None] = lambda what: None) -> Path:
+def write_report(
+    scenarios: Mapping[str, Scenario],
+    out: Path,
+    tell: Callable[[str], None] = lambda what: None,
+    import_from: Sequence[Path] = (),
+) -> Path:
     """Run the six cases, recover their track, filter case 6, and write figures and `field.md`.
 
     Raises:
@@ -45,7 +50,7 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
     noises = {title: load_noise(LIBRARY / f"{name}.toml") for title, name in TUNED.items()}
     noises[PHYSICAL_NAME] = PHYSICAL
     model = prediction()
-    cases = runs(scenarios, (*TUNING, TEST), tell)
+    cases = runs(scenarios, (*TUNING, TEST), tell, import_from)
     tasks = {case: task_of(run.braking, model) for case, run in cases.items()}
     test, run = tasks[TEST], cases[TEST]
     braking, filter_ = run.braking, filter_of(model, test.period)
@@ -54,7 +59,7 @@ def write_report(scenarios: Mapping[str, Scenario], out: Path, tell: Callable[[s
     others = [tasks[case] for case in TUNING]
     common = common_factor(others, filter_, PHYSICAL)
     trusted = readings_trusted(others, filter_, PHYSICAL)
-    track_spread, score_spread = over_seeds(scenarios[TEST], noises, SEEDS, tell)
+    track_spread, score_spread = over_seeds(scenarios[TEST], noises, SEEDS, tell, import_from)
     tell("figures")
     style.save(track_figure(run), out / "track.png")
     style.save(speed_figure(run.recording), out / "speed.png")

@@ -55,8 +55,8 @@ def cases(file: Path | None = None) -> dict[str, Scenario]:
     return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
 
 
-def run(scenario: Scenario, name: str) -> Run:
-    """Return the run of a case.
+def run(scenario: Scenario, name: str, import_from: Sequence[Path] = ()) -> Run:
+    """Return the run of a case; classes that its scenario names are imported from the folders `import_from`.
 
     Raises:
         EstimationError: See `braking_of`.
@@ -65,7 +65,7 @@ def run(scenario: Scenario, name: str) -> Run:
     track = scenario.track
     assert track.plan is not None  # of every scenario of `cases`
     assert track.train_mass is not None
-    recording = stop_read(scenario, f"{scenario.name} {name}")
+    recording = stop_read(scenario, f"{scenario.name} {name}", import_from)
     return Run(
         recording=recording,
         braking=braking_of(recording, track.train_mass, curve_law=track.curve_law),
@@ -74,9 +74,12 @@ def run(scenario: Scenario, name: str) -> Run:
 
 
 def runs(
-    scenarios: Mapping[str, Scenario], names: Sequence[str], tell: Callable[[str], None] = lambda case: None
+    scenarios: Mapping[str, Scenario],
+    names: Sequence[str],
+    tell: Callable[[str], None] = lambda case: None,
+    import_from: Sequence[Path] = (),
 ) -> dict[str, Run]:
-    """Return the run of each case.
+    """Return the run of each case; `import_from` as for `run`.
 
     Raises:
         EstimationError: There is no such case; see `run`, too.
@@ -87,5 +90,5 @@ def runs(
     result: dict[str, Run] = {}
     for name in names:
         tell(f"case {name}")
-        result[name] = run(scenarios[name], name)
+        result[name] = run(scenarios[name], name, import_from)
     return result

@@ -1,6 +1,7 @@
 """How near the truth the filter came, and how near its sensors the track."""
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -92,17 +93,21 @@ def over_seeds(
     noises: Mapping[str, Noise],
     seeds: Sequence[int],
     tell: Callable[[str], None] = lambda what: None,
+    import_from: Sequence[Path] = (),
 ) -> tuple[list[Figures], dict[str, list[Figures]]]:
     """Return the errors in case 6 with sensors of every seed, in the order of the seeds.
 
-    Of what was recovered of the track, and of the filter, by the title of its noises.
+    Of what was recovered of the track, and of the filter, by the title of its noises; `import_from` as for `run`.
 
     Raises:
         EstimationError: See `railgrip.studies.field_test.runs.run`.
     """
     by_seed: dict[int, tuple[Figures, dict[str, Figures]]] = {}
     with workers(2) as pool:
-        tasks = {pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises): seed for seed in seeds}
+        tasks = {
+            pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises, import_from): seed
+            for seed in seeds
+        }
         for seed, errors in ended(tasks):
             if isinstance(errors, RailgripError):
                 raise errors
@@ -112,9 +117,11 @@ def over_seeds(
     return [track for track, _ in rows], {title: [scores[title] for _, scores in rows] for title in noises}
 
 
-def _errors(scenario: Scenario, noises: Mapping[str, Noise]) -> tuple[Figures, dict[str, Figures]]:
+def _errors(
+    scenario: Scenario, noises: Mapping[str, Noise], import_from: Sequence[Path]
+) -> tuple[Figures, dict[str, Figures]]:
     """Return the errors of a run: of its track, and of the filter by the title of its noises."""
-    model, field_run = prediction(), run(scenario, TEST)
+    model, field_run = prediction(), run(scenario, TEST, import_from)
     task = task_of(field_run.braking, model)
     filter_ = filter_of(model, task.period)
     return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -39,8 +40,9 @@ class Stops:
         run: Those of them that were not in the cache.
     """
 
-    def __init__(self, scenario: Scenario, pool: Executor) -> None:
-        """Run nothing yet."""
+    def __init__(self, scenario: Scenario, pool: Executor, import_from: Sequence[Path] = ()) -> None:
+        """Run nothing yet; classes that scenarios name are imported from the folders `import_from`."""
+        self._stop = partial(_stop, import_from=tuple(import_from))
         self._pool, self._ground = (
             pool,
             digest_of(sources_digest().encode(), plant_description(scenario).digest.encode()),
@@ -58,7 +60,7 @@ class Stops:
         def count(scenario: Scenario, was_there: bool) -> None:
             self.run += not was_there
 
-        results = results_of(KIND, scenarios, _stop, self._pool, self._ground, count, Scenario.digest)
+        results = results_of(KIND, scenarios, self._stop, self._pool, self._ground, count, Scenario.digest)
         self.requests += len(results)
         self._seconds += [seconds for _, seconds in results]
         return [distance for distance, _ in results]
@@ -69,9 +71,9 @@ class Stops:
         return median(self._seconds)
 
 
-def _stop(scenario: Scenario) -> tuple[float | None, float]:
+def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:
     begin = time.process_time()
-    return braking_distance(scenario), time.process_time() - begin
+    return braking_distance(scenario, import_from), time.process_time() - begin
 
 
 Tell = Callable[[str], None]
@@ -127,8 +129,18 @@ class Study:
     workers: int
 
 
-def conduct(specification: Specification, scenario: Scenario, *, loop: bool, workers: int, tell: Tell) -> Study:
+def conduct(
+    specification: Specification,
+    scenario: Scenario,
+    *,
+    loop: bool,
+    workers: int,
+    tell: Tell,
+    import_from: Sequence[Path] = (),
+) -> Study:
     """Return K of a brake; with `loop` also in stops, which are kept in the user's cache and not run again.
+
+    Classes that the scenario names are imported from the folders `import_from`.
 
     Raises:
         ScenarioError: The plant is no such train, its nominal stop has no end, or the file no [loop].
@@ -136,11 +148,13 @@ def conduct(specification: Specification, scenario: Scenario, *, loop: bool, wor
     if loop and specification.loop is None:
         raise ScenarioError(f"{specification.name}: has no [loop]; it is wanted for stops with the controller")
     brake = brake_of_scenario(specification, scenario)
-    distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None))
+    distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None), import_from)
     if distance is None:
         raise ScenarioError(f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration")
     result = quasi_static(specification, brake, tell)
-    loop_result = in_the_loop(specification, scenario, brake, distance, result, workers, tell) if loop else None
+    loop_result = (
+        in_the_loop(specification, scenario, brake, distance, result, workers, tell, import_from) if loop else None
+    )
     return Study(specification, scenario, brake, distance, result, loop_result, workers)
 
 
@@ -201,6 +215,7 @@ def in_the_loop(
     quasi_static: QuasiStatic,
     workers: int,
     tell: Tell,
+    import_from: Sequence[Path] = (),
 ) -> dict[str, Any]:
     """Return K of the whole stop with the controller in the loop, at the probability of [loop].
 
@@ -214,7 +229,7 @@ def in_the_loop(
     most = _cost(specification, brake.units, effort.probability)
     runs: list[Sample] = []
     with processes.workers(workers) as pool:
-        stops = Stops(scenario, pool)
+        stops = Stops(scenario, pool, import_from)
 
         def performance(state: State, standard: Array) -> Array:
             tell(f"stop {stops.requests} of {most}")

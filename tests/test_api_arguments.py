@@ -1,0 +1,175 @@
+"""Whatever is handed to the public API, only a RailgripError comes out, with a sentence."""
+
+import os
+
+import numpy as np
+import pytest
+import xarray
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import railgrip as rg
+
+pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning", "ignore::UserWarning")
+
+
+class Hostile:
+    """Fails wherever it is looked at, as an object of a user's half-finished class may."""
+
+    __hash__ = None
+
+    def _fail(self, *arguments):
+        raise RuntimeError("not that")
+
+    __array__ = __repr__ = __str__ = __len__ = __iter__ = __float__ = __eq__ = __bool__ = __fspath__ = __call__ = _fail
+    __deepcopy__ = __reduce__ = _fail
+
+
+class HostileMapping(dict):
+    def items(self):
+        raise RuntimeError("not that")
+
+    keys = __iter__ = items
+
+
+class Exits:
+    def __init__(self):
+        raise SystemExit(0)
+
+
+class Silent(Exception):
+    def __str__(self):
+        raise RuntimeError("no text either")
+
+
+class Raises:
+    def __init__(self):
+        raise Silent
+
+
+endless = []
+endless.append(endless)
+leaves = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(),
+    st.complex_numbers(),
+    st.text(max_size=8),
+    st.binary(max_size=8),
+    st.sampled_from([10**400, -1, 0, "\0", "trapezoid", "wagon", "x" * 5000, ".", "start.speed", "a..b", "a." * 900]),
+    st.sampled_from([object(), Exits, Raises, len, int, type, np.ma.masked]),
+    st.builds(Hostile),  # made anew: Hypothesis looks at what it samples from
+    st.builds(lambda: HostileMapping(a=1)),
+    st.just(0).map(lambda _: Hostile),
+    st.sampled_from([np.float64(3), np.array([1 + 1j]), np.zeros((0, 3)), xarray.Dataset()]),
+    st.builds(lambda: endless),
+)
+anything = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=3),
+        st.dictionaries(st.one_of(st.text(max_size=5), st.integers(), st.just("start.speed")), inner, max_size=2),
+        st.tuples(inner),
+    ),
+    max_leaves=4,
+)
+some = settings(
+    max_examples=int(os.environ.get("RAILGRIP_FUZZ", "40")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+
+
+def refused(question):
+    """Ask, and expect an answer or a sentence; whatever else comes out fails the test."""
+    sentences = "an answer"
+    try:
+        question()
+    except rg.RailgripError as refusal:
+        sentences = str(refusal)
+    assert sentences
+    assert all(len(line) < 2000 for line in sentences.splitlines())
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return rg.Scenario.load("trapezoid", {"limits.horizon": "0.1 s", "controller.kind": "full_brake"})
+
+
+@some
+@given(source=anything, changes=anything)
+def test_scenarios_of_anything(source, changes):
+    refused(lambda: rg.Scenario.load(source))
+    refused(lambda: rg.Scenario.load("trapezoid", changes))
+    refused(lambda: rg.Scenario.load("trapezoid").with_plant(source))
+
+
+@some
+@given(one=anything, name=st.sampled_from(["controller", "estimator", "sensors", "plant", "engine", "import_from"]))
+def test_runs_of_anything(scenario, one, name):
+    refused(lambda: rg.run(one))
+    refused(lambda: rg.run(scenario, **{name: one}))
+    if name not in ("controller", "engine"):
+        refused(lambda: rg.open(scenario, **{name: one}).reset())
+
+
+@some
+@given(axes=anything, one=anything)
+def test_sweeps_of_anything(scenario, axes, one):
+    refused(lambda: rg.sweep(scenario, axes))
+    refused(lambda: rg.sweep(scenario, {"seed": one}))
+    refused(lambda: rg.sweep(scenario, {"seed": [1]}, controller=one))
+    refused(lambda: rg.sweep(scenario, {"seed": []}, workers=one))
+
+
+@some
+@given(recording=anything, model=anything, changes=anything)
+def test_estimates_of_anything(recording, model, changes):
+    refused(lambda: rg.estimate(recording))
+    refused(lambda: rg.estimate(xarray.Dataset(), model))
+    refused(lambda: rg.estimate(xarray.Dataset(), "wagon", changes))
+
+
+@some
+@given(one=anything)
+def test_contracts_of_anything(one):
+    for check in (rg.testing.check_controller, rg.testing.check_estimator, rg.testing.check_sensors):
+        refused(lambda check=check: check(one))
+        refused(lambda check=check: check(lambda: one))
+    refused(lambda: rg.testing.check_plant(one))
+
+
+class Returns:
+    """A controller, estimator, sensor model and plant that returns something."""
+
+    provides = ("adhesion",)
+
+    def __init__(self, value):
+        self._value = value
+
+    def start(self, *arguments):
+        return self._value
+
+    decide = step = read = start
+
+
+@some
+@given(
+    value=st.one_of(
+        anything, anything.map(lambda inner: {"speed": inner}), anything.map(lambda a: rg.Estimate(adhesion=a))
+    )
+)
+def test_stops_with_parts_that_return_anything(scenario, value):
+    for name in ("controller", "estimator", "sensors", "plant"):
+        refused(lambda name=name: rg.run(scenario, **{name: Returns(value)}))
+    with rg.open(scenario) as bench:
+        bench.reset()
+        refused(lambda: bench.step(value))
+
+
+@some
+@given(one=anything)
+def test_attributes_of_anything(scenario, one):
+    for name, attribute in (("controller", "needs"), ("estimator", "provides"), ("sensors", "start")):
+        part = Returns([0.0] * 4)
+        setattr(part, attribute, one)
+        refused(lambda name=name, part=part: rg.run(scenario, **{name: part}))

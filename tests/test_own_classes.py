@@ -1,0 +1,396 @@
+"""Classes of a user: from where they are imported, which parameters they get, and what is checked of their values."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import railgrip as rg
+from railgrip.cli.main import app
+from railgrip.errors import ScenarioError
+from railgrip.estimation.spec import LIBRARY
+from railgrip.scenario import custom
+
+LAWS = """
+import pathlib
+import numpy as np
+
+pathlib.Path(__file__).with_name("imported").touch()
+
+class Hold:
+    def __init__(self, share=0.5):
+        self.share = share
+
+    def start(self, formation):
+        self.demand = self.share * formation.pressure_max
+
+    def decide(self, observation):
+        return self.demand
+
+class Leaves(Hold):
+    def decide(self, observation):
+        raise SystemExit(0)
+
+class NoLaw:
+    def start(self, formation):
+        pathlib.Path(__file__).with_name("called").touch()
+
+def function(**parameters):
+    pathlib.Path(__file__).with_name("called").touch()
+"""
+SHORT = {"limits.horizon": "0.2 s", "start.speed": "30 km/h", "estimator.kind": "none"}
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return rg.Scenario.load("trapezoid", SHORT)
+
+
+@pytest.fixture
+def laws(tmp_path, request):
+    """A module of its own name for each test: Python keeps modules by name."""
+    name = f"laws_{abs(hash(request.node.nodeid))}"
+    (tmp_path / f"{name}.py").write_text(LAWS)
+    return name
+
+
+class Hold:
+    def __init__(self, share=0.5):
+        self.share = share
+
+    def start(self, formation):
+        self.demand = self.share * formation.pressure_max
+
+    def decide(self, observation):
+        return self.demand
+
+
+class Exact:
+    """Sensors without errors."""
+
+    def __init__(self, factor=1.0):
+        self.factor = factor
+
+    def start(self, formation, random):
+        pass
+
+    def read(self, time, truth):
+        names = ("speed", "wheelset_speed", "acceleration", "cylinder_pressure")
+        return {name: truth[name] for name in names} | {"speed": self.factor * truth["speed"]}
+
+
+class Rolling:
+    """A plant whose wheels only roll: dv/dt = −full · (p/p_max)."""
+
+    def __init__(self, full=1.0):
+        self.full = full
+
+    def start(self, formation, speed, period):
+        self.formation, self.period, self.v, self.s = formation, period, speed, 0.0
+        return self.shown(0.0, np.zeros(formation.groups))
+
+    def step(self, inputs):
+        p = inputs["pressure_command"]
+        a = -self.full * float(np.mean(p / self.formation.pressure_max))
+        self.v += self.period * a
+        self.s += self.period * self.v
+        return self.shown(a, p)
+
+    def shown(self, a, p):
+        wheels = self.v / self.formation.wheel_radius
+        return {
+            "distance": self.s,
+            "speed": self.v,
+            "acceleration": a,
+            "wheelset_speed": wheels,
+            "cylinder_pressure": p,
+        }
+
+
+# Parameters of what is handed over
+
+
+def test_a_sweep_gives_parameters_to_a_class_that_is_handed_over(scenario):
+    """Pressure in the cylinders is the only thing that the share changes."""
+    axes = {"controller.parameters.share": [0.1, 0.9], "seed": [1]}
+    swept = rg.sweep(scenario, axes, controller=Hold)
+    alone = [rg.run(scenario.changed({"seed": 1}), controller=Hold(share)) for share in (0.1, 0.9)]
+    found = swept.to_pandas()["distance"]
+    assert found.tolist() == [stop.metrics.distance for stop in alone]
+    assert found[0] > found[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "table", "kind", "parameter"),
+    [
+        ("sensors", "sensors", Exact, "factor"),
+        ("plant", "vehicle", Rolling, "full"),
+        ("controller", "controller", Hold, "share"),
+    ],
+)
+def test_an_unknown_parameter_and_one_of_an_object_are_refused_before_anything_runs(
+    scenario, name, table, kind, parameter
+):
+    whole = scenario.changed({"controller.kind": "full_brake"})
+    swept = rg.sweep(whole, {f"{table}.parameters.{parameter}": [1.0]}, **{name: kind})
+    assert swept.results[0].outcome == "horizon"
+    with pytest.raises(ScenarioError, match=f"{kind.__name__} cannot be made with parameters .*bogus"):
+        rg.sweep(whole, {f"{table}.parameters.bogus": [1]}, **{name: kind})
+    with pytest.raises(ScenarioError, match=f"{name} is an object already made; hand over the class {kind.__name__}"):
+        rg.sweep(whole, {f"{table}.parameters.{parameter}": [1.0]}, **{name: kind()})
+    for key in (table, f"{table}.kind", f"{table}.parameters"):
+        with pytest.raises(ScenarioError, match=rf"'{key}' changes nothing: {name}= stands in place of \[{table}\]"):
+            rg.sweep(whole, {key: [1]}, **{name: kind})
+
+
+def test_what_holds_beside_a_class_is_swept_as_before(scenario):
+    rg.sweep(scenario, {"controller.shared_valve": ["mean"], "estimator.kind": ["none"]}, controller=Hold)
+
+
+def test_an_object_that_cannot_be_copied_is_refused(scenario):
+    held = Hold()
+    held.file = (n for n in ())
+    with pytest.raises(ScenarioError, match=r"controller: each stop of a sweep has a copy .* hand over its class"):
+        rg.sweep(scenario, {"seed": [1, 2]}, controller=held)
+
+
+# Where classes come from
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"controller.kind": "subprocess:Popen", "controller.parameters.args": ["touch", "done"]},
+        {"controller.kind": "os:system", "controller.parameters.command": "touch done"},
+        {"sensors.kind": "os:system", "sensors.parameters.command": "touch done"},
+        {"estimator.kind": "subprocess:run", "estimator.parameters.args": ["touch", "done"]},
+        {"controller.kind": "sys:exit"},
+        {"controller.kind": "os.path:os.system", "controller.parameters.command": "touch done"},
+        {"controller.kind": "..:Popen"},
+        {"vehicle.plant": "subprocess:Popen", "vehicle.parameters.args": 1},
+        {"controller.kind": "antigravity:X"},
+    ],
+)
+@pytest.mark.parametrize("folders", [False, True])
+def test_a_scenario_alone_runs_no_code(scenario, changes, folders, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    before = set(sys.modules)
+    table = scenario.changed({"controller.kind": "full_brake", **changes})
+    with pytest.raises(
+        ScenarioError, match=r"is not the name of a module|a class that a file names comes from a folder"
+    ):
+        rg.run(table, import_from=[tmp_path] if folders else [])
+    assert not (tmp_path / "done").exists()
+    assert "antigravity" not in set(sys.modules) - before
+
+
+def test_a_module_of_the_same_name_elsewhere_is_not_taken(scenario, tmp_path):
+    """A folder `json` without a module makes Python find its own."""
+    (tmp_path / "json").mkdir()
+    with pytest.raises(ScenarioError, match=r"another module named json\.decoder is loaded already"):
+        rg.run(scenario.changed({"controller.kind": "json.decoder:JSONDecoder"}), import_from=[tmp_path])
+
+
+@pytest.mark.parametrize("name", ["NoLaw", "function", "pathlib.Path", "missing"])
+def test_it_is_a_class_with_its_methods_before_anything_is_called(scenario, tmp_path, laws, name):
+    with pytest.raises(ScenarioError, match=r"has no method decide|has no class|has no method start and decide"):
+        rg.run(scenario.changed({"controller.kind": f"{laws}:{name}"}), import_from=tmp_path)
+    assert (tmp_path / "imported").exists()
+    assert not (tmp_path / "called").exists()
+
+
+def test_an_entry_point_of_an_installed_package_needs_no_folder(scenario, tmp_path, laws, monkeypatch):
+    package = tmp_path / "mine-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text(f"[railgrip.controllers]\nmine = {laws}:Hold\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for here, good in (
+        (tmp_path, False),
+        (Path(__file__).parent, True),
+    ):  # what lies in the current folder is not installed
+        monkeypatch.chdir(here)
+        custom.installed_names.cache_clear()
+        try:
+            if good:
+                stop = rg.run(scenario.changed({"controller.kind": "mine"}))
+                assert stop.classes["controller"]["class"] == f"{laws}:Hold"
+                rg.run(scenario.changed({"controller.kind": f"{laws}:Hold"}))
+            else:
+                with pytest.raises(ScenarioError, match="kind is 'mine'; there is"):
+                    scenario.changed({"controller.kind": "mine"})
+        finally:
+            custom.installed_names.cache_clear()
+
+
+def test_an_exit_of_a_part_is_its_failure(scenario, tmp_path, laws):
+    stop = rg.run(scenario.changed({"controller.kind": f"{laws}:Leaves"}), import_from=tmp_path)
+    assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
+    assert "SystemExit: 0" in stop.reason
+    (tmp_path / f"{laws}_gone.py").write_text("raise SystemExit(0)\n")
+    with pytest.raises(ScenarioError, match="cannot be imported: SystemExit"):
+        rg.run(scenario.changed({"controller.kind": f"{laws}_gone:Law"}), import_from=tmp_path)
+
+
+CAMPAIGN = """
+name = "named"
+scenarios = ["wagon.toml"]
+conditioning = "named.json"
+panels = "none"
+"""
+
+
+def commands(folder, laws):
+    """Commands by name; in the files that they are given stands a class of the folder `laws`."""
+    wagon = (Path(custom.__file__).parent / "library" / "wagon.toml").read_text()
+    assert 'kind = "slip_two_state"' in wagon
+    (folder / "wagon.toml").write_text(wagon.replace('kind = "slip_two_state"', f'kind = "{laws}:Hold"'))
+    (folder / "conditioning.toml").write_text(CAMPAIGN)
+    (folder / "campaign.toml").write_text(CAMPAIGN.replace("conditioning =", "# conditioning ="))
+    short = ["--set", "limits.horizon=0.2 s"]
+    return {
+        "run": ["run", str(folder / "wagon.toml"), *short],
+        "campaign": ["campaign", str(folder / "campaign.toml"), "--workers", "1", *short],
+        "conditioning": ["conditioning", str(folder / "conditioning.toml"), "--workers", "1", "--repeats", "2"],
+        "estimate": ["estimate", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
+        "observability": ["observability", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
+    }
+
+
+@pytest.mark.parametrize("command", ["run", "campaign", "conditioning", "estimate", "observability"])
+def test_commands_import_from_the_folders_that_they_name(command, laws, tmp_path, monkeypatch):
+    """Workers of a campaign stand by the same rule as the process that starts them."""
+    monkeypatch.chdir(tmp_path)
+    arguments = [sys.executable, "-m", "railgrip", *commands(tmp_path, laws)[command], "--out", str(tmp_path / "out")]
+    refused = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    assert refused.returncode == 2, refused.stderr
+    assert "a class that a file names comes from a folder" in refused.stderr
+    assert not (tmp_path / "imported").exists()
+    subprocess.run([*arguments, "--import-from", "."], capture_output=True, text=True, check=False)
+    assert (tmp_path / "imported").exists()
+
+
+def test_every_command_that_runs_scenarios_takes_folders():
+    runner = CliRunner()
+    for command in (
+        "run",
+        "campaign",
+        "conditioning",
+        "regress",
+        "type-test",
+        "estimate",
+        "observability",
+        "k-factors",
+        "field",
+        "tune",
+    ):
+        assert "--import-from" in runner.invoke(app, [command, "--help"]).output, command
+
+
+# Values in the wrong unit, and beyond what there is
+
+
+def long(scenario, **changes):
+    return scenario.changed({"limits.horizon": "1.5 s", "controller.kind": "full_brake", **changes})
+
+
+@pytest.mark.parametrize("factor", [1e-5, 1e-3, 1e-2, 1 / 3.4e5])
+def test_a_demand_in_another_unit_ends_the_stop(scenario, factor):
+    """Full brake in bar, kPa, mbar, and as a share."""
+    stop = rg.run(long(scenario), controller=Hold(factor))
+    assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
+    assert "it looks like" in stop.reason
+    with pytest.raises(rg.testing.ContractBroken, match="it looks like"):
+        rg.testing.check_controller(lambda: Hold(factor))
+
+
+def test_a_law_that_releases_for_long_is_none_of_these(scenario):
+    assert rg.run(long(scenario), controller=Hold(0.0)).outcome is rg.Outcome.HORIZON
+    assert rg.run(long(scenario), controller=Hold(0.05)).outcome is rg.Outcome.HORIZON
+
+
+@pytest.mark.parametrize(("factor", "words"), [(3.6, "km/h for m/s"), (-1.0, "the other sign")])
+def test_a_reading_in_another_unit_ends_the_stop(scenario, factor, words):
+    stop = rg.run(long(scenario), sensors=Exact(factor))
+    assert stop.outcome is rg.Outcome.SENSORS_FAILED
+    assert f"it looks like {words}" in stop.reason
+    with pytest.raises(rg.testing.ContractBroken, match=words):
+        rg.testing.check_sensors(lambda: Exact(factor))
+
+
+def test_a_speed_sensor_that_errs_is_none_of_these(scenario):
+    """A scale error of 5 % is one of the worst that radars have."""
+    assert rg.run(long(scenario), sensors=Exact(1.05)).outcome is rg.Outcome.HORIZON
+
+
+def test_sensors_that_never_read_end_the_stop(scenario):
+    stop = rg.run(long(scenario), sensors=type("Blind", (Exact,), {"read": lambda self, time, truth: {}}))
+    assert stop.outcome is rg.Outcome.SENSORS_FAILED
+    assert "gives no reading at all" in stop.reason
+
+
+class Believes:
+    provides = ("speed", "adhesion")
+
+    def __init__(self, speed=1.0, adhesion=0.08):
+        self.factor, self.adhesion = speed, adhesion
+
+    def start(self, first, formation):
+        self.groups = formation.groups
+
+    def step(self, observation):
+        return rg.Estimate(speed=self.factor * observation.speed, adhesion=np.full(self.groups, self.adhesion))
+
+
+@pytest.mark.parametrize(
+    ("estimator", "words"), [(Believes(speed=3.6), "km/h for m/s"), (Believes(adhesion=8.0), "percent for a ratio")]
+)
+def test_an_estimate_in_another_unit_ends_the_stop(scenario, estimator, words):
+    stop = rg.run(long(scenario), estimator=estimator)
+    assert stop.outcome is rg.Outcome.DIVERGED
+    assert f"it looks like {words}" in stop.reason
+    assert rg.run(long(scenario), estimator=Believes()).outcome is rg.Outcome.HORIZON
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        np.full(4, 1e5 + 1j),
+        [1e5 + 0j] * 4,
+        np.ma.masked_array(np.full(4, 1e5), [1, 0, 0, 0]),
+        [np.ma.masked, 1e5, 1e5, 1e5],
+        ["1e5"] * 4,
+        [True] * 4,
+        [None] * 4,
+        [10**400] * 4,
+        np.full(4, 1e5).astype("m8[s]"),
+        {},
+    ],
+)
+def test_what_is_no_real_number_is_no_demand(scenario, value):
+    law = type("Law", (Hold,), {"decide": lambda self, observation: value})
+    stop = rg.run(scenario, controller=law)
+    assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
+    assert "not the demanded pressures" in stop.reason
+
+
+def test_demands_beyond_the_cylinders_are_limited_counted_and_told(scenario, tmp_path):
+    full, beyond, below = (rg.run(scenario, controller=Hold(share)) for share in (1.0, 1.5, -0.5))
+    decisions = full.trace.sizes["time"]
+    assert full.limited_demands == 0
+    assert beyond.limited_demands == below.limited_demands == decisions
+    assert f"In {decisions} of {decisions} decisions" in beyond.reason
+    assert "between 0 and 510000 Pa" in beyond.reason  # 1.5 times 3.4 bar
+    assert np.array_equal(beyond.trace["demand"], full.trace["demand"])
+    assert beyond.metrics.distance == full.metrics.distance
+    beyond.write(tmp_path)
+    assert json.loads((tmp_path / "stop.json").read_text())["limited_demands"] == decisions
+    with rg.open(scenario) as bench:
+        bench.reset()
+        while not bench.ended:
+            bench.step([1e6] * 4)
+        assert bench.stop.limited_demands == decisions
