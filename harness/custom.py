@@ -376,13 +376,14 @@ class CustomSensors:
         time = sample * self._period
         when = f" At {time:.3f} s."
         readings = _called(SensorsFailed, self._own, "read", time, self._truth_by_name, when=when)
-        if not isinstance(readings, Mapping) or not readings.keys() <= self._shapes.keys():
+        by_name = _by_its_names(readings)
+        if by_name is None or not by_name.keys() <= self._shapes.keys():
             raise SensorsFailed(
                 f"{_place(self._own, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
                 f"by name.{when}"
             )
         reading = np.full(self._layout.readings, np.nan)
-        for name, value in readings.items():
+        for name, value in by_name.items():
             problem = problem_with(value, self._shapes[name], nan=True)
             if problem:
                 raise SensorsFailed(
@@ -433,26 +434,28 @@ class CustomPlant:
         self._steps = 0
         formation = self._layout.formation
         outputs = _called(PlantFailed, self._own, "start", formation, self._speed, self._period, when=self._when)
-        if not isinstance(outputs, Mapping) or not self._required <= outputs.keys() <= self._shapes.keys():
+        by_name = _by_its_names(outputs)
+        if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
             raise PlantFailed(
                 f"{_place(self._own, 'start')} returned {_short(outputs)}; a plant shows "
                 f"{', '.join(sorted(self._required))}, and may show "
                 f"{', '.join(sorted(self._shapes.keys() - self._required))}."
             )
-        self._output_names = frozenset(outputs)
-        return self._vector("start", outputs)
+        self._output_names = frozenset(by_name)
+        return self._vector("start", by_name)
 
     def step(self, inputs: Array) -> Array:
         """Step it and return what it shows, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
         outputs = _called(PlantFailed, self._own, "step", self._inputs_by_name, when=self._when)
-        if not isinstance(outputs, Mapping) or self._output_names.symmetric_difference(outputs):
+        by_name = _by_its_names(outputs)
+        if by_name is None or self._output_names.symmetric_difference(by_name):
             raise PlantFailed(
                 f"{_place(self._own, 'step')} returned {_short(outputs)}, not what it showed at the start, "
                 f"{', '.join(sorted(self._output_names))}.{self._when}"
             )
-        return self._vector("step", outputs)
+        return self._vector("step", by_name)
 
     @property
     def _when(self) -> str:
@@ -524,6 +527,14 @@ def _numbers(value: Any) -> Array | None:
             )
         return None if is_masked or array.dtype.kind not in "fiu" else np.asarray(array, dtype=np.float64)
     except Exception:  # whatever the user's object raises in __array__, __len__ or __float__
+        return None
+
+
+def _by_its_names(value: Any) -> dict[Any, Any] | None:
+    """Return a mapping of the user's as a dict; None if it is none, or fails when it is read."""
+    try:
+        return dict(value.items()) if isinstance(value, Mapping) else None
+    except Exception:
         return None
 
 

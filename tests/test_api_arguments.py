@@ -166,6 +166,12 @@ def test_stops_with_parts_that_return_anything(scenario, value):
         refused(lambda: bench.step(value))
 
 
+@pytest.mark.parametrize("name", ["controller", "estimator", "sensors", "plant"])
+def test_a_mapping_that_fails_when_it_is_read_ends_the_stop(scenario, name):
+    outcome = {"estimator": "diverged"}.get(name, f"{name}_failed")
+    assert rg.run(scenario, **{name: Returns(HostileMapping(a=1))}).outcome.value == outcome
+
+
 @some
 @given(one=anything)
 def test_attributes_of_anything(scenario, one):
