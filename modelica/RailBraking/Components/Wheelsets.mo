@@ -41,10 +41,10 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
-  replaceable Contact.WheelsetContact contact[n](
-    each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
-    curve=curve, each v_small=v_small)
-    constrainedby Interfaces.PartialContact "Contacts of each wheelset"
+  replaceable Contact.WheelsetContact contact[n]
+    constrainedby Interfaces.PartialContact(
+      each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
+      curve=curve, each v_small=v_small) "Contacts of each wheelset"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
   Types.Torque tau_track "Torque of track and shaft, forward";
