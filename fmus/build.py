@@ -134,7 +134,7 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.system import explicit
 
-    system = explicit(read(recipe.class_name, library or recipe.library))
+    system = explicit(read(recipe.class_name, library or recipe.library, complete=True))
     source = package.sources(
         system,
         interfaces=recipe.interfaces,

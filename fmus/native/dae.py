@@ -14,6 +14,7 @@ import rumoca
 
 from railgrip.errors import InputError, TranslationError
 from railgrip.fmus.native.complaint import places, require_readable, short
+from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 FRONT = Path(__file__).parent / "front"
@@ -108,16 +109,18 @@ class Dae:
         return nodes
 
 
-def read(class_name: str, modelica_path: Path | None = None) -> Dae:
+def read(class_name: str, modelica_path: Path | None = None, *, complete: bool = False) -> Dae:
     """Flatten and check a Modelica class.
 
     Args:
         class_name: Full name, such as `RailBraking.FMUs.TwoPartTrain`.
         modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent. It may use
             classes of RailBraking; a library says so with `annotation(uses(RailBraking))` in its `package.mo`.
+        complete: Every parameter must have a value.
 
     Raises:
         InputError: The file or class is missing, or Modelica has an error; carries rumoca's words.
+        TranslationError: rumoca reads a form otherwise than the language, or a parameter has no value.
     """
     path = LIBRARY if modelica_path is None else Path(modelica_path)
     if path.is_dir():
@@ -153,6 +156,9 @@ def read(class_name: str, modelica_path: Path | None = None) -> Dae:
     sources = {
         number: (short(path if name == alias else Path(name), path), text.encode()) for number, name, text in files
     }
+    require_strict(model, class_name, sources)
+    if complete:
+        require_values(class_name, flat, sources)
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
 

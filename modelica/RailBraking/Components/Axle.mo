@@ -80,7 +80,7 @@ model Axle "Wheelset with its brake, or several that turn as one"
     "Energy of rotation"
     annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
   Components.Wheelsets wheels(
-    redeclare AxleContact contact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
+    redeclare block WheelsetsContact = AxleContact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
     curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, curve=curve, v_small=creep.v_small,
     mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
     e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"

@@ -1,5 +1,7 @@
 within RailBraking.Components;
 model Wheelsets "Wheelsets that turn as one, with their contacts"
+  replaceable block WheelsetsContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
   parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
   parameter Types.Inertia J(start=209) "Inertia of all of them about their axles";
   parameter Types.Length r(start=0.38) "Rolling radius";
@@ -41,10 +43,9 @@ model Wheelsets "Wheelsets that turn as one, with their contacts"
   Interfaces.RotationalFlange shaft "To a drive or an electrodynamic brake; nothing when it is left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Types.AngularVelocity w(start=w_start, fixed=true) "Angular velocity";
-  replaceable Contact.WheelsetContact contact[n]
-    constrainedby Interfaces.PartialContact(
-      each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
-      curve=curve, each v_small=v_small) "Contacts of each wheelset"
+  WheelsetsContact contact[n](
+    each r=r, each r_rail=r_rail, each curvature_rail=curvature_rail, each E=E, each nu=nu,
+    curve=curve, each v_small=v_small) "Contacts of each wheelset"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
   Types.Torque tau_track "Torque of track and shaft, forward";

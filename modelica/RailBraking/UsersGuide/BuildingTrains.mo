@@ -35,8 +35,7 @@ leading(redeclare block BogieContact = MyContact, redeclare block BogiePad = MyP
 in an axle, <code>CarContact</code> in a car, <code>TrainContact</code> in a consist. A contact extends <a
 href=\"modelica://RailBraking.Interfaces.PartialContact\">PartialContact</a>, a pad <a
 href=\"modelica://RailBraking.Interfaces.PartialPadFriction\">PartialPadFriction</a>. Do not reach down through the
-parts, as in <code>leading(axle(wheels(redeclare MyContact contact)))</code>: rumoca 0.10 leaves that out without a
-word.
+parts, as in <code>leading(axle(redeclare block AxleContact = MyContact))</code>: the built-in compiler refuses that.
 </p>
 <h4>Limitations</h4>
 <p>

@@ -1,0 +1,615 @@
+"""Forms of Modelica that rumoca takes in another sense than the language, or that the language forbids.
+
+Sections are those of chapter 7 of the Modelica Language Specification, version 3.6. Where rumoca 0.10 is as strict as
+the language there is no rule here; tests/fmus/test_strict_modelica.py shows which rules those are.
+"""
+
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from railgrip.errors import TranslationError
+
+DECLARATIONS = Path(__file__).parent / "declarations"
+
+Node = dict[str, Any]
+"""A piece of the syntax tree as rumoca spells it; field names are its own."""
+
+Sources = Mapping[int, tuple[str, bytes]]
+"""Source id to (file name, text); places are byte offsets into the text."""
+
+_SIMPLE = ("Real", "Integer", "Boolean", "String")
+_ATTRIBUTES = frozenset(  # section 4.9
+    ("value", "quantity", "unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "unbounded", "stateSelect")
+)
+_SHOWN = 3
+
+
+def require_strict(model: Any, class_name: str, sources: Sources) -> None:
+    """Refuse a class that is made of forms which Modelica compilers do not read in one way.
+
+    Args:
+        model: rumoca's model of the class.
+        class_name: Its full name.
+        sources: Where its text is.
+
+    Raises:
+        TranslationError: There is one; each is told with file and line.
+    """
+    text: str = model.codegen(str(DECLARATIONS)).files[0].content
+    text = re.sub(r"\bnone\b", "null", text)
+    text = re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m[1], 16):04x}", text)
+    _refuse(f"{class_name} is not Modelica as the language has it", _Checker(json.loads(text), sources).findings())
+
+
+def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:
+    """Refuse parameters without a value, for which a start value would be taken (section 8.6).
+
+    Where a modifier was lost, nothing else tells; so OpenModelica's warning fails a build as well.
+
+    Args:
+        class_name: Full name of the class.
+        variables: Of the flat class, by name.
+        sources: Where its text is.
+
+    Raises:
+        TranslationError: There is one that is no array of size zero.
+    """
+    unset = (
+        _told({"span": variable["source_span"]}, f"parameter {name} has no value", sources)
+        for name, variable in variables.items()
+        if "Parameter" in variable["variability"]
+        and variable["binding"] is None
+        and all(variable["fixed"] or ())
+        and 0 not in variable["dims"]
+    )
+    _refuse(f"{class_name} leaves parameters open", unset)
+
+
+def _refuse(what: str, findings: Iterable[str]) -> None:
+    every = list(dict.fromkeys(findings))
+    if every:
+        more = [f"and {len(every) - _SHOWN} more"] if len(every) > _SHOWN else []
+        raise TranslationError("\n  ".join([f"{what}:", *every[:_SHOWN], *more]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Modifier:
+    """One argument of a modification.
+
+    Attributes:
+        value: Expression it binds, or None.
+        type: Name of the new type of a redeclaration, else ''.
+        node: Where it is written.
+    """
+
+    name: str
+    value: Node | None
+    inner: tuple["_Modifier", ...]
+    each: bool
+    type: str
+    node: Node
+
+    def leaves(self, before: str = "") -> Iterator[str]:
+        """Yield the paths of all that it gives a value to or redeclares."""
+        path = f"{before}{self.name}"
+        if self.value is not None or self.type:
+            yield path
+        if not self.type:
+            for modifier in self.inner:
+                yield from modifier.leaves(f"{path}.")
+
+
+@dataclass(frozen=True)
+class _Class:
+    """A class definition; `name` is the full one."""
+
+    name: str
+    node: Node
+    components: Mapping[str, Node]
+    classes: Mapping[str, "_Class"]
+
+    @property
+    def own(self) -> Node:
+        return self.node["own"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Element:
+    """A component or class in a class, own or inherited.
+
+    Attributes:
+        owner: Class it is declared in.
+        type: Its type, the class itself for a class; None when it is of a simple type or unknown.
+        simple: It is a scalar or array of a simple type.
+        rank: Number of array dimensions.
+        modifiers: On its declaration.
+        clause: Of an explicit constraining clause: name to expression; None without one.
+        redeclared: By an extends clause.
+    """
+
+    owner: _Class
+    node: Node
+    is_class: bool
+    type: _Class | None
+    simple: bool
+    rank: int
+    protected: bool
+    replaceable: bool
+    modifiers: tuple[_Modifier, ...]
+    clause: Mapping[str, Node] | None
+    redeclared: bool = False
+
+    @property
+    def unread_clause(self) -> list[str]:
+        """Names that the constraining clause modifies and the declaration does not: lost unless it is redeclared."""
+        if self.redeclared or self.is_class:
+            return []
+        return sorted((self.clause or {}).keys() - {m.name for m in self.modifiers})
+
+
+@dataclass(frozen=True)
+class _Checker:
+    tree: Node
+    sources: Sources
+    _elements: dict[str, dict[str, _Element]] = field(default_factory=dict[str, dict[str, _Element]])
+
+    @cached_property
+    def roots(self) -> dict[str, _Class]:
+        return {name: _class(name, node) for name, node in self.tree.items() if name}
+
+    @cached_property
+    def every(self) -> list[_Class]:
+        def walk(classes: Mapping[str, _Class]) -> Iterator[_Class]:
+            for one in classes.values():
+                yield one
+                yield from walk(one.classes)
+
+        return list(walk(self.roots))
+
+    @cached_property
+    def by_name(self) -> dict[str, _Class]:
+        return {one.name: one for one in self.every}
+
+    @cached_property
+    def by_id(self) -> dict[int, _Class]:
+        return {one.own["def_id"]: one for one in self.every}
+
+    def findings(self) -> Iterator[str]:
+        for one in self.every:
+            yield from self._bases(one)
+            for name, node in one.components.items():
+                yield from self._component(one, name, node)
+            for inner in one.classes.values():
+                yield from self._local_class(one, inner)
+
+    def _bases(self, one: _Class) -> Iterator[str]:
+        inherited: dict[str, _Element] = {}
+        for clause in one.own["extends"]:
+            base = self.by_id.get(clause["base_def_id"])
+            if base is None:
+                continue
+            if base.own["is_replaceable"] and not one.own["is_redeclare"]:
+                yield self._told(clause, f"{base.name} is replaceable and can be no base class (7.1.4)")
+            yield from self._modifiers(one, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
+            inherited |= self.elements(base)
+        for name in one.components.keys() & inherited.keys():
+            mine, theirs = self.elements(one)[name], inherited[name]
+            if not mine.node["is_redeclare"] and _shape(mine.node) != _shape(theirs.node):
+                yield self._told(
+                    mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
+                )
+
+    def _component(self, one: _Class, name: str, node: Node) -> Iterator[str]:
+        element = self.elements(one)[name]
+        yield from self._constraint(one, name, element)
+        if node["is_redeclare"]:
+            yield from self._element_redeclaration(one, name, element)
+        modifiers = element.modifiers
+        if element.type is None:
+            if element.simple:
+                yield from self._attributes(one, modifiers, f"{name}", element.rank)
+            return
+        if modifiers and element.type.own["is_final"]:
+            yield self._told(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
+        yield from self._modifiers(one, modifiers, element.type, rank=element.rank, outside=True, depth=0)
+        yield from self._unread(node, name, element.type, modifiers)
+
+    def _local_class(self, one: _Class, inner: _Class) -> Iterator[str]:
+        own = inner.own
+        short = inner.name.rpartition(".")[2]
+        if own["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._declaration(own)):
+            yield self._told(
+                own,
+                f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
+                f"write them on components of type {short}",
+            )
+        if own["is_redeclare"]:
+            original = self._inherited(one).get(short)
+            if original is None:
+                yield self._told(own, f"{short} is redeclared, but {one.name} does not inherit it (7.3)")
+            elif not original.replaceable:
+                yield self._told(own, f"{short} is redeclared, but is not replaceable (7.3.3)")
+
+    def _constraint(self, one: _Class, name: str, element: _Element) -> Iterator[str]:
+        named = element.node["constrainedby"]
+        constraint = self.resolve(_dotted(named), one) if named else None
+        if constraint is None:
+            return
+        allowed = self.elements(constraint)
+        for modified in element.clause or {}:
+            if modified not in allowed:
+                yield self._told(
+                    element.node, f"the constraining clause of {name} modifies '{modified}', which {constraint.name} "
+                    "does not have (7.3.2)"
+                )  # fmt: skip
+        yield from self._subtype(element.node, name, element.type, constraint)
+
+    def _subtype(self, node: Node, name: str, new: _Class | None, constraint: _Class | None) -> Iterator[str]:
+        if new is None or constraint is None:
+            return
+        has = self.elements(new)
+        missing = sorted(
+            n for n, e in self.elements(constraint).items() if not e.protected and (n not in has or has[n].protected)
+        )
+        if missing:
+            yield self._told(
+                node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
+            )
+
+    def _element_redeclaration(self, one: _Class, name: str, element: _Element) -> Iterator[str]:
+        original = self._inherited(one).get(name)
+        if original is None:
+            yield self._told(element.node, f"{name} is redeclared, but {one.name} does not inherit it (7.3)")
+            return
+        if not original.replaceable:
+            yield self._told(element.node, f"{name} is redeclared, but is not replaceable (7.3.3)")
+        constraint = original.node["constrainedby"]
+        bound = self.resolve(_dotted(constraint), original.owner) if constraint else original.type
+        yield from self._subtype(element.node, name, element.type, bound)
+        if original.clause or (original.clause is None and original.modifiers):
+            yield self._told(
+                element.node,
+                f"the redeclaration of {name} would lose the modifiers of its constraining type in the built-in "
+                f"compiler (7.3.2); redeclare it in the extends clause",
+            )
+
+    def _modifiers(
+        self, scope: _Class, modifiers: Sequence[_Modifier], target: _Class, *, rank: int, outside: bool, depth: int
+    ) -> Iterator[str]:
+        """Yield what is wrong with modifiers of the elements of a class.
+
+        Args:
+            scope: Class they are written in.
+            rank: Dimensions of the arrays of the modified class that a modifier without `each` is spread over.
+            outside: They stand on a component, to which protected elements are closed.
+            depth: Modifiers around these.
+        """
+        yield from self._duplicates(modifiers)
+        elements = self.elements(target)
+        for modifier in modifiers:
+            name, element = modifier.name, elements.get(modifier.name)
+            if element is None:
+                yield self._told(modifier.node, f"'{name}' is modified, which {target.name} does not have (7.2)")
+                continue
+            if outside and element.protected:
+                yield self._told(modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)")
+            around = 0 if modifier.each else rank
+            if modifier.type:
+                yield from self._redeclaration(scope, modifier, element, depth)
+                continue
+            yield from self._rank(scope, modifier, around + element.rank)
+            if element.type is None:
+                if element.simple:
+                    yield from self._attributes(scope, modifier.inner, name, around + element.rank)
+                continue
+            if element.node.get("binding") is not None and any(m.value is not None for m in modifier.inner):
+                yield self._told(modifier.node, f"a part of '{name}' is modified, which has a value as a whole (7.2.3)")
+            yield from self._modifiers(
+                scope, modifier.inner, element.type, rank=around + element.rank, outside=True, depth=depth + 1
+            )
+
+    def _redeclaration(self, scope: _Class, modifier: _Modifier, element: _Element, depth: int) -> Iterator[str]:
+        name, new = modifier.name, self.resolve(modifier.type, scope)
+        if depth:
+            yield self._told(
+                modifier.node,
+                f"the redeclaration of '{name}' inside the modifiers of a component is lost in the built-in compiler; "
+                "make a class replaceable at each level and redeclare that",
+            )
+        if not element.replaceable:
+            yield self._told(modifier.node, f"'{name}' is redeclared, but is not replaceable (7.3.3)")
+        if element.is_class and element.modifiers:
+            yield self._told(
+                modifier.node,
+                f"the redeclaration of '{name}' would lose the modifiers of its declaration in the built-in compiler "
+                f"(7.3.2); write them on components of type {name}",
+            )
+        if element.clause is not None and not element.is_class:
+            for m in element.modifiers:
+                written = m.value if m.value is not None and not m.inner else m.node
+                if _plain(written) != _plain(element.clause.get(m.name)):
+                    yield self._told(
+                        element.node,
+                        f"'{m.name}' is modified on the declaration of {name} and not, or otherwise, in its "
+                        f"constraining clause: redeclared, {name} loses it (7.3.2); write "
+                        "`constrainedby` with the modifiers",
+                    )
+        if new is not None:
+            yield from self._modifiers(scope, modifier.inner, new, rank=element.rank, outside=True, depth=depth + 1)
+            yield from self._unread(modifier.node, name, new, modifier.inner)
+
+    def _unread(self, node: Node, name: str, used: _Class, modifiers: Sequence[_Modifier]) -> Iterator[str]:
+        """Yield elements of a used class whose constraining clause rumoca reads only where they are redeclared."""
+        redeclared = {m.name for m in modifiers if m.type}
+        for part, element in self.elements(used).items():
+            if element.unread_clause and part not in redeclared:
+                yield self._told(
+                    node,
+                    f"{name} does not redeclare '{part}' of {used.name}: the built-in compiler would lose the "
+                    f"modifiers of its constraining clause, {', '.join(element.unread_clause)} (7.3.2); redeclare it, "
+                    "or write them on its declaration as well",
+                )
+
+    def _attributes(self, scope: _Class, modifiers: Sequence[_Modifier], name: str, rank: int) -> Iterator[str]:
+        yield from self._duplicates(modifiers)
+        for modifier in modifiers:
+            if modifier.name not in _ATTRIBUTES:
+                yield self._told(modifier.node, f"'{modifier.name}' is no attribute of {name} (4.9)")
+            yield from self._rank(scope, modifier, 0 if modifier.each else rank)
+
+    def _rank(self, scope: _Class, modifier: _Modifier, wanted: int) -> Iterator[str]:
+        found = None if modifier.value is None else self.rank(modifier.value, scope)
+        if found is not None and found != wanted:
+            what = ("a scalar", "a vector", "a matrix")[min(found, 2)]
+            hint = "; write `each`" if found < wanted and not modifier.each else ""
+            yield self._told(
+                modifier.node, f"'{modifier.name}' is given {what} where {wanted} dimensions are wanted (7.2.5){hint}"
+            )
+
+    def _duplicates(self, modifiers: Sequence[_Modifier]) -> Iterator[str]:
+        counts = Counter(leaf for modifier in modifiers for leaf in modifier.leaves())
+        for modifier in modifiers:
+            for leaf in modifier.leaves():
+                if counts[leaf] > 1:
+                    yield self._told(modifier.node, f"'{leaf}' is modified twice (7.2.4)")
+
+    def elements(self, one: _Class) -> dict[str, _Element]:
+        """Return the elements of a class by name, inherited ones first."""
+        if one.name not in self._elements:
+            self._elements[one.name] = {}  # where classes extend each other, which rumoca refuses
+            self._elements[one.name] = self._inherited(one) | {
+                **{name: self._element(one, node) for name, node in one.components.items()},
+                **{inner.name.rpartition(".")[2]: self._class_element(inner, one) for inner in one.classes.values()},
+            }
+        return self._elements[one.name]
+
+    def _inherited(self, one: _Class) -> dict[str, _Element]:
+        found: dict[str, _Element] = {}
+        for clause in one.own["extends"]:
+            base = self.by_id.get(clause["base_def_id"])
+            if base is None:
+                continue
+            elements = dict(self.elements(base))
+            if clause["is_protected"]:
+                elements = {name: replace(element, protected=True) for name, element in elements.items()}
+            for modifier in _extends_modifiers(clause):
+                element = elements.get(modifier.name)
+                if modifier.type and element is not None:
+                    elements[modifier.name] = replace(
+                        element,
+                        type=self.resolve(modifier.type, one),
+                        replaceable=self._says_replaceable(modifier),
+                        redeclared=True,
+                    )
+            found |= elements
+        return found
+
+    def _element(self, owner: _Class, node: Node) -> _Element:
+        declared = self.by_id.get(node["type_def_id"] or -1)
+        simple, rank = self._simple(declared)
+        simple = simple or (declared is None and _dotted(node["type_name"]) in _SIMPLE)
+        named = {
+            path.removeprefix("__constrainedby__.").partition(".")[0]: value[0]
+            for path, value in node["clause"].items()
+            if path
+        }
+        return _Element(
+            owner=owner,
+            node=node,
+            is_class=False,
+            type=None if simple else declared,
+            simple=simple,
+            rank=rank + len(node["shape_expr"] or ()),
+            protected=node["is_protected"],
+            replaceable=node["is_replaceable"],
+            modifiers=_modifiers(node["modifiers"], node["each"], node["redeclare"]),
+            clause=named if node["constrainedby"] else None,
+        )
+
+    def _class_element(self, inner: _Class, owner: _Class) -> _Element:
+        own = inner.own
+        return _Element(
+            owner=owner,
+            node=own,
+            is_class=True,
+            type=inner,
+            simple=False,
+            rank=0,
+            protected=own["is_protected"],
+            replaceable=own["is_replaceable"],
+            modifiers=()
+            if own["is_long"]
+            else tuple(m for clause in own["extends"] for m in _extends_modifiers(clause)),
+            clause={} if own["constrainedby"] else None,
+        )
+
+    def _simple(self, one: _Class | None) -> tuple[bool, int]:
+        """Return whether a class stands for a simple type, and its array dimensions."""
+        if one is None:
+            return False, 0
+        if one.own["enum_literals"]:
+            return True, 0
+        rank = len(one.own["array_subscripts"] or ())
+        for clause in one.own["extends"]:
+            if _dotted(clause["base_name"]) in _SIMPLE:
+                return True, rank
+            simple, more = self._simple(self.by_id.get(clause["base_def_id"]))
+            if simple:
+                return True, rank + more
+        return False, rank
+
+    def resolve(self, name: str, scope: _Class) -> _Class | None:
+        """Return the class of a name that is written in a class, None when it is none that is known (section 5.3)."""
+        first, *rest = name.split(".")
+        place = scope.name
+        while True:
+            one = self.by_name.get(place)
+            found = None if one is None else self.elements(one).get(first)
+            if found is not None and found.is_class:
+                break
+            if not place:
+                root = self.roots.get(first)
+                return root and self._inside(root, rest)
+            place = place.rpartition(".")[0]
+        return found.type and self._inside(found.type, rest)
+
+    def _inside(self, one: _Class, names: Sequence[str]) -> _Class | None:
+        for name in names:
+            element = self.elements(one).get(name)
+            if element is None or not element.is_class or element.type is None:
+                return None
+            one = element.type
+        return one
+
+    def rank(self, value: Node, scope: _Class) -> int | None:
+        """Return the number of dimensions of an expression, None where that takes more than its look."""
+        ((kind, node),) = value.items()
+        match kind:
+            case "Terminal" | "Literal":
+                return 0
+            case "Array":
+                inner = self.rank(node["elements"][0], scope) if node["elements"] else None
+                return None if inner is None or node.get("kind") != "Array" else inner + 1
+            case "ComponentReference":
+                return self._reference_rank(node["parts"], scope)
+            case "Unary" | "Parenthesized":
+                return next((self.rank(node[key], scope) for key in ("rhs", "expr", "inner") if key in node), None)
+            case "Binary":
+                ranks = {self.rank(node["lhs"], scope), self.rank(node["rhs"], scope)}
+                return ranks.pop() if len(ranks) == 1 and node["op"] in ("Add", "Sub") else 0 if ranks == {0} else None
+            case _:
+                return None
+
+    def _reference_rank(self, parts: Sequence[Node], scope: _Class) -> int | None:
+        one: _Class | None = scope
+        rank = 0
+        for part in parts:
+            element = None if one is None else self.elements(one).get(part["ident"]["text"])
+            if element is None or element.is_class or part["subs"]:
+                return None
+            rank += element.rank
+            one = element.type
+        return rank
+
+    def _says_replaceable(self, modifier: _Modifier) -> bool:
+        """Return whether a redeclaration in an extends clause says `replaceable`, which rumoca's tree leaves out."""
+        span = modifier.node["span"]
+        text = self.sources[span["source"]][1][: span["start"]].decode(errors="replace")
+        return (
+            re.search(r"\breplaceable\s+(?:\w+\s+)*[\w.]*\s*$", text.rpartition(",")[2].rpartition("(")[2]) is not None
+        )
+
+    def _declaration(self, own: Node) -> str:
+        """Return a short class definition from its name on; rumoca's tree leaves out what its constraint modifies."""
+        place = own["location"]
+        _, text = self.sources.get(place["source"], ("", b""))
+        return text[place["start"] :].partition(b";")[0].decode(errors="replace")
+
+    def _told(self, node: Node, sentence: str) -> str:
+        return _told(node, sentence, self.sources)
+
+
+def _told(node: Node, sentence: str, sources: Sources) -> str:
+    place = node.get("location") or node["span"]
+    name, text = sources.get(place["source"], ("?", b""))
+    line = text.count(b"\n", 0, place["start"]) + 1
+    return f"{name}:{line}: {sentence}."
+
+
+def _class(name: str, node: Node) -> _Class:
+    return _Class(
+        name=name,
+        node=node,
+        components={key: {**k["own"], "clause": k["clause"]} for key, k in node["components"].items() if key},
+        classes={key: _class(f"{name}.{key}", inner) for key, inner in node["classes"].items() if key},
+    )
+
+
+def _extends_modifiers(clause: Node) -> tuple[_Modifier, ...]:
+    arguments = clause["modifications"]
+    return _modifiers(
+        [a["expr"] for a in arguments], [a["each"] for a in arguments], [a["redeclare"] for a in arguments]
+    )
+
+
+def _modifiers(arguments: Sequence[Node], each: Sequence[bool], redeclare: Sequence[bool]) -> tuple[_Modifier, ...]:
+    """Return modifiers; the flags of what has none of them may be missing."""
+    found: list[_Modifier] = []
+    for i, argument in enumerate(arguments):
+        modifier = _modifier(argument, i < len(each) and each[i], i < len(redeclare) and redeclare[i])
+        if modifier is not None:
+            found.append(modifier)
+    return tuple(found)
+
+
+def _modifier(argument: Node, each: bool, redeclare: bool) -> _Modifier | None:
+    ((kind, node),) = argument.items()
+    target, value, nested, new_type = node.get("target"), None, {}, ""
+    if kind == "ClassModification":  # a(...)
+        nested = node
+    elif kind == "Binary" and node["op"] == "Assign" and "ClassModification" in node["lhs"]:  # a(...) = value
+        nested, value = node["lhs"]["ClassModification"], node["rhs"]
+        target = nested["target"]
+    elif kind == "Modification" and redeclare:  # redeclare Type a(...)
+        ((_, nested),) = node["value"].items()
+        new_type = _path(nested.get("target", nested))
+    elif kind == "Modification":  # a = value
+        value = node["value"]
+    else:
+        return None
+    inner = _modifiers(
+        nested.get("modifications") or (), nested.get("each_flags") or (), nested.get("redeclare_flags") or ()
+    )
+    *outer, last = _path(target).split(".")
+    written = {"span": target["span"], "whole": argument}
+    found = _Modifier(last, value, inner, each, new_type, written)
+    for name in reversed(outer):
+        found = _Modifier(name, None, (found,), False, "", written)
+    return found
+
+
+def _path(reference: Node) -> str:
+    return ".".join(part["ident"]["text"] for part in reference["parts"])
+
+
+def _dotted(name: Node | None) -> str:
+    return ".".join(part["text"] for part in name["name"]) if name else ""
+
+
+def _shape(node: Node) -> Any:
+    keys = ("type_def_id", "shape_expr", "binding", "variability", "causality", "modifiers", "is_protected")
+    return _plain({key: node.get(key) for key in keys})
+
+
+def _plain(tree: Any) -> Any:
+    """Return a tree without places and counts of tokens, to compare what is written."""
+    if isinstance(tree, dict):
+        skipped = ("span", "location", "token_number", "def_id")
+        return {key: _plain(value) for key, value in tree.items() if key not in skipped}
+    return [_plain(value) for value in tree] if isinstance(tree, list) else tree
