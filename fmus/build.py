@@ -241,7 +241,9 @@ def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Ar
     if translation is None:
         stamp = Stamp(source=inputs, face={})
         with tempfile.TemporaryDirectory() as scratch:
-            content = openmodelica.export(order.recipe, order.library, Path(scratch) / file).read_bytes()
+            # Where it is still there when somebody reads the message that names it: beside the copy, else in the cache.
+            log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
+            content = openmodelica.export(order.recipe, order.library, Path(scratch) / file, log).read_bytes()
         entry = cache.keep(KIND, stamp.source, file, content)
     else:
         from railgrip.fmus.native import package

@@ -18,6 +18,7 @@ is this times a nominal value that is mostly one, while a deflection is a millim
 
 _LINES = 12
 """Most lines of a build log that go into a message."""
+_UNSET = re.compile(r"has no value\b.*\busing available start value|has neither value nor start value", re.DOTALL)
 _TELLING = re.compile(r"\berror\b|undefined reference|not found|no such file|cannot", re.IGNORECASE)
 
 
@@ -64,17 +65,26 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     return "\n".join(lines)
 
 
-def export(recipe: Recipe, library: Path, path: Path) -> Path:
+def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -> Path:
     """Let omc build the FMU of a recipe.
 
     omc packs the FMU last of all, so where there is one, it is whole; what omc reports beside it becomes a warning.
-    Directional derivatives are asked for where a filter uses them: with model exchange alone. Before 1.27 omc could
-    trip over them (OpenModelica issue 15537), so it gets a second chance without.
+    A parameter without a value fails the build: omc takes its start value, which is how a lost modifier looks.
+    Directional derivatives are asked for where a filter uses them: with model exchange alone. omc trips over them in
+    some functions over arrays (1.28 still does), so it gets a second chance without.
+
+    Args:
+        recipe: What to export.
+        library: Folder of the Modelica library, or its only file.
+        path: Where the FMU goes.
+        log: File for what omc says when it is long; beside the FMU unless given.
 
     Raises:
         CompilerMissing: There is no omc on the PATH.
-        BuildFailed: omc hands over no FMU; the message carries its words, a long log of the C compiler cut short.
+        BuildFailed: omc hands over no FMU, or one whose parameters have no value; the message carries its words, a
+            long log of the C compiler cut short.
     """
+    log = log or path.with_suffix(".log")
     messages: list[str] = []
     for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
         with tempfile.TemporaryDirectory() as scratch:
@@ -88,10 +98,10 @@ def export(recipe: Recipe, library: Path, path: Path) -> Path:
             half.replace(path)
         if messages:
             how = "" if derivatives or "cs" in recipe.interfaces else " without directional derivatives"
-            words = _excerpt(messages[0], path.with_suffix(".log"))
+            words = _excerpt(messages[0], log)
             warnings.warn(f"OpenModelica built {recipe.class_name}{how}, but says:\n{words}", stacklevel=2)
         return path
-    words = _excerpt(messages[-1], path.with_suffix(".log"))
+    words = _excerpt(messages[-1], log)
     raise BuildFailed(f"OpenModelica could not build {recipe.class_name}:\n{words}")
 
 
@@ -116,6 +126,9 @@ def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
         [_omc(), "export.mos"], cwd=folder, capture_output=True, text=True, errors="replace", check=False
     )
     fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
+    open_parameters = "\n".join(unset(process.stdout))
+    if open_parameters:
+        raise BuildFailed(f"OpenModelica takes start values of {recipe.class_name} for values:\n{open_parameters}")
     problems = "\n".join(errors(process.stdout))
     if process.returncode == 0 and fmu.exists():
         return fmu, problems
@@ -123,16 +136,25 @@ def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
 
 
 def errors(output: str) -> list[str]:
-    """Return the error messages in what omc printed; notifications and warnings are none.
+    """Return the error messages in what omc printed; an error of omc itself is an `Internal error`."""
+    return [text for kind, text in _messages(output) if kind in ("Error", "Internal error")]
 
-    A message reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place,
-    and ends where the next one begins. An error of omc itself is an `Internal error`.
+
+def unset(output: str) -> list[str]:
+    """Return the warnings about parameters that have no value."""
+    return [text for kind, text in _messages(output) if kind == "Warning" and _UNSET.search(text)]
+
+
+def _messages(output: str) -> list[tuple[str, str]]:
+    """Return kind and text of each message.
+
+    One reads `[file:line:column-line:column:writable] Error: text`, or `Error: text` without a place, and ends where
+    the next one begins.
     """
     starts = re.compile(r'^"?(?:\[[^\]\n]*\] )?(Internal error|Error|Warning|Notification): ', re.MULTILINE)
     matches = list(starts.finditer(output))
     ends = [m.start() for m in matches[1:]] + [len(output)]
-    spans = zip(matches, ends, strict=False)
-    return [output[m.start() : end].strip(' "\n') for m, end in spans if m[1] in ("Error", "Internal error")]
+    return [(m[1], output[m.start() : end].strip(' "\n')) for m, end in zip(matches, ends, strict=False)]
 
 
 @lru_cache(maxsize=1)

@@ -3,6 +3,7 @@
 A Modelica value of any shape is a numpy object array of scalar `SX`; a scalar is 0-dimensional.
 """
 
+import sys
 from collections.abc import Callable, Iterable
 from functools import reduce
 from typing import Any
@@ -110,9 +111,14 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 }
 
 
-def _fold(pair: Callable[[SX, SX], SX]) -> Callable[..., Array]:
+def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
+    """Return a function of two scalars, or of all elements of an array; over no element it is `neutral`."""
+
     def fold(*arguments: Array) -> Array:
-        return each(pair, 2)(*arguments) if len(arguments) == 2 else array([reduce(pair, arguments[0].flat)])
+        if len(arguments) == 2:
+            return each(pair, 2)(*arguments)
+        elements = list(arguments[0].flat)
+        return array([reduce(pair, elements) if elements else SX(neutral)])
 
     return fold
 
@@ -144,8 +150,8 @@ def _matrix_cat(axis: int) -> Callable[..., Array]:
 
 
 SHAPED: dict[str, Callable[..., Array]] = {
-    "min": _fold(ca.fmin),
-    "max": _fold(ca.fmax),
+    "min": _fold(ca.fmin, sys.float_info.max),  # Modelica Language Specification 3.6, section 10.3.4
+    "max": _fold(ca.fmax, -sys.float_info.max),
     "sum": lambda a: array([reduce(lambda p, q: p + q, a.flat, SX(0))]),
     "product": lambda a: array([reduce(lambda p, q: p * q, a.flat, SX(1))]),
     "zeros": lambda *sizes: _fill(SX(0), *sizes),

@@ -163,6 +163,8 @@ class Evaluator:
     def _comprehension(self, operation: Node, node: Node, frame: Frame) -> Array:
         points = list(self.dae.iterate(operation["domain"]))
         values = [self._value(operation["body"], frame.at(point)) for point in points]
+        if not values:
+            return array([], self.dae.extents(operation["domain"]))
         return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
     def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:

@@ -123,8 +123,8 @@ _SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
 def _without_solver_lines(description: Description) -> Generator[None]:
     """Keep out of the standard output what an FMU of OpenModelica says of its solver while that is set up.
 
-    It prints a dozen lines with printf, whatever logging it was asked for (fmu_read_flags.c of its FMI export). All
-    else that it prints comes through.
+    It prints a dozen lines with printf, whatever logging it was asked for (fmu_read_flags.c of its FMI export), some
+    versions in fmi2Instantiate, some at initialisation. All else that it prints comes through.
     """
     if "OpenModelica" not in description.generator:
         yield
@@ -188,15 +188,16 @@ class Instance:
         self._defect: Reason | None = None
         resources = (folder / "resources").resolve().as_uri()
         kind = 1 if way == "co-simulation" else 0
-        component = self._library.fmi2Instantiate(
-            name.encode(),
-            kind,
-            description.guid.encode(),
-            resources.encode(),
-            ctypes.byref(self._callbacks),
-            0,
-            1,
-        )
+        with _without_solver_lines(description):
+            component = self._library.fmi2Instantiate(
+                name.encode(),
+                kind,
+                description.guid.encode(),
+                resources.encode(),
+                ctypes.byref(self._callbacks),
+                0,
+                1,
+            )
         self.component: int = component or 0
         if not self.component:
             failure = self.failure("refused", "fmi2Instantiate", 0.0)

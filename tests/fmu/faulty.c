@@ -34,6 +34,7 @@
 #define CLOSES 17           /* every descriptor that it finds open */
 #define CRASHES_IN_TERMINATE 18
 #define CRASHES_IN_FREE 19
+#define TALKS_AT_ONCE 20
 
 #ifndef RADIUS
 #define RADIUS 0.38
@@ -67,6 +68,11 @@ static void leave_one_behind(void) {
     usleep(200000);
 }
 
+static void talk(void) {
+    printf("first word\nLOG_SOLVER        | info    | CVODE linear multistep method CV_BDF\n");
+    printf("LOG_SOLVER        | info    | CVODE maximum integration order CV_ITER_NEWTON\n");
+    printf("|                 | |       | | CVODE use equidistant time grid YES\nlast word\n");
+}
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *call, fmi2Boolean visible, fmi2Boolean logging) {
     (void)name; (void)type; (void)guid; (void)resources; (void)visible; (void)logging;
@@ -74,16 +80,13 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     FaultyFmu *m = call->allocateMemory(1, sizeof *m);
     m->call = call;
     m->v[10] = 20;
+    if (MISBEHAVIOUR == TALKS_AT_ONCE) talk();
     return m;
 }
 void fmi2FreeInstance(fmi2Component c) { if (MISBEHAVIOUR == CRASHES_IN_FREE) abort(); if (c) ((FaultyFmu *)c)->call->freeMemory(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean td, fmi2Real tol, fmi2Real t, fmi2Boolean sd, fmi2Real stop) {
     (void)c; (void)td; (void)tol; (void)t; (void)sd; (void)stop;
-    if (MISBEHAVIOUR == TALKS) {
-        printf("first word\nLOG_SOLVER        | info    | CVODE linear multistep method CV_BDF\n");
-        printf("LOG_SOLVER        | info    | CVODE maximum integration order CV_ITER_NEWTON\n");
-        printf("|                 | |       | | CVODE use equidistant time grid YES\nlast word\n");
-    }
+    if (MISBEHAVIOUR == TALKS) talk();
     return fmi2OK;
 }
 static void show(FaultyFmu *m) {

@@ -317,13 +317,17 @@ def test_a_plant_is_used_inside_with_and_started_first(foundry: Path):
         plant.step(np.zeros(1))
 
 
+@pytest.mark.parametrize("when", ["TALKS", "TALKS_AT_ONCE"])
 @pytest.mark.parametrize("tool", ["OpenModelica Compiler OpenModelica v1.27.0", "another tool"])
 def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_out(
-    foundry: Path, tool: str, capfd: pytest.CaptureFixture[str]
+    foundry: Path, tool: str, when: str, capfd: pytest.CaptureFixture[str]
 ):
-    description = describe(faulty_fmu(foundry, "TALKS", tool=tool))
-    with unpack(description) as folder, closing(Instance(description, "co-simulation", folder, name="m")) as fmu:
+    """1.28 prints them in fmi2Instantiate."""
+    description = describe(faulty_fmu(foundry, when, tool=tool))
+    with unpack(description) as folder:
         print("before")
+        fmu = Instance(description, "co-simulation", folder, name="m")
+    with closing(fmu):
         fmu.enter_initialization()
         fmu.exit_initialization()
         print("after")

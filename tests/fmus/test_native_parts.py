@@ -3,6 +3,7 @@
 import ctypes
 import math
 import shutil
+import sys
 
 import casadi as ca
 import numpy as np
@@ -16,6 +17,8 @@ from railgrip.fmus.native.elimination import MOST_ENTRIES, MOST_PRODUCTS, elimin
 from railgrip.fmus.native.straight import LONGEST, straight
 from railgrip.fmus.native.tape import interpreter, tape
 from railgrip.fmus.native.units import BASE, parse
+
+LARGEST_REAL = sys.float_info.max
 
 
 @pytest.mark.parametrize(
@@ -220,3 +223,19 @@ def test_a_library_is_compiled_once(own_cache):
     other = toolchain.shared_library({"a.c": "int f(void) { return 2; }"}, "a")
     assert other != first
     assert other.read_bytes() != first.read_bytes()
+
+
+@pytest.mark.parametrize(("size", "wanted"), [(0, (0.0, 1.0, LARGEST_REAL, -LARGEST_REAL)), (2, (5.0, 6.0, 2.0, 3.0))])
+def test_a_reduction_over_nothing_is_its_neutral_element(tmp_path, size, wanted):
+    """Modelica Language Specification 3.6, section 10.3.4; of a vector and as a comprehension."""
+    file = tmp_path / "M.mo"
+    kinds = ("sum", "product", "min", "max")
+    outputs = [f"output Real {kind}_v = {kind}(v);" for kind in kinds]
+    outputs += [f"output Real {kind}_i = {kind}(1.0 + i for i in 1:n);" for kind in kinds]
+    file.write_text(
+        f"model M\nparameter Integer n = {size};\nparameter Real v[n] = {{1.0 + i for i in 1:n}};\n"
+        f"Real x(start=1, fixed=true);\n{' '.join(outputs)}\nequation\nder(x) = -x;\nend M;"
+    )
+    model = lower("M", file)
+    free = [p.start for p in model.parameters]
+    assert tuple(model.output(0, [1], [], free).full().ravel()) == wanted * 2

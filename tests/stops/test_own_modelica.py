@@ -132,6 +132,17 @@ def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp
         build_class("Wild.Train", file, compiler="native")
 
 
+@pytest.mark.parametrize("compiler", ["native", "openmodelica"])
+def test_what_was_compiled_here_is_trusted_whoever_compiled_it(mine, compiler, monkeypatch):
+    monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted: compiler)
+    assert is_trusted(load(mine, SHORT))
+    assert is_trusted(load(Path("trapezoid")))
+    assert is_trusted(load(Path("trapezoid"), ["vehicle={train='tram'}"]))
+    foreign = mine.parent / "their.fmu"
+    foreign.write_bytes(b"")
+    assert not is_trusted(load(mine, ["vehicle={plant='their.fmu'}"]))
+
+
 def test_the_command_builds_one_class_into_a_file(tmp_path, own_cache):
     def build(*arguments: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "railgrip", "build", *arguments]

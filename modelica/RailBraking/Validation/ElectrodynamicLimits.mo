@@ -3,12 +3,13 @@ model ElectrodynamicLimits "An electrodynamic brake gives constant force, then c
   extends Interfaces.PartialValidation(tolerance=1e-3);
 
   Components.ElectrodynamicBrake brake(F_max=60e3, P_max=9e5, v_full=3, v_end=1, T=1e-3) "Brake";
+  constant Types.Acceleration a = 1 "Deceleration";
   Types.Velocity v "Speed, falling evenly";
   Types.Force exact "Closed form";
   Types.Energy braked(start=0, fixed=true) "Work over the deceleration of 1 m/s2";
   Types.Energy work_exact "Closed form at standstill";
 equation
-  v = 40 - time;
+  v = 40 - a*time;
   brake.demand = 1e9;
   brake.speed = v;
   exact = if v > 15 then 9e5/v elseif v > 3 then 60e3 elseif v > 1 then 30e3*(v - 1) else 0;

@@ -6,13 +6,9 @@ function groupLoad "Load of a group of wheelsets on the rail"
   input Integer group "Number of the group";
   output Types.Force load "Its load";
 algorithm
-  load := static;
-  for i in 1:size(spring, 1) loop
-    if group_of_wheelset[i] == group then
-      load := load + spring[i];
-    end if;
-  end for;
+  load := static + sum(if group_of_wheelset[i] == group then spring[i] else 0 for i in 1:size(spring, 1));
   annotation (
+    Inline=true,
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
