@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip import custom
-from railgrip.assemble.files import is_trusted
+from railgrip.assemble.files import is_trusted, parameters_of
+from railgrip.assemble.readback import probed, require_curve, require_radius
 from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
 from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
@@ -103,10 +104,44 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         with suppress(PlantFailed):
             quiet = partial(opening, tell=lambda sentence: None)
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
+    compiled_here = own or table.train is not None or table.model is not None
+    key = (description.digest, scenario.actuation.kind, *values.items(), *vehicle.curves[0])
+    if compiled_here and not {"slip", "adhesion"} & set(binding.outputs.absent) and key not in _read_back:
+        with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
+            _require_compiled_parameters(vehicle, first, parameters_of(description) | values)
+            _read_back.add(key)
     plant = stack.enter_context(opening(tell=tell))
     if "slip" not in binding.outputs.absent:
         return plant
     return _WithSlipInC(plant, layout) if isinstance(plant, CoSimulation) else _WithSlip(plant, layout)
+
+
+_read_back: set[tuple[object, ...]] = set()
+"""FMUs with parameters that were read back in this process."""
+
+
+def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters: Mapping[str, float]) -> None:
+    """Compare wheel radius and creep curve that the contacts of a plant have with those it was given.
+
+    The contact law of a class of the user's own may be another one: its curve is not compared.
+
+    Raises:
+        FmuError: They differ.
+    """
+    scenario, layout, file = vehicle.scenario, vehicle.layout, vehicle.file.file.name
+    groups = layout.formation.groups
+    ideal = scenario.actuation.kind == "ideal"
+    brake = tuple(group.pressure_max if ideal else 1.0 for group in vehicle.controlled.brakes)
+    curve = dict(zip(scenario.adhesion.polach.plant_parameters(), vehicle.curves[0].tolist(), strict=True))
+    rows = probed(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
+    radii = [parameters.get(f"r_wheel[{g + 1}]", parameters.get("r_wheel")) for g in range(groups)]
+    known = tuple(radius for radius in radii if radius is not None)
+    if len(known) < groups:
+        return
+    require_radius(file, layout, rows, known)
+    if scenario.vehicle.model is None:
+        contacts = tuple(vehicle.contact_with(parameters | curve | {"r_wheel": radius}) for radius in known)
+        require_curve(file, layout, rows, contacts, curve)
 
 
 def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:

@@ -5,13 +5,12 @@ contacts do not. What the contacts do have follows from the outputs, for they ar
 (v - r w)/sqrt(v² + v_small²), and adhesion that of the contact law at slip, speed, load and mu0.
 """
 
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.errors import FmuError, PlantFailed
+from railgrip.errors import FmuError
 from railgrip.loop.ports import Plant
 from railgrip.signals import CURVE, Layout
 from railgrip.trace.contact import Contact
@@ -23,7 +22,7 @@ RADIUS_TOLERANCE = 1e-3
 ADHESION_TOLERANCE = 1e-3
 """Over mu0: the same, and the load is rounded by the square of 50 N over it. Published creep curves are a hundred times
 as far apart somewhere below `_SLIDING`."""
-_SLIDING = 0.3
+_SLIDING = 0.1
 _LONGEST = 4.0  # s; cylinders of passenger trains are full after 3 to 5 s (UIC 540), on this rail wheels slide before
 _RAIL = 0.06
 _V_SMALL = 0.1  # m/s, RailBraking.Components.Wheelsets
@@ -76,7 +75,9 @@ def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[floa
             )
 
 
-def require_curve(file: str, layout: Layout, rows: Matrix, contacts: tuple[Contact, ...], curve: Mapping[str, float]) -> None:
+def require_curve(
+    file: str, layout: Layout, rows: Matrix, contacts: tuple[Contact, ...], curve: Mapping[str, float]
+) -> None:
     """Compare the adhesion of each wheelset with that of the creep curve that is believed.
 
     Args:

@@ -333,12 +333,18 @@ class VehicleData:
     @cached_property
     def contact(self) -> Contact:
         """Adhesion as a function of slip, speed, load and mu0, with the first of the creep curves or others."""
+        curve = dict(zip(self.scenario.adhesion.polach.plant_parameters(), self.curves[0].tolist(), strict=True))
+        return self.contact_with(self.changes | curve)
+
+    def contact_with(self, parameters: Mapping[str, float]) -> Contact:
+        """Return the contact with parameters of the plant, of which those that the contact has are taken."""
         model = lowered("RailBraking.FMUs.ContactPoint")
-        names = {variable.name for variable in model.parameters}
+        shape = self.scenario.adhesion.polach.plant_parameters()
+        names = {variable.name for variable in model.parameters} - shape.keys()
         return compiled_contact(
             model,
-            {name: value for name, value in self.changes.items() if name in names},
-            dict(zip(self.scenario.adhesion.polach.plant_parameters(), self.curves[0].tolist(), strict=True)),
+            {name: value for name, value in parameters.items() if name in names},
+            {name: parameters[name] for name in shape},
         )
 
 
