@@ -96,11 +96,11 @@ suite: $(DEV)
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(RUN) -m pytest -m omc tests/fmus
+	$(RUN) -m pytest -m omc tests/fmus tests/stops
 
+# What else its stops and figures rest on is built when it is asked for.
 regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %
 	@command -v omc >/dev/null || { echo "regress-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(PROGRAM) build --compiler openmodelica
 	$(PROGRAM) regress --across-compilers --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)

@@ -18,7 +18,9 @@ is this times a nominal value that is mostly one, while a deflection is a millim
 
 _LINES = 12
 """Most lines of a build log that go into a message."""
-_UNSET = re.compile(r"has no value\b.*\busing available start value|has neither value nor start value", re.DOTALL)
+_UNSET = re.compile(
+    r"Parameter \S+\.\S+ has (?:no value\b.*\busing available start|neither value nor start) value", re.DOTALL
+)
 _TELLING = re.compile(r"\berror\b|undefined reference|not found|no such file|cannot", re.IGNORECASE)
 
 
@@ -69,7 +71,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
     """Let omc build the FMU of a recipe.
 
     omc packs the FMU last of all, so where there is one, it is whole; what omc reports beside it becomes a warning.
-    A parameter without a value fails the build: omc takes its start value, which is how a lost modifier looks.
+    A parameter of a component without a value fails the build: omc takes its start value, as where a modifier is lost.
     Directional derivatives are asked for where a filter uses them: with model exchange alone. omc trips over them in
     some functions over arrays (1.28 still does), so it gets a second chance without.
 
@@ -141,7 +143,7 @@ def errors(output: str) -> list[str]:
 
 
 def unset(output: str) -> list[str]:
-    """Return the warnings about parameters that have no value."""
+    """Return the warnings about parameters of components that have no value; others are set when the FMU runs."""
     return [text for kind, text in _messages(output) if kind == "Warning" and _UNSET.search(text)]
 
 

@@ -48,9 +48,10 @@ def require_strict(model: Any, class_name: str, sources: Sources) -> None:
 
 
 def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:
-    """Refuse parameters without a value, for which a start value would be taken (section 8.6).
+    """Refuse parameters of components without a value, for which a start value would be taken (section 8.6).
 
-    Where a modifier was lost, nothing else tells; so OpenModelica's warning fails a build as well.
+    Where a modifier was lost, nothing else tells; so OpenModelica's warning fails a build as well. Parameters of the
+    class itself are set by whoever runs the FMU.
 
     Args:
         class_name: Full name of the class.
@@ -63,7 +64,8 @@ def require_values(class_name: str, variables: Mapping[str, Node], sources: Sour
     unset = (
         _told({"span": variable["source_span"]}, f"parameter {name} has no value", sources)
         for name, variable in variables.items()
-        if "Parameter" in variable["variability"]
+        if "." in name
+        and "Parameter" in variable["variability"]
         and variable["binding"] is None
         and all(variable["fixed"] or ())
         and 0 not in variable["dims"]

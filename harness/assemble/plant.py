@@ -140,7 +140,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
         return
     require_radius(file, layout, rows, known)
     if scenario.vehicle.model is None:
-        contacts = tuple(vehicle.contact_with(parameters | curve | {"r_wheel": radius}) for radius in known)
+        contacts = tuple(vehicle.contact_with({**parameters, **curve, "r_wheel": radius}) for radius in known)
         require_curve(file, layout, rows, contacts, curve)
 
 

@@ -1,7 +1,7 @@
 """Wheel radius and creep curve that a plant has, read back from what it shows in a short run before its stop.
 
-A compiler that drops a modifier leaves parameters at their defaults without an error: the FMU has the parameter, and its
-contacts do not. What the contacts do have follows from the outputs, for they are functions of each other: slip is
+A compiler that drops a modifier leaves parameters at their defaults without an error: the FMU has the parameter, its
+contacts have another value. That value follows from the outputs, which are functions of each other: slip is
 (v - r w)/sqrt(v² + v_small²), and adhesion that of the contact law at slip, speed, load and mu0.
 """
 
@@ -25,6 +25,7 @@ as far apart somewhere below `_SLIDING`."""
 _SLIDING = 0.1
 _LONGEST = 4.0  # s; cylinders of passenger trains are full after 3 to 5 s (UIC 540), on this rail wheels slide before
 _RAIL = 0.06
+_ADVICE = "the compiler lost a modifier: report it with the compiler's version, or use the other compiler."
 _V_SMALL = 0.1  # m/s, RailBraking.Components.Wheelsets
 
 
@@ -69,9 +70,8 @@ def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[floa
     for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
             raise FmuError(
-                f"{file}: the contacts of group {g + 1} have a wheel radius of {here:.6g} m by slip[{g + 1}], speed and "
-                f"wheelset_speed[{g + 1}], its parameter r_wheel is {there:.6g} m; the compiler lost a modifier: report "
-                "it with the compiler's version, or build the FMU with another one."
+                f"{file}: the contacts of group {g + 1} have a wheel radius of {here:.6g} m by slip[{g + 1}], speed "
+                f"and wheelset_speed[{g + 1}], its parameter r_wheel is {there:.6g} m; {_ADVICE}"
             )
 
 
@@ -101,7 +101,6 @@ def require_curve(
         if error[worst] > ADHESION_TOLERANCE * _RAIL:
             values = ", ".join(f"{name} = {value:g}" for name, value in curve.items())
             raise FmuError(
-                f"{file}: adhesion[{i + 1}] is {adhesion[worst, i]:.6g} at slip {slip[worst, g]:.4g} and mu0 {_RAIL:g}, "
-                f"by the creep curve of the scenario ({values}) it is {expected[worst]:.6g}; the compiler lost a "
-                "modifier: report it with the compiler's version, or build the FMU with another one."
+                f"{file}: adhesion[{i + 1}] is {adhesion[worst, i]:.6g} at slip {slip[worst, g]:.4g} and mu0 "
+                f"{_RAIL:g}, by the creep curve of the scenario ({values}) it is {expected[worst]:.6g}; {_ADVICE}"
             )

@@ -44,11 +44,15 @@ def campaign(
 ) -> None:
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
     from railgrip.campaign.run import CampaignRun
+    from railgrip.report.baseline import beyond_accepted
+    from railgrip.report.compilers import by_compiler
     from railgrip.report.distances import rows_of
     from railgrip.report.results import read_results
     from railgrip.scenario.campaign import load_campaign
 
     campaigns = [load_campaign(file, overrides or []) for file in files]
+    # Accepted distances are of the campaign as its file has it.
+    baselines = [None if overrides else BASELINES / file.name for file in files]
     own = out if out is not None and len(files) == 1 else None
     runs = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in campaigns]
     twice = next((one for one in runs if [a.directory for a in runs].count(one.directory) > 1), None)
@@ -59,11 +63,18 @@ def campaign(
         from railgrip.report.index import write_report  # takes half a second to load, in which stops may run already
 
         one = runs[number]
-        write_report(one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing)
+        write_report(
+            one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing, baseline=baselines[number]
+        )
 
     problem = _run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
-    for one in runs:
-        _show_distances(rows_of(read_results(one.directory)))
+    for one, baseline in zip(runs, baselines, strict=True):
+        results = read_results(one.directory)
+        _show_distances(rows_of(results))
+        for sentence in by_compiler(results.stops):
+            say(sentence)
+        for sentence in [] if baseline is None else beyond_accepted(results, baseline):
+            complain(sentence)
         say(f"{one.directory}/index.html")
     if problem:
         raise typer.Exit(problem)

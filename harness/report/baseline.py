@@ -13,7 +13,7 @@ A stop whose distance rounding decides (see `railgrip.scenario.conditioning`) ha
 its repeats, `lowest` and `highest` are theirs, and `tolerance` is what it may lie beyond them. Where another compiler's
 plant, the same but for rounding, stops elsewhere, its distance stands there as it does among the repeats:
 
-    compilers = { openmodelica = 279.8 }  # m
+    compilers = { openmodelica = 318.27 }  # m
 
 Beside the distances stand the longest lock of any group [s] and the strokes of all valves, as of the last `make
 accept`: shown, not compared.
@@ -32,7 +32,7 @@ The same for the figures of a study of `railgrip.studies.headlines`:
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -41,6 +41,7 @@ from pydantic import Field, NonNegativeInt, model_validator
 from railgrip.errors import RecordError, ScenarioError
 from railgrip.files import write_json, write_text
 from railgrip.report import table
+from railgrip.report.compilers import from_elsewhere
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Result, Results
 from railgrip.report.row import Row
@@ -242,6 +243,24 @@ def _finding(result: Result, row: Row) -> Finding:
         longest_lock=row.longest_lock_s,
         valve_strokes=row.valve_strokes,
     )
+
+
+def beyond_accepted(results: Results, path: Path) -> list[str]:
+    """Return a sentence for each distance with other compilers' FMUs that differs by more than `ACROSS_COMPILERS`.
+
+    None where all FMUs are ours, whose distances `railgrip regress` compares, or there is no such baseline file.
+    """
+    if not from_elsewhere(results.stops) or not path.is_file():
+        return []
+    baseline = load_baseline(path)
+    known = [stop for stop in results.stops if stop.name in baseline.stops and from_elsewhere([stop])]
+    findings = findings_of(replace(results, stops=tuple(known)))
+    return [
+        f"{one.name}: {one.value:.2f} m by FMUs of another compiler, {baseline.stops[one.name].distance:.2f} m is "
+        f"accepted, {one.value / baseline.stops[one.name].distance - 1:+.1%}."
+        for one in compare(baseline.across_compilers(), findings)
+        if one.state == "moved" and one.value is not None
+    ]
 
 
 def write_findings(findings: Findings, directory: Path) -> None:

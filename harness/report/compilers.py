@@ -14,6 +14,15 @@ def makers(versions: Mapping[str, str]) -> dict[str, str]:
     return {name: tool for name, tool in versions.items() if name.endswith(".fmu")}
 
 
+def by_compiler(stops: Sequence[Result]) -> list[str]:
+    """Return a sentence for each tool that made FMUs of these stops, ours or another."""
+    fmus: dict[str, set[str]] = {}
+    for stop in stops:
+        for name, tool in makers(stop.record.versions).items():
+            fmus.setdefault(tool or "an unnamed tool", set()).add(name)
+    return [f"FMUs by {tool}: {', '.join(sorted(names))}." for tool, names in sorted(fmus.items())]
+
+
 def from_elsewhere(stops: Sequence[Result]) -> list[str]:
     """Return a sentence for each FMU that another compiler than ours made; none when all are ours."""
     counts = Counter(pair for stop in stops for pair in makers(stop.record.versions).items())

@@ -36,8 +36,8 @@ def rows_of(results: Results) -> tuple[Row, ...]:
     )
 
 
-def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
-    """Write NAME.json and NAME.md of a campaign and return their paths."""
+def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) -> tuple[Path, Path]:
+    """Write NAME.json and NAME.md of a campaign, with notes below its tables, and return their paths."""
     rows = rows_of(results)
     content = {
         "campaign": results.name,
@@ -58,7 +58,7 @@ def write_table(results: Results, directory: Path) -> tuple[Path, Path]:
             place: [table.without(_HEADING) for table in tables_of(here) if table] for place, here in sections.items()
         },
         missing=names(results.missing),
-        notes=from_elsewhere(results.stops),
+        notes=[*from_elsewhere(results.stops), *notes],
     )
     return as_json, as_markdown
 

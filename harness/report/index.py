@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from railgrip.errors import RecordError
 from railgrip.report import style
+from railgrip.report.baseline import beyond_accepted
 from railgrip.report.compilers import from_elsewhere
 from railgrip.report.distances import rows_of, tables_of, write_table
 from railgrip.report.distribution import distributions_of
@@ -34,19 +35,25 @@ _REFERENCES = (
 Tell = Callable[[str], None]
 
 
-def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = lambda _: None) -> Path:
+def write_report(
+    directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = lambda _: None, baseline: Path | None = None
+) -> Path:
     """Write index.html, and for a campaign table and figures beside it; return the page.
 
     Args:
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
         panels: Of which stops of a campaign to draw the panels: all, those with adhesion-based control, none. Without
             them, the adhesion of ABC beside SBC is not drawn either.
+        tell: Called with the name of what is drawn next.
+        baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
 
     Raises:
         RecordError: The folder has neither, or a result is unreadable.
     """
     if (directory / CAMPAIGN_FILE).exists():
-        return _campaign_report(read_results(directory), directory, panels=panels, tell=tell)
+        results = read_results(directory)
+        notes = [] if baseline is None else beyond_accepted(results, baseline)
+        return _campaign_report(results, directory, panels=panels, tell=tell, notes=notes)
     if (directory / STOP_FILE).exists():
         record = read_stop(directory)
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
@@ -56,9 +63,9 @@ def write_report(directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = l
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
 
 
-def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell: Tell) -> Path:
+def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell: Tell, notes: Sequence[str]) -> Path:
     tell("table")
-    write_table(results, directory)
+    write_table(results, directory, notes)
     rows = rows_of(results)
     figures: dict[str, str] = {}
 
@@ -94,7 +101,7 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
         results=results,
         paragraphs=(results.description, _REFERENCES),
         tables=[table for table in tables_of(rows) if table],
-        notes=from_elsewhere(results.stops),
+        notes=[*from_elsewhere(results.stops), *notes],
         missing=names(results.missing),
         figures=figures,
         stops=stops,

@@ -152,7 +152,10 @@ LENIENT = {
     "a type outside its constraint": (
         "  model Y\n    replaceable Other a constrainedby Law;\n  end Y;\n" + model("Y y;"), r"which lacks r of P\.Law"
     ),
-    "a parameter without a value": (model("parameter Real p(start=2);\n    Real z = p;"), r"parameter p has no value"),
+    "a parameter without a value": (
+        "  model Y\n    parameter Real p(start=2);\n    Real z = p;\n  end Y;\n" + model("Y y;"),
+        r"parameter y\.p has no value",
+    ),
 }  # fmt: skip
 
 STRICT = {
@@ -202,6 +205,7 @@ RIGHT = {
     "modifiers on both, not redeclared": (model("N n;"), {"n.both.r": 7}),
     "modifiers without a clause": (model("N n(redeclare E a);"), {"n.a.r": 7}),
     "a redeclared class": (model("N n(redeclare model M = B);"), {"n.m.q": 5}),
+    "a parameter of the class itself without a value": (model("parameter Real p(start=2);\n    Real z = p;"), {"p": 2}),
     "two redeclarations": (
         "  model Y\n    extends N(redeclare replaceable A plain);\n  end Y;\n" + model("Y y(redeclare B plain);"),
         {"y.plain.q": 5},
@@ -232,7 +236,7 @@ def test_what_the_front_end_refuses_it_still_refuses(tmp_path, form):
 @pytest.mark.parametrize("form", RIGHT)
 def test_what_is_accepted_has_the_values_that_the_language_gives_it(tmp_path, form):
     text, wanted = RIGHT[form]
-    values = parameters(explicit(read("P.X", file_of(tmp_path, text))))
+    values = parameters(explicit(read("P.X", file_of(tmp_path, text), complete=True)))
     assert {name: values[name] for name in wanted} == wanted
 
 

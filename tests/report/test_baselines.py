@@ -12,6 +12,7 @@ from railgrip.report.baseline import (
     Finding,
     Findings,
     accepted,
+    beyond_accepted,
     compare,
     comparison_table,
     findings_of,
@@ -20,6 +21,7 @@ from railgrip.report.baseline import (
     write_baseline,
     write_findings,
 )
+from railgrip.report.compilers import by_compiler
 from railgrip.report.results import read_results
 from railgrip.trace.outcome import Outcome
 
@@ -202,3 +204,25 @@ def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
     assert after.stops[SBC].compilers == {"openmodelica": 279.8}
     write_baseline(after, tmp_path / "c.toml")
     assert load_baseline(tmp_path / "c.toml") == after
+
+
+def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, tmp_path):
+    """Nothing where all FMUs are ours: their distances have tolerances of their own."""
+    stops = {
+        SBC: Accepted(distance=distance(results, SBC) * 1.01, tolerance=0.1, reason="First."),
+        FULL: Accepted(distance=distance(results, FULL) * 1.004, tolerance=0.1, reason="First."),
+    }
+    file = tmp_path / "table1.toml"
+    write_baseline(Baseline(campaign="c.toml", stops=stops), file)
+
+    def made_by(tool):
+        versions = {"TwoPartTrain.fmu": tool}
+        made = tuple(replace(stop, record=replace(stop.record, versions=versions)) for stop in results.stops)
+        return replace(results, stops=made)
+
+    (sentence,) = beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), file)
+    assert sentence.startswith(f"{SBC}: {distance(results, SBC):.2f} m by FMUs of another compiler")
+    assert sentence.endswith("-1.0%.")
+    assert beyond_accepted(made_by("railgrip (rumoca 0.10)"), file) == []
+    assert beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
+    assert by_compiler(made_by("OpenModelica v1.27.0").stops) == ["FMUs by OpenModelica v1.27.0: TwoPartTrain.fmu."]

@@ -159,3 +159,5 @@ def test_fmus_of_another_compiler_are_named_under_the_table(folder, tmp_path):
     assert named(theirs)[0] == {"TwoPartTrain.fmu": "OpenModelica v1.27.0"}
     sentence = f"TwoPartTrain.fmu was made by OpenModelica v1.27.0 in 1 of {len(results.stops)} stops."
     assert sentence in named(theirs)[1]
+    _, as_markdown = write_table(results, tmp_path, ["trapezoid: 1.0 % off."])
+    assert "trapezoid: 1.0 % off." in as_markdown.read_text()

@@ -19,6 +19,7 @@ from railgrip.errors import InputError, ScenarioError
 from railgrip.fmus.build import build_class
 from railgrip.scenario.load import load, scenario_of
 from railgrip.signals import PLANT, SENT
+from railgrip.studies.trains.stops import dry_scenario
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 
@@ -137,10 +138,10 @@ def test_what_was_compiled_here_is_trusted_whoever_compiled_it(mine, compiler, m
     monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted: compiler)
     assert is_trusted(load(mine, SHORT))
     assert is_trusted(load(Path("trapezoid")))
-    assert is_trusted(load(Path("trapezoid"), ["vehicle={train='tram'}"]))
+    assert is_trusted(dry_scenario("tram", 20.0))
     foreign = mine.parent / "their.fmu"
     foreign.write_bytes(b"")
-    assert not is_trusted(load(mine, ["vehicle={plant='their.fmu'}"]))
+    assert not is_trusted(load(Path("trapezoid"), [f"vehicle.plant={foreign}"]))
 
 
 def test_the_command_builds_one_class_into_a_file(tmp_path, own_cache):

@@ -22,7 +22,8 @@ LOST = {
     "the curve": ALL.replace("curve=curve,", DEFAULT_CURVE),
     "nothing": ALL,
 }
-RADIUS = ["vehicle.parameters={ %s }" % ", ".join(f"'r_wheel[{g}]' = '0.42 m'" for g in range(1, 5))]
+_EACH = ", ".join(f"'r_wheel[{g}]' = '0.42 m'" for g in range(1, 5))
+RADIUS = [f"vehicle.parameters={{ {_EACH} }}"]
 CURVE = ["adhesion.polach={ k_A = 0.6, k_S = 0.2, A = 0.3, B = '0.1 s/m' }"]
 
 

@@ -10,7 +10,6 @@ model Axle "A wheelset on the rail with its brake units and their cylinders"
   parameter Real eta_rigging(final unit="1", min=1e-3, max=1, start=0.95) "Efficiency of the rigging";
   parameter Real F_spring(final unit="N", min=0, start=1200) "Force of the return spring";
   parameter Real T_pressure(final unit="s", min=1e-3, start=0.05) "Time constant of the cylinder pressure";
-  parameter Real V_cylinders(final unit="m3", min=1e-6) = 6e-3 "Volume of all cylinders and hoses";
   parameter Real k_A(final unit="1", start=0.3) "Polach: reduction of the creep stiffness in the area of adhesion";
   parameter Real k_S(final unit="1", start=0.1) "Polach: reduction of the creep stiffness in the area of slip";
   parameter Real A_falling(final unit="1", start=0.4) "Polach: friction at infinite slip speed over maximum friction";
@@ -35,7 +34,7 @@ protected
     final n=1, J=J, r=r_wheel, curve={RailBraking.Data.CreepCurve(k_A=k_A, k_S=k_S, A=A_falling, B=B_falling)},
     w_start=speed_start/r_wheel) "Wheelset on the rail";
   RailBraking.Components.GroupBrake brake(n_units=n_units, r_friction=r_friction) "Brake units";
-  RailBraking.Pneumatics.IdealCylinder cylinder(T=T_pressure, p_max=p_max, V=V_cylinders) "Cylinders";
+  RailBraking.Pneumatics.IdealCylinder cylinder(T=T_pressure, p_max=p_max, V=6e-3) "Cylinders";
 equation
   cylinder.command = pressure_command;
   pad_force = RailBraking.Pneumatics.padForce(pressure, A_piston, i_rigging, eta_rigging, F_spring);
