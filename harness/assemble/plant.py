@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from railgrip import custom
 from railgrip.assemble.files import is_trusted, parameters_of
-from railgrip.assemble.readback import probed, require_curve, require_radius
+from railgrip.assemble.readback import V_SMALL, probed, require_curve, require_radius
 from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
 from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
@@ -138,9 +138,13 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
     known = tuple(radius for radius in radii if radius is not None)
     if len(known) < groups:
         return
-    require_radius(file, layout, rows, known)
+    require_radius(file, layout, rows, known, parameters.get("v_small", V_SMALL))
     if scenario.vehicle.model is None:
-        contacts = tuple(vehicle.contact_with({**parameters, **curve, "r_wheel": radius}) for radius in known)
+        # A wheel on a roller touches it as a smaller one touches a rail: their curvatures add.
+        bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
+        contacts = tuple(
+            vehicle.contact_with({**parameters, **curve, "r_wheel": radius / (1.0 + radius * bend)}) for radius in known
+        )
         require_curve(file, layout, rows, contacts, curve)
 
 

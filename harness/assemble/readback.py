@@ -26,7 +26,7 @@ _SLIDING = 0.1
 _LONGEST = 4.0  # s; cylinders of passenger trains are full after 3 to 5 s (UIC 540), on this rail wheels slide before
 _RAIL = 0.06
 _ADVICE = "the compiler lost a modifier: report it with the compiler's version, or use the other compiler."
-_V_SMALL = 0.1  # m/s, RailBraking.Components.Wheelsets
+V_SMALL = 0.1  # m/s, of a plant that does not say it: RailBraking.Components.Wheelsets
 
 
 def probed(
@@ -58,15 +58,22 @@ def probed(
     return np.array(rows)
 
 
-def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[float, ...]) -> None:
+def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[float, ...], v_small: float) -> None:
     """Compare the radius of each group's contacts with what is believed [m].
+
+    Args:
+        file: Name of the FMU.
+        layout: Of the plant's vectors.
+        rows: Its outputs.
+        believed: Of each group.
+        v_small: Speed below which slip is regularised [m/s].
 
     Raises:
         FmuError: It is another one.
     """
     first = rows[0]
     v, w, slip = (first[layout.output[name]] for name in ("speed", "wheelset_speed", "slip"))
-    found = (v - slip * np.sqrt(v**2 + _V_SMALL**2)) / w
+    found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
     for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
             raise FmuError(

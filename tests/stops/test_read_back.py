@@ -80,3 +80,28 @@ def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(of, monkeypatch):
     scenario = load(Path("trapezoid"), [*SHORT, *RADIUS, *CURVE])
     assert [run_stop(scenario).outcome for _ in range(2)] == [Outcome.HORIZON] * 2
     assert calls == ["probed"]
+
+
+SCENARIOS = ("rig_sand", "rig_slide", "wagon", "wagon_unequal", "wagon_stop")
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_right_plants_of_every_kind_pass(name, monkeypatch):
+    """A wheel on a roller has another contact than on a rail; `[truth]` and parameters reach the plant."""
+    monkeypatch.setattr(plant, "_read_back", done := set())
+    run_stop(load(Path(name), ["limits.horizon=0.1 s", "estimator.kind=none"]))
+    assert len(done) == 1
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ["truth.wheel_radius=0.97"],
+        ["truth.creep.A_falling=0.8"],
+        ["vehicle.parameters={ r_rail = '0.25 m', v_small = '0.3 m/s' }"],
+    ],
+)
+def test_what_the_truth_changes_is_believed(change, monkeypatch):
+    monkeypatch.setattr(plant, "_read_back", done := set())
+    run_stop(load(Path("trapezoid"), [*SHORT, *change]))
+    assert len(done) == 1
