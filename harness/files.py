@@ -50,7 +50,7 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, content: Any) -> None:
     """Write a whole JSON file, null in place of numbers that are none: JSON has neither NaN nor infinity."""
-    write_text(path, json.dumps(_finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    write_text(path, json.dumps(finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
@@ -59,11 +59,25 @@ def write_bytes(path: Path, content: bytes) -> None:
         partial.write_bytes(content)
 
 
-def _finite(value: Any) -> Any:
+def remove(folder: Path, *names: str) -> None:
+    """Remove files from a folder; those that are not there are none.
+
+    Raises:
+        Unwritten: The folder may not be written.
+    """
+    for name in names:
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as problem:
+            raise Unwritten(f"{folder / name}: cannot be removed: {problem.strerror}") from problem
+
+
+def finite(value: Any) -> Any:
+    """Return a value of lists, dictionaries and numbers with None in place of numbers that are not finite."""
     if isinstance(value, dict):
-        return {key: _finite(element) for key, element in value.items()}
+        return {key: finite(element) for key, element in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(element) for element in value]
+        return [finite(element) for element in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

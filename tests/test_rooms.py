@@ -28,7 +28,7 @@ ALLOWED = {
                       "railgrip.fmus.native.toolchain"),
     "railgrip.track": ("railgrip.track",),
     "railgrip.scenario": ("railgrip.scenario", "railgrip.track", "railgrip.formation", "railgrip.units",
-                          "railgrip.limits", "railgrip.fmus.native.library"),
+                          "railgrip.limits", "railgrip.fmus.native.library", "railgrip.trace.outcome"),
     "railgrip.rolling_stock": ("railgrip.rolling_stock", "railgrip.scenario", "railgrip.report"),
     # Whether a filter knows what it does not know is asked in one way, of a stop as of a recording.
     "railgrip.trace": ("railgrip.trace", "railgrip.formation", "railgrip.signals", "railgrip.units",

@@ -76,7 +76,7 @@ def _changed(stop: PlannedStop, name: str, **vehicle: object) -> PlannedStop:
     """Return a stop whose [vehicle] differs; of its result the figures are enough."""
     vehicle_table = stop.scenario.vehicle.model_copy(update=vehicle)
     scenario = stop.scenario.model_copy(update={"vehicle": vehicle_table})
-    return PlannedStop(name=name, variants=stop.variants, scenario=scenario, keep_trace=False)
+    return replace(stop, name=name, scenario=scenario, keep_trace=False)
 
 
 def _distance(record: StopRecord) -> float | None:

@@ -9,7 +9,7 @@ from typing import Protocol
 from railgrip.campaign.sources import sources_digest
 from railgrip.errors import RecordError, ScenarioError
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.stop import FILES, Stop, write_stop
+from railgrip.trace.stop import FILES, Stop, clear_stop, write_stop
 
 SOURCES = "sources"
 """Name of the digest of this program's text among the versions of a result."""
@@ -65,12 +65,15 @@ def run(
 ) -> Stop:
     """Run a scenario and write its result into a folder, whole or not at all.
 
+    What the folder holds of an earlier stop, its page among it, is removed before the stop runs.
+
     Raises:
-        RecordError: Results cannot be written there; nothing was run.
+        RecordError: Results cannot be written there, or the folder is that of a campaign; nothing was run.
         Unwritten: The result could not be written.
         ScenarioError: The scenario asks for something that its parties cannot do; it names the scenario.
     """
     make_folder(directory, *FILES)
+    clear_stop(directory)
     try:
         stop = runner(scenario, progress, tell)
     except ScenarioError as problem:

@@ -9,19 +9,20 @@ from typing import Literal
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.campaign.sources import sources_digest
+from railgrip.console import remark
 from railgrip.errors import InputError, RailgripError, RecordError
 from railgrip.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.compilers import OURS, makers
-from railgrip.report.results import CAMPAIGN_FILE
+from railgrip.report.results import clear_campaign
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.custom import Custom
 from railgrip.trace.outcome import Outcome
-from railgrip.trace.stop import STOP_FILE, read_stop
+from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, clear_stop, read_stop
 
-State = Literal["found", "done", "ended_badly", "refused", "failed"]
+State = Literal["found", "done", "unexpected", "refused", "failed"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,8 +31,8 @@ class Report:
 
     Attributes:
         stop: Which.
-        state: `found` from an earlier run; `done` with a standstill; `ended_badly` with another outcome, which is a
-            result; `refused` for a wrong question; `failed` without a result.
+        state: `found` from an earlier run, or `done`, with the outcome that the campaign expects; `unexpected` with
+            another one, found or done; `refused` for a wrong question; `failed` without a result.
         sentence: Outcome or reason, for people.
     """
 
@@ -60,8 +61,9 @@ def run_campaigns(
 ) -> list[list[Report]]:
     """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
 
-    A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`. Every
-    result that is written is whole; any exception ends the running stops and leaves the finished ones.
+    A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`, or one
+    of its files is not as it was written, which the user is told. Every result that is written is whole; any exception
+    ends the running stops and leaves the finished ones.
 
     Args:
         campaigns: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
@@ -73,19 +75,20 @@ def run_campaigns(
         on_complete: Called with the number of a campaign when all its stops are there, while others go on.
 
     Raises:
-        RecordError: Results cannot be written there; nothing was run.
+        RecordError: Results cannot be written there, or others are there; nothing was run.
     """
     for one in campaigns:
         name = one.campaign.name
         make_folder(one.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
+        clear_campaign(one.directory, name)
         write_description(one.campaign, one.directory)
     reports: list[dict[str, Report]] = [{} for _ in campaigns]
     waiting: list[_Order] = []
     for number, one in enumerate(campaigns):
         for stop in one.campaign.stops:
             folder = one.directory / stop.name
-            if not fresh and is_there(stop, folder):
-                reports[number][stop.name] = report = Report(stop=stop, state="found", sentence="result is there")
+            if not fresh and (record := kept_result(stop, folder)) is not None:
+                reports[number][stop.name] = report = _report(stop, "found", record.outcome, record.reason)
                 tell(report)
             else:
                 waiting.append(_Order(number, stop, folder))
@@ -151,9 +154,15 @@ def _perform(order: _Order, runner: Runner) -> Report:
     )
     if isinstance(stop, RailgripError):
         return _failed(order, stop)
-    return Report(
-        stop=planned_stop, state="done" if stop.outcome is Outcome.STANDSTILL else "ended_badly", sentence=stop.reason
-    )
+    return _report(planned_stop, "done", stop.outcome, stop.reason)
+
+
+def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome, reason: str) -> Report:
+    """Return the report of a stop that has a result; the same for one found and one just run, but for the word."""
+    if outcome is stop.expected:
+        return Report(stop=stop, state=state, sentence=reason)
+    sentence = f"the outcome is {outcome.value}, expected was {stop.expected.value}: {reason}"
+    return Report(stop=stop, state="unexpected", sentence=sentence)
 
 
 def _perform_far(order: _Order, runner: Runner) -> tuple[Report, dict[str, bytes]]:
@@ -167,6 +176,8 @@ def _perform_far(order: _Order, runner: Runner) -> tuple[Report, dict[str, bytes
 def _fetched(order: _Order, result: tuple[Report, dict[str, bytes]]) -> Report:
     """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
     report, files = result
+    if files:
+        clear_stop(order.folder)
     for name in sorted(files, key=lambda name: name == STOP_FILE):
         write_bytes(order.folder / name, files[name])
     return report
@@ -178,22 +189,30 @@ def _failed(order: _Order, problem: RailgripError) -> Report:
     )
 
 
-def is_there(stop: PlannedStop, directory: Path) -> bool:
-    """Return whether a folder has the result of this stop, made by this program and FMU compiler as they are now."""
-    try:
-        record = read_stop(directory)
-    except RecordError:
-        return False
+def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
+    """Return the result of this stop in a folder, if this program and FMU compiler, as they are now, have made it.
+
+    The user is told where a file of such a result is not as it was written.
+    """
+    if not (directory / STOP_FILE).exists():
+        return None
     scenario = stop.scenario
     parties = (scenario.controller, scenario.estimator, scenario.sensors)
     if scenario.vehicle.own_class or any(isinstance(table, Custom) for table in parties):
-        return False  # nobody knows what else a class of the user's own imports
-    if record.digest != stop.scenario.digest() or record.versions.get(SOURCES) != sources_digest():
-        return False
-    if stop.keep_trace and not record.has_trace:  # it had found no place, or was not wanted then
-        return False
+        return None  # nobody knows what else a class of the user's own imports
+    try:
+        record = read_stop(directory)
+        if record.digest != scenario.digest() or record.versions.get(SOURCES) != sources_digest():
+            return None
+        if stop.keep_trace:
+            if record.trace_digest is None:  # it had found no place, or was not wanted then
+                return None
+            record.require_unchanged_trace()
+    except RecordError as problem:
+        remark(f"{stop.name}: is run again, for {problem}")
+        return None
     own = [tool for name, tool in makers(record.versions).items() if Path(name).stem in read_recipes().recipes]
-    return all(tool.startswith(OURS) == (choose("auto") == "native") for tool in own)
+    return record if all(tool.startswith(OURS) == (choose("auto") == "native") for tool in own) else None
 
 
 def write_description(campaign: Campaign, directory: Path) -> None:

@@ -359,7 +359,7 @@ def _run_campaigns(
     states = {report.state for group in reports for report in group}
     if "refused" in states:
         return ScenarioError.exit_code
-    return RUN_FAILED if states & {"failed", "ended_badly"} else 0
+    return RUN_FAILED if states & {"failed", "unexpected"} else 0
 
 
 def _numbers_of(

@@ -43,10 +43,12 @@ def observability(
     from railgrip.estimation.observable import observe, with_estimates_as_truth
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import load_specification, prediction_for
+    from railgrip.files import remove
     from railgrip.report.observability import information
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
+    remove(folder, "observability.csv", "observability.png")
     with progress(f"{specification.name}: recording"):
         recording = recording_of_estimation(
             specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ()
@@ -88,11 +90,12 @@ def estimate(
     from railgrip.estimation.plausible import strange_estimates, strange_signals
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
-    from railgrip.files import write_bytes
+    from railgrip.files import remove, write_bytes
     from railgrip.report.estimated import estimated
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
+    remove(folder, "estimates.nc", "estimates.png")
     with progress(f"{specification.name}: recording"):
         recording = recording_of_estimation(
             specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ()

@@ -60,12 +60,13 @@ def ride(
     ] = None,
 ) -> None:
     """Run the instrumented car with a trained estimator beside it, sample by sample."""
-    from railgrip.files import write_bytes
+    from railgrip.files import remove, write_bytes
     from railgrip.report.style import save
     from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
+    remove(folder, "ride.nc", "ride.png")
     with progress(specification.name, 1.0) as bar:
         trace, apart = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
     write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))

@@ -18,12 +18,12 @@ from railgrip.report.figures import adhesion_figure, distance_figure, friction_f
 from railgrip.report.page import image, write_page
 from railgrip.report.panels import Panels
 from railgrip.report.reference import is_published
-from railgrip.report.results import CAMPAIGN_FILE, Result, Results, read_results
+from railgrip.report.results import Result, Results, read_results
 from railgrip.report.table import names
 from railgrip.scenario.campaign import DRAW
 from railgrip.trace.metrics import meanings
 from railgrip.trace.outcome import Outcome
-from railgrip.trace.stop import STOP_FILE, read_stop
+from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, read_stop
 
 _REFERENCES = (
     "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "
@@ -58,8 +58,10 @@ def write_report(
         record = read_stop(directory)
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
         tell("stop")
-        signals = style.save(stop_figure(result), directory / "stop.png")
-        return write_page(directory / "index.html", "report/stop.html.jinja", **_page_values(result, signals))
+        page, figure = (directory / name for name in PAGE_FILES)
+        return write_page(
+            page, "report/stop.html.jinja", **_page_values(result, style.save(stop_figure(result), figure))
+        )
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
 
 

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.errors import RecordError
+from railgrip.files import remove
 from railgrip.scenario.conditioning import Repeated
-from railgrip.trace.stop import STOP_FILE, StopRecord, read_stop
-
-CAMPAIGN_FILE = "campaign.json"
+from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, read_stop
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +77,27 @@ def read_results(directory: Path) -> Results:
             Result(name=stop, variants=variants, record=record, paper_distance=paper, conditioning=conditioning)
         )
     return Results(name=name, description=description, stops=tuple(results), missing=tuple(missing))
+
+
+def clear_campaign(directory: Path, name: str) -> None:
+    """Remove the report on earlier results of a campaign from its folder; the results themselves stay.
+
+    Raises:
+        RecordError: The folder holds another campaign or the result of a stop.
+    """
+    if (directory / STOP_FILE).exists():
+        raise RecordError(f"{directory}: holds the result of a stop; name another folder for campaign '{name}'")
+    path = directory / CAMPAIGN_FILE
+    try:
+        earlier = json.loads(path.read_text(encoding="utf-8"))["name"]
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError, KeyError, TypeError):
+        earlier = name  # it is written anew
+    if earlier != name:
+        raise RecordError(f"{directory}: holds campaign '{earlier}'; name another folder for campaign '{name}'")
+    figures = (f"figures/{figure.name}" for figure in (directory / "figures").glob("*.png"))
+    remove(directory, "index.html", f"{name}.json", f"{name}.md", *figures)
 
 
 def _repeated(stop: Mapping[str, Any]) -> Repeated | None:

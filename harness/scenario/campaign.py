@@ -17,6 +17,7 @@ from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Table, broken
+from railgrip.trace.outcome import Outcome
 from railgrip.units import cut, place
 
 _AXIS_OF_SCENARIOS = "scenario"
@@ -31,6 +32,13 @@ class Reference(Table):
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
     distance: Annotated[float, Unit("m", above=0)]
     source: str
+
+
+class Expected(Table):
+    """The outcome that is documented for some of the stops, where it is no standstill."""
+
+    match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
+    outcome: Outcome
 
 
 class Draws(Table):
@@ -73,6 +81,9 @@ class CampaignFile(Table):
         default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
     )
     reference: tuple[Reference, ...] = ()
+    expected: tuple[Expected, ...] = Field(
+        default=(), description="outcomes of stops that do not end with a standstill; of several that match, the first"
+    )
     conditioning: str | None = Field(
         default=None, description="file that `railgrip conditioning` writes, from this one's folder"
     )
@@ -90,12 +101,14 @@ class PlannedStop:
         variants: Axis → variant, `scenario` first.
         scenario: What to run.
         keep_trace: Whether its samples are kept beside its figures.
+        expected: The outcome that the campaign expects of it; another one is a failure.
     """
 
     name: str
     variants: Mapping[str, str]
     scenario: Scenario
     keep_trace: bool = True
+    expected: Outcome = Outcome.STANDSTILL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,7 +160,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         axes[key] = {_spelled(value): nested({key: value}) for value in values}
     _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
-    stops = tuple(_stops(path, campaign, axes, last))
+    stops = _with_expected(path, campaign.expected, tuple(_stops(path, campaign, axes, last)))
     names = [stop.name for stop in stops]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -214,6 +227,17 @@ def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
         )
 
 
+def _with_expected(path: Path, entries: Sequence[Expected], stops: tuple[PlannedStop, ...]) -> tuple[PlannedStop, ...]:
+    """Return stops with the outcome of the first entry that matches; refuse an entry that matches none."""
+    idle = next((one for one in entries if not any(_matches(one.match, stop.variants) for stop in stops)), None)
+    if idle is not None:
+        raise ScenarioError(f"{path.name}: [[expected]] match {idle.match} is none of the stops; correct or remove it")
+    return tuple(
+        next((replace(stop, expected=one.outcome) for one in entries if _matches(one.match, stop.variants)), stop)
+        for stop in stops
+    )
+
+
 def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, str]) -> bool:
     return all(
         variants.get(axis) == choice if isinstance(choice, str) else variants.get(axis) in choice
@@ -226,6 +250,9 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
     matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
         "exclude": campaign.exclude,
         "reference": [reference.match for reference in campaign.reference],
+        "expected": [
+            {axis: variant for axis, variant in one.match.items() if axis != DRAW} for one in campaign.expected
+        ],
         "draws": [campaign.draws.match] if campaign.draws else [],
     }
     for table, entries in matches.items():

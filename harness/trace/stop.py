@@ -1,5 +1,9 @@
-"""One run of one scenario: what came out, from what, and the two files that keep it."""
+"""One run of one scenario: what came out, from what, and the two files that keep it.
 
+stop.json carries a digest of its own content and one of trace.nc: a file that was changed or cut off is no result.
+"""
+
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +13,7 @@ from typing import Any
 import xarray
 
 from railgrip.errors import RecordError, Unwritten
-from railgrip.files import write_json
+from railgrip.files import finite, remove, write_json
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
@@ -20,6 +24,13 @@ from railgrip.trace.recorder import thinned
 STOP_FILE = "stop.json"
 FILES = (STOP_FILE, TRACE_FILE)
 """What `write_stop` writes into a folder."""
+PAGE_FILES = ("index.html", "stop.png")
+"""What `railgrip report` writes beside them."""
+CAMPAIGN_FILE = "campaign.json"
+"""In the folder of a campaign, beside the folders of its stops."""
+
+_DIGEST = "sha256"
+_TRACE_DIGEST = "trace_sha256"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +74,7 @@ class StopRecord:
         directory: Where the files are.
         scenario: As resolved, plain values in SI units.
         digest: Of the scenario and the files it names.
+        trace_digest: SHA-256 of the trace's file; None where the samples were not kept.
     """
 
     directory: Path
@@ -73,6 +85,7 @@ class StopRecord:
     metrics: Metrics
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
+    trace_digest: str | None = None
 
     @property
     def braking_distance(self) -> float | None:
@@ -84,27 +97,55 @@ class StopRecord:
         """Whether the samples were kept."""
         return (self.directory / TRACE_FILE).exists()
 
+    def require_unchanged_trace(self) -> None:
+        """Check that trace.nc is the file that was written with stop.json.
+
+        Raises:
+            RecordError: It is missing, was changed or is not whole.
+        """
+        path = self.directory / TRACE_FILE
+        try:
+            digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        except FileNotFoundError as problem:
+            raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
+        except OSError as problem:
+            raise RecordError(f"{path}: cannot be read: {problem}") from problem
+        if digest != self.trace_digest:
+            raise RecordError(f"{path}: is not the file that was written with its stop.json; run the stop again")
+
     def trace(self) -> xarray.Dataset:
         """Return the kept samples.
 
         Raises:
-            RecordError: The trace is missing or unreadable.
+            RecordError: The trace is missing, was changed or is unreadable.
         """
+        self.require_unchanged_trace()
         return read_trace(self.directory / TRACE_FILE)
+
+
+def clear_stop(directory: Path) -> None:
+    """Remove the result of an earlier stop from a folder, and the page that was made of it.
+
+    Raises:
+        RecordError: The folder is that of a campaign, whose report would show another result.
+    """
+    if (directory / CAMPAIGN_FILE).exists():
+        raise RecordError(f"{directory}: holds the results of a campaign; name another folder for those of a stop")
+    remove(directory, *FILES, *PAGE_FILES)
 
 
 def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     """Write trace.nc, unless it is not to be kept, and then stop.json: where both are, the trace is whole.
 
-    A trace may find no place where the figures still do: they are kept without it. The same stop gives the same
-    bytes; there is no clock time in them. The trace keeps a row each
+    What an earlier stop left in the folder is removed first. A trace may find no place where the figures still do: they
+    are kept without it. The same stop gives the same bytes; there is no clock time in them. The trace keeps a row each
     `periods.trace`.
 
     Raises:
+        RecordError: The folder is that of a campaign.
         Unwritten: The disk is full, or may not be written.
     """
-    for name in FILES:
-        (directory / name).unlink(missing_ok=True)
+    clear_stop(directory)
     content = {
         "outcome": stop.outcome.value,
         "reason": stop.reason,
@@ -118,26 +159,39 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         "fmus": dict(sorted(stop.fmus.items())),
         **({"classes": stop.classes} if stop.classes else {}),
         **({"limited_demands": stop.limited_demands} if stop.limited_demands else {}),
+        _TRACE_DIGEST: None,
     }
+    path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), directory / TRACE_FILE)
+            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), path)
+            content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
     except Unwritten:
-        write_json(directory / STOP_FILE, content)
+        _write_content(content, directory)
         raise
-    write_json(directory / STOP_FILE, content)
+    _write_content(content, directory)
+
+
+def _write_content(content: Mapping[str, Any], directory: Path) -> None:
+    write_json(directory / STOP_FILE, {**content, _DIGEST: _digest(content)})
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of what stop.json says, whatever the spaces in it."""
+    return hashlib.sha256(json.dumps(finite(content), sort_keys=True).encode()).hexdigest()
 
 
 def read_stop(directory: Path) -> StopRecord:
     """Return what the stop.json in a folder says.
 
     Raises:
-        RecordError: Missing, or not the result of a stop.
+        RecordError: Missing, not the result of a stop, or changed since it was written.
     """
     path = directory / STOP_FILE
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        return StopRecord(
+        digest = content.pop(_DIGEST)
+        record = StopRecord(
             directory=directory,
             outcome=Outcome(content["outcome"]),
             reason=content["reason"],
@@ -146,10 +200,14 @@ def read_stop(directory: Path) -> StopRecord:
             metrics=Metrics.from_plain(content["metrics"]),
             versions=content["versions"],
             fmus=content["fmus"],
+            trace_digest=content[_TRACE_DIGEST],
         )
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such result; `railgrip run FILE --out DIR` makes one") from problem
     except (OSError, UnicodeDecodeError) as problem:
         raise RecordError(f"{path}: cannot be read: {problem}") from problem
-    except (ValueError, KeyError, TypeError) as problem:
+    except (ValueError, KeyError, TypeError, AttributeError) as problem:
         raise RecordError(f"{path}: is not the result of a stop of this version ({problem})") from problem
+    if digest != _digest(content):
+        raise RecordError(f"{path}: was changed after the stop had written it; run the stop again")
+    return record

@@ -60,6 +60,18 @@ def test_draws_are_one_stop_a_seed_of_what_they_match_and_keep_figures_only(proj
     assert [(stop.scenario.seed, stop.keep_trace) for stop in plan.stops if stop not in drawn] == [(7, True)] * 2
 
 
+def test_an_expected_outcome_is_that_of_the_first_entry_that_matches(project):
+    plan = campaign(
+        project,
+        "[axes.e.a]\n[axes.e.b]\nseed = 4\n[draws]\nfirst = 1\nlast = 2\nmatch = { e = 'a' }\n"
+        '[[expected]]\nmatch = { draw = "2" }\noutcome = "horizon"\n'
+        '[[expected]]\nmatch = { e = "a" }\noutcome = "diverged"\n',
+    )
+    assert {stop.name: stop.expected.value for stop in plan.stops} == {
+        "wet-a-1": "diverged", "wet-a-2": "horizon", "wet-b": "standstill",
+    }  # fmt: skip
+
+
 def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):
     (drawn,) = campaign(project, "[draws]\nfirst = 42\nlast = 42\n").stops
     (written,) = campaign(project, "[sweep]\nseed = [42]\n").stops
@@ -87,6 +99,22 @@ def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):
             "[draws] names the axis 'rail'; there is e",
         ),
         ("[axes.draw.a]\n", "campaign.toml: [axes] cannot be named 'draw', [draws] is that axis"),
+        (
+            '[axes.e.a]\n[[expected]]\nmatch = { e = "b" }\noutcome = "horizon"\n',
+            "campaign.toml: [expected] names 'b' of axis 'e'; it has a",
+        ),
+        (
+            '[axes.e.a]\n[[expected]]\nmatch = { scenario = "dry" }\noutcome = "horizon"\n',
+            "campaign.toml: [[expected]] match {'scenario': 'dry'} is none of the stops; correct or remove it",
+        ),
+        (
+            '[axes.e.a]\n[draws]\nfirst = 1\nlast = 2\n[[expected]]\nmatch = { draw = "3" }\noutcome = "horizon"\n',
+            "campaign.toml: [[expected]] match {'draw': '3'} is none of the stops",
+        ),
+        (
+            '[axes.e.a]\n[[expected]]\nmatch = { e = "a" }\noutcome = "collision"\n',
+            "campaign.toml: [expected[1]] outcome",
+        ),
         ("wokers = 3\n", "campaign.toml: the top level has no key 'wokers'"),
     ],
 )

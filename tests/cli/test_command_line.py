@@ -13,8 +13,7 @@ import synthetic_runner
 
 from railgrip.__main__ import main
 from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import is_there
-from railgrip.campaign.sources import sources_digest
+from railgrip.campaign.run import kept_result
 from railgrip.scenario.campaign import load_campaign
 
 
@@ -146,16 +145,142 @@ def test_two_campaigns_of_one_name_are_refused(railgrip, project):
     assert "two campaigns are named 'pair'" in result.err
 
 
-def test_what_another_scenario_or_another_program_left_is_run_again(project):
+def test_what_another_scenario_or_another_program_left_is_run_again(project, monkeypatch):
     stop = load_campaign(project / "pair.toml").stops[0]
     directory = project / "there"
-    assert not is_there(stop, directory)
+    assert kept_result(stop, directory) is None
     run(stop.scenario, directory, synthetic_runner.run_stop)
-    assert is_there(stop, directory)
-    assert not is_there(load_campaign(project / "pair.toml", ["seed=3"]).stops[0], directory)
-    path = directory / "stop.json"
-    path.write_text(path.read_text(encoding="utf-8").replace(sources_digest(), "0" * 64), encoding="utf-8")
-    assert not is_there(stop, directory)
+    assert kept_result(stop, directory) is not None
+    assert kept_result(load_campaign(project / "pair.toml", ["seed=3"]).stops[0], directory) is None
+    monkeypatch.setattr("railgrip.campaign.run.sources_digest", lambda: "0" * 64)
+    assert kept_result(stop, directory) is None
+
+
+def cut_in_half(path):
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def swap_a_sample(path):
+    """HDF5 says nothing of a bit that is another one."""
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def shorten_the_distance(path):
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["metrics"]["distance"] -= 20.0
+    path.write_text(json.dumps(content), encoding="utf-8")
+
+
+@pytest.mark.usefixtures("in_process")
+@pytest.mark.parametrize(
+    ("name", "damage", "sentence"),
+    [
+        ("trace.nc", cut_in_half, "trace.nc: is not the file that was written with its stop.json"),
+        ("trace.nc", swap_a_sample, "trace.nc: is not the file that was written with its stop.json"),
+        ("stop.json", shorten_the_distance, "stop.json: was changed after the stop had written it"),
+        ("stop.json", cut_in_half, "stop.json: is not the result of a stop"),
+        ("trace.nc", Path.unlink, "trace.nc: there is no such trace"),
+    ],
+)
+def test_a_result_that_is_not_as_written_is_run_again_and_told(railgrip, project, name, damage, sentence):
+    assert railgrip("campaign", "pair.toml", "--out", "out", "--panels", "none").code == 0
+    path = project / "out" / "wet-sbc" / name
+    whole, table = path.read_bytes(), (project / "out" / "pair.json").read_bytes()
+    damage(path)
+    again = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "none")
+    assert again.code == 0
+    assert f"wet-sbc: is run again, for out/wet-sbc/{sentence}" in again.err
+    assert "wet-abc" not in again.err
+    assert path.read_bytes() == whole
+    assert (project / "out" / "pair.json").read_bytes() == table
+    assert "is run again" not in railgrip("campaign", "pair.toml", "--out", "out", "--panels", "none").err
+
+
+def test_a_report_is_not_made_of_a_result_that_was_changed(railgrip, project):
+    assert railgrip("run", "wet.toml", "--out", "out").code == 0
+    shorten_the_distance(project / "out" / "stop.json")
+    result = railgrip("report", "out")
+    assert (result.code, "stop.json: was changed after the stop had written it" in result.err) == (2, True)
+
+
+def test_another_stop_in_a_folder_takes_the_page_of_the_first_with_it(railgrip, project):
+    """One that is refused leaves nothing either: what is there answers the last question that was asked."""
+    assert railgrip("run", "wet.toml", "--out", "out").code == 0
+    assert railgrip("report", "out").code == 0
+    assert sorted(path.name for path in (project / "out").iterdir()) == [
+        "index.html", "stop.json", "stop.png", "trace.nc",
+    ]  # fmt: skip
+    assert railgrip("run", "wet.toml", "--set", "controller.kind=full_brake", "--out", "out").code == 0
+    assert sorted(path.name for path in (project / "out").iterdir()) == ["stop.json", "trace.nc"]
+    assert railgrip("report", "out").code == 0
+    assert railgrip("run", "wet.toml", "--set", "description=refuse", "--out", "out").code == 2
+    assert list((project / "out").iterdir()) == []
+
+
+@pytest.mark.usefixtures("in_process")
+def test_a_campaign_that_is_run_again_leaves_no_page_of_earlier_results(railgrip, project):
+    """Its second run ends by a mistake of the program, so no new page takes the place of the old one."""
+    assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
+    pages = ["index.html", "pair.json", "pair.md", "figures"]
+    assert all((project / "out" / name).exists() for name in pages)
+    with pytest.raises(RuntimeError):
+        railgrip("campaign", "pair.toml", "--set", "description=break", "--out", "out")
+    assert [path.name for path in (project / "out").iterdir() if path.is_file()] == ["campaign.json"]
+    assert list((project / "out" / "figures").iterdir()) == []
+
+
+@pytest.mark.usefixtures("in_process")
+def test_a_stop_a_campaign_and_another_campaign_do_not_share_a_folder(railgrip, project):
+    text = (project / "pair.toml").read_text(encoding="utf-8")
+    (project / "other.toml").write_text(text.replace('"pair"', '"other"'), encoding="utf-8")
+    assert railgrip("campaign", "pair.toml", "--out", "many", "--panels", "none").code == 0
+    assert railgrip("run", "wet.toml", "--out", "one").code == 0
+    before = {path: path.read_bytes() for path in project.rglob("*") if path.is_file()}
+    for command, sentence in (
+        (("run", "wet.toml", "--out", "many"), "many: holds the results of a campaign"),
+        (("campaign", "other.toml", "--out", "many"), "many: holds campaign 'pair'; name another folder"),
+        (("campaign", "pair.toml", "--out", "one"), "one: holds the result of a stop"),
+    ):
+        result = railgrip(*command)
+        assert (result.code, sentence in result.err) == (2, True), result.err
+    assert {path: path.read_bytes() for path in project.rglob("*") if path.is_file()} == before
+
+
+EXPECTED = '\n[[expected]]\nmatch = {{ controller = "{}" }}\noutcome = "horizon"\n'
+
+
+@pytest.mark.usefixtures("in_process")
+@pytest.mark.parametrize(
+    ("sliding", "expected", "code", "told"),
+    [
+        ((), (), 0, []),
+        (("sbc",), (), 3, ["wet-sbc: the outcome is horizon, expected was standstill: Still moving at 3 m/s."]),
+        (("sbc", "abc"), ("sbc", "abc"), 0, []),
+        (("sbc",), ("sbc",), 0, []),
+        ((), ("abc",), 3, ["wet-abc: the outcome is standstill, expected was horizon: "]),
+        (("sbc",), ("abc",), 3, ["wet-abc: the outcome is standstill, ", "wet-sbc: the outcome is horizon, "]),
+    ],
+)
+def test_the_exit_code_says_whether_outcomes_are_those_expected_each_time(
+    railgrip, project, sliding, expected, code, told
+):
+    """The second time nothing is run: the same results, the same sentences, the same code."""
+    text = (project / "pair.toml").read_text(encoding="utf-8")
+    for variant, kind in (("sbc", "slip_two_state"), ("abc", "adhesion_based")):
+        if variant in sliding:
+            text = text.replace(f'kind = "{kind}"', f'kind = "{kind}"\ndescription = "slide"')
+    text += "".join(map(EXPECTED.format, expected))
+    (project / "pair.toml").write_text(text, encoding="utf-8")
+    first, second, fresh = (
+        railgrip("campaign", "pair.toml", "--out", "out", "--panels", "none", *more) for more in ((), (), ("--fresh",))
+    )
+    for result in (first, second, fresh):
+        assert result.code == code
+        complaints = sorted(line for line in result.err.splitlines() if "expected was" in line)
+        assert len(complaints) == len(told)
+        assert all(line.startswith(start) for line, start in zip(complaints, told, strict=True))
 
 
 @pytest.mark.usefixtures("in_process")

@@ -1,5 +1,6 @@
 """Figures have labels and units, show the data of the results, and make one self-contained page."""
 
+import hashlib
 import re
 from dataclasses import replace
 
@@ -81,8 +82,13 @@ def test_what_a_plant_hides_has_no_row_and_no_number(tmp_path, write_campaign):
     (stop,) = read_results(tmp_path).stops
     trace = stop.record.trace().drop_vars("pad_friction")
     trace["cylinder_pressure"] = trace["cylinder_pressure"] * np.nan
-    write_trace(trace, stop.record.directory / "trace.nc")
-    without_utilisation = replace(stop.record, metrics=replace(stop.record.metrics, utilisation=float("nan")))
+    path = stop.record.directory / "trace.nc"
+    write_trace(trace, path)
+    without_utilisation = replace(
+        stop.record,
+        metrics=replace(stop.record.metrics, utilisation=float("nan")),
+        trace_digest=hashlib.sha256(path.read_bytes()).hexdigest(),
+    )
     made = stop_figure(replace(stop, record=without_utilisation))
     labels = [panel.get_ylabel() for panel in made.axes if panel.get_ylabel()]
     assert labels == ["speed [km/h]", "slip [%]", "adhesion"]

@@ -11,7 +11,7 @@ import pytest
 import railgrip.scenario
 from railgrip.assemble import files, run_stop
 from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import is_there
+from railgrip.campaign.run import kept_result
 from railgrip.fmus.build import fmu
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
@@ -58,9 +58,9 @@ def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_resul
 
     stop = PlannedStop(name="one", variants={}, scenario=scenario)
     monkeypatch.setattr("railgrip.campaign.run.choose", lambda compiler: "openmodelica")
-    assert is_there(stop, out)
+    assert kept_result(stop, out) is not None
     monkeypatch.setattr("railgrip.campaign.run.choose", lambda compiler: "native")
-    assert not is_there(stop, out), "distances from OpenModelica's FMUs are not ours"
+    assert kept_result(stop, out) is None, "distances from OpenModelica's FMUs are not ours"
 
 
 def test_our_own_fmus_are_named_too(tmp_path):

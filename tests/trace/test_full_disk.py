@@ -16,7 +16,7 @@ import xarray
 from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
-from railgrip.campaign.run import is_there
+from railgrip.campaign.run import kept_result
 from railgrip.errors import Unwritten, for_user
 from railgrip.files import replacing, write_text
 from railgrip.report.style import save
@@ -72,7 +72,7 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
         write_stop(stop, tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["stop.json"]
     assert read_stop(tmp_path).metrics.distance == stop.metrics.distance
-    assert not is_there(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path)
+    assert kept_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
     disk(size - 100)
     with pytest.raises(Unwritten, match=r"stop\.json: cannot be written"):
         write_stop(stop, tmp_path)
