@@ -13,7 +13,7 @@ _CELLS_OF_A_CAR = 4
 
 
 def class_name(train: Train, *, pneumatic: bool) -> str:
-    """Return the name of a train's class: its own as an identifier."""
+    """Return the name of a train's class: its own as an identifier, no other train's."""
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
 
 
@@ -153,7 +153,11 @@ def _array(values: Iterable[float]) -> str:
 
 
 def _identifier(name: str) -> str:
-    return re.sub(r"\W", "_", name)
+    """Return a name as part of a Modelica identifier: different names stay different.
+
+    An underscore is doubled, and any other character but letters and digits of ASCII is its code between underscores.
+    """
+    return re.sub(r"[^A-Za-z0-9]", lambda found: "__" if found[0] == "_" else f"_{ord(found[0]):x}_", name)
 
 
 def _text(words: str) -> str:

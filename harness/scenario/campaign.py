@@ -3,6 +3,7 @@
 import itertools
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -158,13 +159,16 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{DRAW}', [draws] is that axis")
     for key, values in campaign.sweep.items():
         axes[key] = {_spelled(value): nested({key: value}) for value in values}
+        if len(axes[key]) < len(values):
+            raise ScenarioError(f"{path.name}: [sweep] {key} has a value twice; each is a stop of its own")
     _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
     stops = _with_expected(path, campaign.expected, tuple(_stops(path, campaign, axes, last)))
-    names = [stop.name for stop in stops]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ScenarioError(f"{path.name}: two stops are named '{twice[0]}'; rename a scenario or a variant")
+    # Each is a folder, and some file systems do not tell capital letters from small ones.
+    counts = Counter(stop.name.casefold() for stop in stops)
+    twice = next((stop.name for stop in stops if counts[stop.name.casefold()] > 1), None)
+    if twice is not None:
+        raise ScenarioError(f"{path.name}: two stops are named '{twice}'; rename a scenario or a variant")
     if not stops:
         raise ScenarioError(f"{path.name}: exclude leaves no stop to run")
     return Campaign(

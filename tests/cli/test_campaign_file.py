@@ -92,6 +92,8 @@ def test_a_drawn_scenario_is_what_the_file_with_that_seed_says(project):
         ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),
         ('[axes.e.a]\n[[exclude]]\ne = "a"\n', "campaign.toml: exclude leaves no stop to run"),
         ('[axes.e."a b"]\n[axes.e."a+b"]\n', "campaign.toml: two stops are named 'wet-a_b'"),
+        ("[axes.e.a]\n[axes.e.A]\n", "campaign.toml: two stops are named 'wet-a'"),
+        ('[sweep]\nseed = [1, "1"]\n', "campaign.toml: [sweep] seed has a value twice"),
         ("[sweep]\nseed = []\n", "campaign.toml: [sweep] seed is []; "),
         ("[draws]\nfirst = 3\nlast = 2\n", "campaign.toml: [draws] last is 2, before first, 3"),
         (

@@ -1,5 +1,6 @@
 """The calculation by hand against closed forms, and what the check says of trains that do not fit together."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.files import NAMED, load_train, train_of
-from railgrip.rolling_stock.modelica import class_text
+from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import GRAVITY
 from railgrip.rolling_stock.stopping import by_hand, chain_forces
 
@@ -196,3 +197,12 @@ def test_a_name_with_quotes_stays_inside_its_string(tables):
     tables["description"] = 'so called "train" \\'
     text = class_text(train_of(tables, "ours.toml"), pneumatic=False)
     assert 'block Train_ours "so called \\"train\\" \\\\"' in text
+
+
+def test_trains_of_different_names_are_classes_of_different_names(tables):
+    """Every name that a file may have; a train with valves is not another one without."""
+    names = ["a", "a-b", "a.b", "a_b", "a_2d_b", "a__b", "a_pneumatic", "a_5f_b", "a-.b", "a.-b"]
+    trains = [train_of(tables | {"name": name}, "ours.toml") for name in names]
+    classes = {class_name(train, pneumatic=pneumatic) for train in trains for pneumatic in (False, True)}
+    assert len(classes) == 2 * len(names)
+    assert all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) for name in classes)

@@ -52,6 +52,27 @@ def test_a_named_train_stops_as_calculated_by_hand(actuation):
     assert -0.03 * expected < late < 0.03 * expected + (0.45 * 50 / 3.6 if actuation == "pneumatic" else 0.0)
 
 
+def test_kinds_of_bogies_whose_names_are_alike_keep_their_pads(tmp_path):
+    """Friction of the first two pads falls with speed, that of the last is the same at any speed: a tenth and more."""
+    text = beginning("alike")
+    head, cars = text.split("[[cars]]", 1)
+    bogie = head[head.index("[bogies.trailer]") : head.index("[couplers.bar]")]
+    pads = head[head.index("[pads.organic]") : head.index("[brakes.disc]")]
+    brake = head[head.index("[brakes.disc]") : head.index("# [track_brakes")]
+    head = head.replace(bogie, "").replace(pads, "").replace(brake, "")
+    pads = pads.replace('"13 m/s"', '"9 m/s"')
+    for kind, effect in (("tr-a", 0.9), ("tr.a", 0.9), ("tr_a", 0.0)):
+        new = pads.replace("pads.organic", f'pads."{kind}"').replace("effect = 0.12 ", f"effect = {effect} ")
+        new += brake.replace("brakes.disc", f'brakes."{kind}"').replace('"organic"', f'"{kind}"')
+        head += new + bogie.replace("bogies.trailer", f'bogies."{kind}"').replace('"disc"', f'"{kind}"')
+    for kind in ("tr-a", "tr.a", "tr-a", "tr_a"):
+        cars = cars.replace('"trailer"', f'"{kind}"', 1)
+    (tmp_path / "alike.toml").write_text(f"{head}[[cars]]{cars}", encoding="utf-8")
+    expected = by_hand(load_train(tmp_path / "alike.toml"), 120 / 3.6).distance
+    distance = braking_distance(dry({"train": "alike.toml"}, "120 km/h", tmp_path))
+    assert distance == pytest.approx(expected, rel=0.03)  # as of the trains of this project
+
+
 def test_a_train_file_has_one_central_filter_in_three_ways():
     """A Modelica class from its nominal data: as generated C, in numpy, and as an FMU that is on record."""
     adhesion = load(Path("plain")).resolved()["adhesion"] | {"mu0": 0.08}

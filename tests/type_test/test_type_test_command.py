@@ -147,6 +147,10 @@ def test_an_entrant_is_one_of_ours_a_scenario_an_fmu_or_a_class(tmp_path):
         entrants_named([str(tmp_path / "own.toml")], ours)
     taking_part = entrants_named(["adhesion_based", str(tmp_path / "law.fmu"), "mine:Law"], ours)
     assert list(taking_part) == ["adhesion_based", "law", "Law"]
+    (tmp_path / "other").mkdir()
+    for name in ("dry.fmu", "other/law.fmu"):  # the baseline's own, and that of another entrant
+        with pytest.raises(ScenarioError, match=r"would take part as '(dry|law)', as another controller does"):
+            entrants_named([str(tmp_path / "law.fmu"), str(tmp_path / name)], ours)
     assert taking_part["law"].tables == {"controller": {"kind": "fmu", "file": str(tmp_path / "law.fmu")}}
     assert taking_part["Law"].tables == {"controller": {"kind": "mine:Law"}}
 

@@ -60,28 +60,37 @@ def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dic
         ScenarioError: There is no such entrant.
     """
     selection: dict[str, Entrant] = {}
-    for name in arguments:
-        path = Path(name)
-        if name in ours:
-            selection[name] = ours[name]
-        elif path.suffix == ".toml":
-            table = read_toml(path)
-            if "controller" not in table:
-                raise ScenarioError(f"{cut(path.name)}: has no [controller], which is what takes part in a type test")
-            tables = {key: table[key] for key in ("controller", "estimator") if key in table}
-            for part in tables.values():
-                part |= {key: str((path.parent / part[key]).resolve()) for key in ("file", "library") if key in part}
-            selection[path.stem] = _own(f"[controller] of {path.name}", tables)
-        elif path.suffix == ".fmu":
-            selection[path.stem] = _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
-        elif ":" in name:
-            selection[name.rpartition(":")[2]] = _own(name, {"controller": {"kind": name}})
-        else:
+    for argument in arguments:
+        if argument in ours:
+            selection[argument] = ours[argument]
+            continue
+        name, entrant = _entrant_of_user(argument, ours)
+        if name in ours or name in selection:
             raise ScenarioError(
-                f"--controller {cut(name)}: is neither one of {', '.join(ours)} nor a scenario (.toml), an .fmu or "
-                "module:Class"
+                f"--controller {cut(argument)}: would take part as '{name}', as another controller does; rename it"
             )
+        selection[name] = entrant
     return selection
+
+
+def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, Entrant]:
+    path = Path(argument)
+    if path.suffix == ".toml":
+        table = read_toml(path)
+        if "controller" not in table:
+            raise ScenarioError(f"{cut(path.name)}: has no [controller], which is what takes part in a type test")
+        tables = {key: table[key] for key in ("controller", "estimator") if key in table}
+        for part in tables.values():
+            part |= {key: str((path.parent / part[key]).resolve()) for key in ("file", "library") if key in part}
+        return path.stem, _own(f"[controller] of {path.name}", tables)
+    if path.suffix == ".fmu":
+        return path.stem, _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
+    if ":" in argument:
+        return argument.rpartition(":")[2], _own(argument, {"controller": {"kind": argument}})
+    raise ScenarioError(
+        f"--controller {cut(argument)}: is neither one of {', '.join(ours)} nor a scenario (.toml), an .fmu or "
+        "module:Class"
+    )
 
 
 def _own(description: str, tables: Mapping[str, Any]) -> Entrant:
