@@ -6,6 +6,7 @@ from itertools import groupby
 
 import numpy as np
 
+from railgrip.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 
@@ -134,7 +135,11 @@ def _accelerators(train: Train) -> Iterator[Finding]:
 
 
 def _stops(train: Train) -> Iterator[Finding]:
-    stops = stops_by_hand(train)
+    try:
+        stops = stops_by_hand(train)
+    except InputError as problem:
+        yield Finding("[brakes]", str(problem))
+        return
     fastest = stops[max(stops)]
     for kind, bogies in _by_kind(train):
         most = float(np.max(fastest.adhesion[[i for bogie in bogies for i in bogie.axles]]))

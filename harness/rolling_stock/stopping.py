@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from railgrip.errors import InputError
 from railgrip.rolling_stock.schema import GRAVITY, TrackBrake, Train
 from railgrip.scenario.table import Table
 
@@ -61,15 +62,10 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         speed: At the brake demand [m/s].
 
     Raises:
-        ValueError: It does not come to stand in ten minutes.
+        InputError: The train does not come to a stand within ten minutes.
     """
-    parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
-    wheel = _each([part.data for part in parts], "wheel_radius")
-    mass, inertia, units = np.array([[axle.mass, axle.inertia, axle.units] for axle in train.axles]).T
-    # Of all axles, named as in [brakes] and [pads].
-    brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
-    brakes |= {name: _each([part.pads for part in parts], name) for name in _PADS}
-    brakes |= {"sliding": brakes["friction_radius"] / wheel, "lever": units * brakes["friction_radius"] / wheel}
+    brakes, wheel = _brakes_of(train)
+    mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
     command = train.command
     if command is None:
         delay, developed_at = np.zeros(mass.size), 0.0
@@ -128,7 +124,10 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         v = 0.0 if last else v - deceleration * step
         t += step
         if t > _LONGEST:
-            raise ValueError(f"{train.name} does not come to stand within {_LONGEST:g} s")
+            raise InputError(
+                f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "
+                f"{_LONGEST:g} s; correct [brakes] or [pads]"
+            )
     mean = float(np.mean(decelerations)) if decelerations else speed**2 / (2 * s)
     return HandCalculation(
         distance=s,
@@ -136,12 +135,29 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         deceleration=mean,
         equivalent_time=max(s / speed - speed / (2 * mean), 0.0),
         adhesion=adhesion,
-        brake_force=brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"]),
+        brake_force=full_brake_force(train),
         rotating_mass=float(turning.sum()),
         coupler_force=joints,
         car_force=np.array(history),
         car_mass=car_mass,
     )
+
+
+def full_brake_force(train: Train) -> Vector:
+    """Return the force at the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N]."""
+    brakes, _ = _brakes_of(train)
+    return brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"])
+
+
+def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
+    """Return data of the brakes, named as in [brakes] and [pads], and wheel radius [m] of each axle."""
+    parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
+    wheel = _each([part.data for part in parts], "wheel_radius")
+    brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
+    brakes |= {name: _each([part.pads for part in parts], name) for name in _PADS}
+    units = np.array([axle.units for axle in train.axles])
+    radius = brakes["friction_radius"]
+    return brakes | {"sliding": radius / wheel, "lever": units * radius / wheel}, wheel
 
 
 def chain_forces(train: Train, stop: HandCalculation) -> Vector:

@@ -4,13 +4,12 @@ from collections import Counter
 
 from railgrip.report.table import Table
 from railgrip.rolling_stock.schema import GRAVITY, Train
-from railgrip.rolling_stock.stopping import HandCalculation, by_hand
+from railgrip.rolling_stock.stopping import HandCalculation, full_brake_force
 
 
 def table_of_axles(train: Train) -> Table:
     """Return one row for each axle: where it is, what it carries, what turns and brakes with it."""
-    # Whatever the speed, full brake is the same at the rim.
-    force = by_hand(train, 10.0).brake_force
+    force = full_brake_force(train)
     valve_of_group = [valve for valve, count in enumerate(train.groups_per_valve) for _ in range(count)]
     rows = [
         {

@@ -41,6 +41,31 @@ def test_what_does_not_fit_ends_with_file_and_key(railgrip, tmp_path):
     assert railgrip("train", "check", "nothing")[0] == 2
 
 
+@pytest.mark.parametrize(
+    ("wanted", "weak"),
+    [
+        ("pad_friction = 0.35", "pad_friction = 0.001"),
+        ('pressure_max = "3.2 bar"', 'pressure_max = "0.371 bar"'),  # what the spring takes, and 1 N
+        (
+            'speed_nominal = "13 m/s"',
+            'speed_nominal = "0.1 m/s"',
+        ),  # friction below zero at speed
+    ],
+)
+def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgrip, tmp_path, wanted, weak):
+    railgrip("train", "new", "mine.toml")
+    file = tmp_path / "mine.toml"
+    text = file.read_text(encoding="utf-8").replace('rolling_arm = "0.4 mm"', "rolling_arm = 0")
+    assert wanted in text
+    file.write_text(text.replace(wanted, weak).replace("0.0018", "1e-9"), encoding="utf-8")
+    code, _, err = railgrip("train", "check", "mine.toml")
+    assert code == 2
+    assert "mine.toml: [brakes]: by hand calculation the brakes do not stop mine from 120 km/h within 600 s; " in err
+    code, out, err = railgrip("train", "show", "mine.toml")
+    assert (code, err) == (0, "")
+    assert "full brake" in out
+
+
 def test_distributors_and_accelerators_are_shown_and_said(railgrip, tmp_path):
     railgrip("train", "new", "mine.toml")
     file = tmp_path / "mine.toml"
