@@ -121,7 +121,7 @@ class Driver:
         *,
         full: Vector,
         touching: Vector,
-        phases: Sequence[Phase] = (),
+        phases: Sequence[Phase] | NDArray[np.void] = (),
         binding: bool = True,
     ) -> None:
         """Drive a vehicle of this layout.
@@ -131,22 +131,28 @@ class Driver:
             period: Of the samples [s].
             full: Pressure of full brake, shape (groups,) [Pa].
             touching: Pressure at which pads begin to press, shape (groups,) [Pa].
-            phases: In their order; none for full brake.
+            phases: In their order; none for full brake. Many are faster as an array with the fields of `Phase`.
             binding: As the attribute.
         """
-        self.has_phases, self.pressure, self.binding = bool(phases), full, binding
+        self.has_phases, self.pressure, self.binding = len(phases) > 0, full, binding
         self._truth = np.empty(layout.outputs)
-        numbers = ({name: getattr(phase, name) for name in _NUMBERS} for phase in phases)
-        codes = (get_args(Until).index(phase.until) for phase in phases)
-        rows = [_Phase(**values, until=code) for values, code in zip(numbers, codes, strict=True)]
-        tables = [np.array([getattr(phase, name) for phase in phases]) for name in ("pressures", "slopes")]
-        self._keep: Any = ((_Phase * len(rows))(*rows), *tables, np.array(touching), np.array(full))
+        columns = {
+            name: phases[name] if isinstance(phases, np.ndarray) else [getattr(phase, name) for phase in phases]
+            for name in (*_NUMBERS, "until", "pressures", "slopes")
+        }
+        rows = np.empty(len(phases), dtype=np.dtype(_Phase))
+        for name in _NUMBERS:
+            rows[name] = columns[name]
+        code = {until: number for number, until in enumerate(get_args(Until))}
+        rows["until"] = [code[until] for until in columns["until"]]
+        tables = [np.ascontiguousarray(columns[name], dtype=np.float64) for name in ("pressures", "slopes")]
+        self._keep: Any = (rows, *tables, np.array(touching), np.array(full))
         arrays = zip(("pressures", "slopes", "touching", "full"), self._keep[1:], strict=True)
         self.struct: Any = driver_struct(layout.formation.groups)(
-            phases=ctypes.addressof(self._keep[0]), period=period, count=len(rows), binding=binding,
+            phases=rows.ctypes.data, period=period, count=len(rows), binding=binding,
             **{name: array.ctypes.data for name, array in arrays},
         )  # fmt: skip
-        if phases:
+        if self.has_phases:
             self._drive = kernel(layout).drive
 
     @property

@@ -1,7 +1,8 @@
 """The user's own curves: CSV files with one axis, and one column of a quantity or one for each wheelset or group."""
 
 import csv
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -69,9 +70,9 @@ def read_columns(
             f"has {len(header)} columns; its first line wants to name {expected}, and {name} for all or {name}_1, "
             f"{name}_2 … for each, and names of these {', '.join(sorted({*header} & reserved_names)) or 'none'}"
         )
-    values = np.array([_numbers(line, row, len(header)) for line, row in rows[1:]])
-    if len(values) < 2:
-        raise ValueError(f"has {len(values)} rows of numbers; a curve takes two or more")
+    if len(rows) < 3:
+        raise ValueError(f"has {len(rows) - 1} rows of numbers; a curve takes two or more")
+    values = _numbers(rows[1:], len(header))
     axis = values[:, header.index(axes_in_header[0])]
     quantity = values[:, [header.index(column) for column in columns]]
     if not np.all(np.diff(axis) > 0):
@@ -87,12 +88,21 @@ def read_columns(
     return axes_in_header[0], axis, quantity
 
 
-def _numbers(line: int, row: list[str], count: int) -> list[float]:
+def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.float64]:
+    """Return the numbers of rows, each with the number of its line, shape (rows, count)."""
     try:
-        numbers = [float(cell) for cell in row]
+        values = np.array([row for _, row in rows], dtype=np.float64)
+        if values.shape[1:] == (count,) and np.isfinite(values).all():
+            return values
+    except ValueError:  # a cell is no number, or rows differ in length
+        pass
+    line = next(line for line, row in rows if not _is_of_numbers(row, count))
+    # What stands there is not repeated: whoever runs a scenario of others may have named a file of his own.
+    raise ValueError(f"line {line}: {count} finite numbers are wanted")
+
+
+def _is_of_numbers(row: Sequence[str], count: int) -> bool:
+    try:
+        return len(row) == count and all(math.isfinite(float(cell)) for cell in row)
     except ValueError:
-        numbers = []
-    if len(numbers) != count or not np.all(np.isfinite(numbers)):
-        # What stands there is not repeated: whoever runs a scenario of others may have named a file of his own.
-        raise ValueError(f"line {line}: {count} finite numbers are wanted")
-    return numbers
+        return False

@@ -1,11 +1,15 @@
 """The table [demand]: what the driver asks of brakes and traction; without it full brake from the start."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import lru_cache
 from itertools import cycle
 from math import inf, nan
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self, cast
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.errors import ScenarioError
@@ -125,18 +129,24 @@ class Demand(Table):
         """Whether anything pushes the train."""
         return any(phase.traction is not None and phase.traction.force > 0 for phase in self.phases)
 
-    def profile(self) -> tuple[list[float], list[list[float]]]:
-        """Return the times [s] and pressures [Pa] of the file, a list for each time.
+    def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the times [s] of the file, shape (n,), and pressures [Pa], shape (n, 1) or (n, groups).
 
         Raises:
             PydanticCustomError: For the sentence of a validator: it is no profile.
         """
         assert self.file is not None
         try:
-            _, time, pressures = read_columns(self.file.path, axes={"time": "s"}, name="pressure", span=(0.0, 1e8))
+            return _read_profile(self.file.path, self.file.digest())
         except ValueError as problem:
             raise broken(f"file {self.file.entry}: {problem}") from problem
-        return time.tolist(), pressures.tolist()
+
+
+@lru_cache(maxsize=1)
+def _read_profile(path: Path, digest: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:  # pyright: ignore[reportUnusedParameter]
+    """Return `Demand.profile` of a file of this digest: read to check it, and not again to drive by it."""
+    _, time, pressures = read_columns(path, axes={"time": "s"}, name="pressure", span=(0.0, 1e8))
+    return time, pressures
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,8 +166,10 @@ class DemandedPhase:
     rate: float = inf
 
 
-def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[DemandedPhase, ...]:
+def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[DemandedPhase, ...] | NDArray[np.void]:
     """Return the phases of a demand on brakes whose full pressures are `full`, shape (groups,) [Pa].
+
+    Those of a file, which may have a million rows, are an array with the fields of `DemandedPhase`.
 
     Args:
         full: Of each group.
@@ -169,8 +181,8 @@ def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[Deman
     if demand.file is None:
         return tuple(_written(demand, full, f"{origin}: [demand.phases"))
     times, pressures = demand.profile()
-    where = f"{origin}: [demand] file {demand.file.entry}"
-    return tuple(_from_points(times, [_of_groups(row, full, where) for row in pressures]))
+    _require_pressures(pressures.shape[1], float(pressures.max()), full, f"{origin}: [demand] file {demand.file.entry}")
+    return _from_points(times, np.minimum(pressures, full))
 
 
 def _written(demand: Demand, full: Sequence[float], where: str) -> Iterator[DemandedPhase]:
@@ -197,22 +209,32 @@ def _written(demand: Demand, full: Sequence[float], where: str) -> Iterator[Dema
         )
 
 
-def _from_points(times: Sequence[float], pressures: Sequence[tuple[float, ...]]) -> Iterator[DemandedPhase]:
-    """Yield straight lines between points, and what is constant before and beyond."""
-    none = (0.0,) * len(pressures[0])
-    yield DemandedPhase(until="time", limit=times[0], pressures=pressures[0], slopes=none)
-    for i in range(len(times) - 1):
-        rises = zip(pressures[i], pressures[i + 1], strict=True)
-        slopes = tuple((after - before) / (times[i + 1] - times[i]) for before, after in rises)
-        yield DemandedPhase(until="time", limit=times[i + 1], begin=times[i], pressures=pressures[i], slopes=slopes)
-    yield DemandedPhase(pressures=pressures[-1], slopes=none)
+def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> NDArray[np.void]:
+    """Return straight lines between points, shapes (n,) and (n, groups), and what is constant before and beyond."""
+    none = (0.0,) * pressures.shape[1]
+    constant = DemandedPhase(pressures=none, slopes=none)
+    names = [field.name for field in fields(DemandedPhase)]
+    kinds = {"until": "U13"} | dict.fromkeys(("pressures", "slopes"), f"({len(none)},)f8")
+    phases = np.full(
+        len(times) + 1,
+        np.array(tuple(getattr(constant, name) for name in names), dtype=[(n, kinds.get(n, "f8")) for n in names]),
+    )
+    phases["until"][:-1], phases["limit"][:-1] = "time", times
+    phases["pressures"][0], phases["pressures"][1:] = pressures[0], pressures
+    phases["begin"][1:-1] = times[:-1]
+    phases["slopes"][1:-1] = np.diff(pressures, axis=0) / np.diff(times)[:, None]
+    return phases
 
 
 def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
     """Return the pressure of each group; none has more than its full brake."""
-    if len(entries) not in (1, len(full)):
-        raise ScenarioError(f"{where} is for {len(entries)} groups, the vehicle has {len(full)}")
+    _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
     pressures = [most if one == "full" else float(one) for one, most in zip(cycle(entries), full, strict=False)]
-    if max(pressures) > max(full):
-        raise ScenarioError(f"{where} asks for {max(pressures):g} Pa, full brake is {max(full):g} Pa; write 'full'")
     return tuple(map(min, pressures, full))
+
+
+def _require_pressures(count: int, highest: float, full: Sequence[float], where: str) -> None:
+    if count not in (1, len(full)):
+        raise ScenarioError(f"{where} is for {count} groups, the vehicle has {len(full)}")
+    if highest > max(full):
+        raise ScenarioError(f"{where} asks for {highest:g} Pa, full brake is {max(full):g} Pa; write 'full'")

@@ -1,11 +1,15 @@
 """The table [demand]: what it means in numbers, and what is refused."""
 
+import sys
 import tomllib
 
+import numpy as np
 import pytest
-from synthetic import LIBRARY
+import synthetic
+from synthetic import LAYOUT, LIBRARY
 
 from railgrip.errors import ScenarioError
+from railgrip.loop.driver import Driver
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
@@ -40,10 +44,40 @@ def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
 def test_a_profile_is_straight_lines_between_its_points(tmp_path):
     (tmp_path / "brake.csv").write_text("time,pressure_1,pressure_2\n1,0,0\n3,1e5,2e5\n4,1e5,0\n")
     before, rise, fall, after = phases({"file": "brake.csv"}, tmp_path)
-    assert (before.limit, before.pressures) == (1.0, (0.0, 0.0))
-    assert (rise.begin, rise.limit, rise.pressures, rise.slopes) == (1.0, 3.0, (0.0, 0.0), (0.5e5, 1e5))
-    assert fall.slopes == (0.0, -2e5)
-    assert (after.until, after.pressures) == ("end", (1e5, 0.0))
+    assert (before["limit"], before["pressures"].tolist()) == (1.0, [0.0, 0.0])
+    assert (rise["begin"], rise["limit"], rise["pressures"].tolist()) == (1.0, 3.0, [0.0, 0.0])
+    assert rise["slopes"].tolist() == [0.5e5, 1e5]
+    assert fall["slopes"].tolist() == [0.0, -2e5]
+    assert (after["until"], after["pressures"].tolist()) == ("end", [1e5, 0.0])
+    # All else is as in a phase that is written.
+    (written,) = phases({"phases": [{"pressure": 0}]})
+    for name in ("force", "power", "rate"):
+        assert set(phases({"file": "brake.csv"}, tmp_path)[name]) == {getattr(written, name)}
+
+
+def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
+    """Calls, not seconds, are counted: a million rows take some ten seconds at this, and no more than a row's each."""
+
+    def calls(rows):
+        lines = "".join(f"{number},{1e5 * (number % 3)}\n" for number in range(rows))
+        (tmp_path / f"{rows}.csv").write_text(f"time,pressure\n{lines}", encoding="utf-8")
+        count = 0
+
+        def note(frame, event, argument):
+            nonlocal count
+            count += event in {"call", "c_call"}
+
+        sys.setprofile(note)
+        try:
+            drawn = phases_of(asked({"file": f"{rows}.csv"}, tmp_path).demand, synthetic.FULL.tolist(), "mine")
+            Driver(LAYOUT, 1e-3, full=synthetic.FULL, touching=np.zeros(4), phases=drawn)
+        finally:
+            sys.setprofile(None)
+        return count
+
+    calls(3)  # loads what is loaded once
+    short, long = calls(1000), calls(3000)
+    assert long - short < 10 * 2000  # reading a row of two cells takes five; a quadratic part would take thousands
 
 
 @pytest.mark.parametrize("name", ["service_steps", "stop_at_target"])
