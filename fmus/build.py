@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import tempfile
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from railgrip import cache
 from railgrip.errors import CompilerMissing, InputError, RailgripError
+from railgrip.files import scratch
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import confined, toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
@@ -240,10 +240,10 @@ def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Ar
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
         stamp = Stamp(source=inputs, face={})
-        with tempfile.TemporaryDirectory() as scratch:
+        with scratch("build") as folder:
             # Where it is still there when somebody reads the message that names it: beside the copy, else in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
-            content = openmodelica.export(order.recipe, order.library, Path(scratch) / file, log).read_bytes()
+            content = openmodelica.export(order.recipe, order.library, folder / file, log).read_bytes()
         entry = cache.keep(KIND, stamp.source, file, content)
     else:
         from railgrip.fmus.native import package

@@ -3,12 +3,12 @@
 import re
 import shutil
 import subprocess
-import tempfile
 import warnings
 from functools import lru_cache
 from pathlib import Path
 
 from railgrip.errors import BuildFailed, CompilerMissing
+from railgrip.files import scratch
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 
@@ -89,8 +89,8 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
     log = log or path.with_suffix(".log")
     messages: list[str] = []
     for derivatives in (False,) if "cs" in recipe.interfaces else (True, False):
-        with tempfile.TemporaryDirectory() as scratch:
-            fmu, message = _run(script(recipe, library, derivatives=derivatives), recipe, Path(scratch))
+        with scratch("build") as folder:
+            fmu, message = _run(script(recipe, library, derivatives=derivatives), recipe, folder)
             messages += [message] if message else []
             if fmu is None:
                 continue

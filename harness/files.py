@@ -1,12 +1,13 @@
 """Files that are whole or not there, and temporary folders that go with their process, however it ends.
 
 A temporary folder carries the number of its process, which also holds a lock on it. Of a process that was killed the
-system frees the lock; the next one that wants a folder removes what lies there without.
+system frees the lock; the next one that wants a folder, for whatever purpose, removes what lies there without.
 """
 
 import json
 import math
 import os
+import re
 import shutil
 import tempfile
 import time
@@ -14,7 +15,7 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal, get_args
 
 from railgrip.errors import Unwritten
 
@@ -81,20 +82,28 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+Purpose = Literal["build", "far", "fmu", "study", "workers"]
 _PREFIX: Final = "railgrip-"
+_UNLOCKED: Final = f"{_PREFIX}unlocked-"
+_MINE: Final = re.compile(rf"{_PREFIX}({'|'.join(get_args(Purpose))})-[0-9]+-[a-z0-9_]{{8}}")
 _FRESH: Final = 60.0  # s
 
 
 @contextmanager
-def scratch(purpose: str) -> Generator[Path]:
+def scratch(purpose: Purpose) -> Generator[Path]:
     """Yield a temporary folder, removed at the end; `purpose` is part of its name."""
-    _remove_stale(Path(tempfile.gettempdir()), purpose)
-    # A library that is still mapped may not be removable on some platforms; there the system clears it later.
-    with (
-        tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{purpose}-{os.getpid()}-", ignore_cleanup_errors=True) as name,
-        locked(Path(name)),
-    ):
-        yield Path(name)
+    temporary = Path(tempfile.gettempdir())
+    _remove_stale(temporary)
+    unlocked = Path(tempfile.mkdtemp(prefix=_UNLOCKED, dir=temporary))
+    # It gets its name with its lock: whoever finds such a name without one may remove it, however young it is.
+    with locked(unlocked):
+        folder = temporary / f"{_PREFIX}{purpose}-{os.getpid()}-{unlocked.name.removeprefix(_UNLOCKED)}"
+        unlocked.rename(folder)
+        try:
+            yield folder
+        finally:
+            # A library that is still mapped may not be removable on some platforms; there the system clears it later.
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager
@@ -118,13 +127,17 @@ def locked(folder: Path) -> Generator[bool]:
 
 
 @cache
-def _remove_stale(temporary: Path, purpose: str) -> None:
+def _remove_stale(temporary: Path) -> None:
     """Remove what runs left behind that were killed; once in a process."""
-    for folder in temporary.glob(f"{_PREFIX}{purpose}-[0-9]*-*"):
+    if os.name != "posix":
+        return  # without locks nobody knows
+    for folder in temporary.glob(f"{_PREFIX}*"):
         with suppress(OSError):
             status = folder.lstat()
-            # One that was made this minute may not have its lock yet.
-            if os.name == "posix" and status.st_uid == os.geteuid() and time.time() - status.st_mtime > _FRESH:
+            is_old = time.time() - status.st_mtime > _FRESH
+            if status.st_uid == os.geteuid() and (
+                _MINE.fullmatch(folder.name) or (is_old and folder.name.startswith(_UNLOCKED))
+            ):
                 with locked(folder) as free:
                     if free:
                         shutil.rmtree(folder, ignore_errors=True)

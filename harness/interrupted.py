@@ -53,15 +53,19 @@ def deaf_children() -> Generator[None]:
     Whoever started them ends them. A mask is inherited where a handler is not: it holds from their first instruction
     on. A signal that comes to this process meanwhile is heard afterwards: who is half started reports a broken pipe.
     """
-    if os.name != "posix" or threading.current_thread() is not threading.main_thread():
+    if os.name != "posix":
         yield
         return
+    numbers: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()  # handlers run in no other
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    _queues.append([])
+    if is_main:
+        _queues.append(numbers)
     try:
         yield
     finally:
-        numbers = _queues.pop()
+        if is_main:
+            _queues.pop()
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for number in numbers[:1]:
             _interrupt(number, None)

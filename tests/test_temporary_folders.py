@@ -1,6 +1,7 @@
 """Temporary folders go with their process, however it ended."""
 
 import os
+import subprocess
 import sys
 import tempfile
 
@@ -19,22 +20,60 @@ def temporary(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("purpose", ["fmu", "workers"])
-def test_what_a_killed_run_left_is_removed_by_the_next(temporary, purpose):
-    """A folder in use, here by this very process, stays, and so does one of a user."""
-    stale, used = (temporary / f"railgrip-{purpose}-{number}-x" for number in (1, os.getpid()))
-    own = temporary / f"railgrip-{purpose}-results"
-    for folder in (stale, used, own):
+def test_what_a_killed_run_left_is_removed_by_the_next_at_once(temporary, purpose):
+    """Whatever it was for. A folder in use, here by this very process, stays, and so does one of a user."""
+    stale = [
+        temporary / f"railgrip-{other}-1-abcdef_{number}" for number, other in enumerate(("fmu", "workers", "build"))
+    ]
+    used = temporary / f"railgrip-{purpose}-{os.getpid()}-12345678"
+    own = [
+        temporary / name for name in ("railgrip-fmu-results", "railgrip-results-2024-05", "railgrip-fmu-2024-of_may")
+    ]
+    for folder in (*stale, used, *own):
         (folder / "binaries").mkdir(parents=True)
-        os.utime(folder, (0, 0))
     with locked(used), scratch(purpose) as mine:
-        assert sorted(temporary.iterdir()) == sorted([used, own, mine])
-    assert sorted(temporary.iterdir()) == sorted([used, own])
+        assert sorted(temporary.iterdir()) == sorted([used, *own, mine])
+    assert sorted(temporary.iterdir()) == sorted([used, *own])
+
+
+KILLED = """
+import sys, time
+from pathlib import Path
+from railgrip.campaign.workers import workers
+from railgrip.files import scratch
+
+if __name__ == "__main__":
+    with workers(1) as pool, scratch("build"), scratch("study"):
+        pool.submit(len, "it runs").result()
+        print("ready", flush=True)
+        time.sleep(600)
+"""
+
+
+def test_a_parent_that_was_killed_leaves_no_folder_at_the_next_start(tmp_path, temporary):
+    (tmp_path / "temporary").mkdir()
+    (tmp_path / "program.py").write_text(KILLED, encoding="utf-8")
+    with subprocess.Popen(
+        [sys.executable, "program.py"],
+        cwd=tmp_path,
+        env={**os.environ, "TMPDIR": str(tmp_path / "temporary"), "PYTHONPATH": os.pathsep.join(sys.path)},
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as parent:
+        assert parent.stdout is not None
+        assert parent.stdout.readline() == "ready\n"
+        parent.kill()
+    folder = tmp_path / "temporary"
+    assert len(list(folder.iterdir())) == 3
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(folder))
+        with scratch("fmu") as mine:
+            assert list(folder.iterdir()) == [mine]
 
 
 def test_what_workers_unpack_goes_with_their_pool(temporary):
-    left = temporary / "railgrip-workers-1-abc" / "railgrip-fmu-2-def"
+    left = temporary / "railgrip-workers-1-12345678" / "railgrip-fmu-2-12345678"
     left.mkdir(parents=True)
-    os.utime(left.parent, (0, 0))
     with workers(1) as pool:
         assert not left.exists()
         folder = pool.submit(tempfile.gettempdir).result()

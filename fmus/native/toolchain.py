@@ -8,7 +8,6 @@ import platform
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +15,7 @@ from pathlib import Path
 
 from railgrip.cache import find, keep
 from railgrip.errors import BuildFailed, CompilerMissing
+from railgrip.files import scratch
 
 # -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine. gnu99 is C99
 # without trigraphs, by which `??/` would be a backslash, also inside a string literal.
@@ -101,19 +101,19 @@ def binary(
 ) -> bytes:
     """Return the shared library that C sources compile to; arguments and errors are those of `shared_library`."""
     cc = compiler()
-    with tempfile.TemporaryDirectory() as scratch:
+    with scratch("build") as folder:
         for file, text in sources.items():
-            (Path(scratch) / file).write_text(text, encoding="utf-8")
+            (folder / file).write_text(text, encoding="utf-8")
         # Relative names only: an absolute path would end up in the library and change its bytes.
         output = name + SUFFIX
         files = units or sorted(file for file in sources if file.endswith(".c"))
         process = subprocess.run(
             [*cc.command, *_options(include, flags), *files, "-o", output, *_linking()],
-            cwd=scratch, capture_output=True, text=True, check=False,
+            cwd=folder, capture_output=True, text=True, check=False,
         )  # fmt: skip
         if process.returncode:
             raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(process.stderr)}")
-        return (Path(scratch) / output).read_bytes()
+        return (folder / output).read_bytes()
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:

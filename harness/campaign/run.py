@@ -127,11 +127,11 @@ def _running(
         return
     try:
         if scheduler is not None:
-            with processes.cluster(scheduler) as pool:
+            with processes.cluster(scheduler) as (pool, check):
                 far = {pool.submit(_perform_far, order, runner): order for order in orders}
                 yield (
                     (order, _failed(order, result) if isinstance(result, RailgripError) else _fetched(order, result))
-                    for order, result in processes.ended(far)
+                    for order, result in processes.ended(far, check)
                 )
             return
         with processes.workers(min(workers, len(orders))) as pool:

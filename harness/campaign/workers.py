@@ -7,14 +7,16 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping
-from concurrent.futures import CancelledError, Executor, Future, as_completed
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import contextmanager, nullcontext
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import resource_tracker
+from multiprocessing.context import SpawnContext
 from types import FrameType
-from typing import Final, ParamSpec, TypeVar
+from typing import Any, Final, ParamSpec, TypeVar
 
 import pebble
 
+from railgrip.console import remark
 from railgrip.errors import InputError, RailgripError, for_user
 from railgrip.files import scratch
 from railgrip.interrupted import Interrupted, deaf_children
@@ -25,6 +27,7 @@ _THREADS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS",
 
 _ANSWER: Final = 10.0  # s
 _RETRIES: Final = 2
+_WITHOUT_WORKERS: Final = 300.0  # s; a cluster whose queue starts workers may need minutes
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -46,8 +49,8 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
         _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
         nullcontext() if main else _without_main(),
     ):
-        # Spawned, because CasADi holds threads, and because a library reads the variables when it is loaded.
-        pool = pebble.ProcessPool(count, initializer=_start_worker, context=get_context("spawn"))
+        context = _LastingLocks()
+        pool = pebble.ProcessPool(count, initializer=_start_worker, context=context)
         try:
             yield _Pool(pool)
             pool.close()
@@ -56,17 +59,18 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
             raise
         finally:
             pool.join()
+            context.locks.clear()
 
 
 @contextmanager
-def cluster(address: str) -> Generator[Executor]:
-    """Yield the workers of a Dask cluster, such as "tcp://host:8786"; what was asked for is cancelled by an exception.
+def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
+    """Yield the workers of a Dask cluster, such as "tcp://host:8786", and a check that there are some, for `ended`.
 
     A worker that is lost has its task done by another; one that loses several of them fails the task. Workers have one
-    thread each and the same version of this program.
+    thread each and the same version of this program. Tasks are cancelled by an exception.
 
     Raises:
-        InputError: Dask is not installed, nobody answers at the address, or a worker has more threads.
+        InputError: Dask is not installed, no scheduler answers at the address, or a worker has more threads.
     """
     try:
         from distributed import Client
@@ -77,19 +81,52 @@ def cluster(address: str) -> Generator[Executor]:
     except (OSError, ValueError) as problem:
         raise InputError(f"--scheduler {address}: no Dask scheduler answers there: {problem}") from problem
     with client:
-        threads = [worker["nthreads"] for worker in client.scheduler_info(-1)["workers"].values()]
-        if any(count > 1 for count in threads):
-            raise InputError(
-                f"--scheduler {address}: a worker has {max(threads)} threads, and CasADi and FMUs want one: start "
-                "workers with `dask worker --nthreads 1`"
-            )
+        seen, told = time.monotonic(), False
+
+        def check() -> None:
+            nonlocal seen, told
+            threads = [worker["nthreads"] for worker in client.scheduler_info(-1)["workers"].values()]
+            if any(count > 1 for count in threads):
+                raise InputError(
+                    f"--scheduler {address}: a worker has {max(threads)} threads, and CasADi and FMUs want one: start "
+                    "workers with `dask worker --nthreads 1`"
+                )
+            missing = time.monotonic() - seen
+            if threads:
+                seen, told = time.monotonic(), False
+            elif missing > _WITHOUT_WORKERS:
+                raise RailgripError(
+                    f"--scheduler {address}: has had no worker for {_WITHOUT_WORKERS:g} s; start some with "
+                    f"`dask worker {address} --nthreads 1` and repeat the command, which keeps what has finished"
+                )
+            elif missing > _ANSWER and not told:
+                told = True
+                remark(f"--scheduler {address}: has no worker; waiting {_WITHOUT_WORKERS:g} s for one")
+
+        check()
         # Results of stops are results of what they are asked with: Dask would keep one for two equal ones.
         executor = client.get_executor(pure=False, retries=_RETRIES)
         try:
-            yield executor
+            yield executor, check
         except BaseException:
             executor.shutdown(wait=False)
             raise
+
+
+class _LastingLocks(SpawnContext):
+    """Spawns processes, because CasADi holds threads and a library reads the variables when it is loaded.
+
+    Its locks last until the pool has ended. Pebble drops its own before it ends the workers, and the name of a lock
+    goes with its last owner: a worker that had not come to open it by then would print a traceback.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.locks: list[Any] = []
+
+    def RLock(self) -> Any:  # noqa: N802, a name of multiprocessing
+        self.locks.append(super().RLock())
+        return self.locks[-1]
 
 
 class _Pool(Executor):
@@ -102,16 +139,30 @@ class _Pool(Executor):
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         with deaf_children():
-            return self._pool.schedule(fn, args=args, kwargs=kwargs)
+            try:
+                return self._pool.schedule(fn, args=args, kwargs=kwargs)
+            except (BrokenExecutor, RuntimeError) as problem:
+                raise RailgripError(f"worker processes cannot be started: {problem}") from problem
 
 
-def ended(running: Mapping[Future[T], K]) -> Iterator[tuple[K, T | RailgripError]]:
-    """Yield what is asked for with each task as it ends, and its result; an error where its process was lost."""
-    for future in as_completed(running):
-        try:
-            yield running[future], future.result()
-        except (pebble.ProcessExpired, CancelledError) as problem:
-            yield running[future], RailgripError(f"the process that ran it ended: {problem}")
+def ended(
+    running: Mapping[Future[T], K], check: Callable[[], None] = lambda: None
+) -> Iterator[tuple[K, T | RailgripError]]:
+    """Yield what is asked for with each task as it ends, and its result; an error where its process was lost.
+
+    Args:
+        check: Called each second in which no task ends; may raise what makes waiting useless.
+    """
+    open_ = set(running)
+    while open_:
+        done, open_ = wait(open_, timeout=1.0, return_when=FIRST_COMPLETED)
+        if not done:
+            check()
+        for future in done:
+            try:
+                yield running[future], future.result()
+            except (pebble.ProcessExpired, CancelledError, BrokenExecutor) as problem:
+                yield running[future], RailgripError(f"the process that ran it ended: {problem}")
 
 
 def answer(call: Callable[[], T]) -> T | RailgripError:

@@ -84,8 +84,7 @@ def study(
     out: Annotated[Path, typer.Option(help="Folder for results and report.")] = Path("build/trains"),
 ) -> None:
     """Stop the trains of this project, compare them with what is published, and fit sand to a trial of sanders."""
-    import tempfile
-
+    from railgrip.files import scratch
     from railgrip.rolling_stock.files import NAMED
     from railgrip.scenario.file import installed
     from railgrip.studies.trains.report import table_of, table_of_protected, table_of_sanders, write_report
@@ -97,8 +96,8 @@ def study(
     trial, model = trial_of(), Path("emu387")
     text = installed(model, "trains").read_text(encoding="utf-8")
     pieces = len(names) + len(counts) + 2
-    with progress("trains", pieces, is_count=True) as bar, tempfile.TemporaryDirectory() as folder:
-        files = [Path(folder) / f"{model}_{count}.toml" for count in counts]
+    with progress("trains", pieces, is_count=True) as bar, scratch("study") as folder:
+        files = [folder / f"{model}_{count}.toml" for count in counts]
         for file, count in zip(files, counts, strict=True):
             file.write_text(multiplied(text, count), encoding="utf-8")
         dry_stops: list[DryStop] = []

@@ -140,7 +140,7 @@ class Driver:
             name: phases[name] if isinstance(phases, np.ndarray) else [getattr(phase, name) for phase in phases]
             for name in (*_NUMBERS, "until", "pressures", "slopes")
         }
-        rows = np.empty(len(phases), dtype=np.dtype(_Phase))
+        rows: Any = np.empty(len(phases), dtype=np.dtype(_Phase))
         for name in _NUMBERS:
             rows[name] = columns[name]
         code = {until: number for number, until in enumerate(get_args(Until))}

@@ -16,7 +16,7 @@ from synthetic_runner import run_stop
 
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.workers import cluster
-from railgrip.errors import InputError
+from railgrip.errors import InputError, RailgripError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.trace.stop import read_stop
 
@@ -71,3 +71,20 @@ def test_who_does_not_answer_and_workers_with_threads_are_refused():
         cluster(cluster_here.scheduler_address),
     ):
         pass
+
+
+def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(project, tmp_path, monkeypatch, capfd):
+    """The sentence comes once, the end after the limit, and the command may be repeated."""
+    monkeypatch.setattr("railgrip.campaign.workers._ANSWER", 1.0)
+    monkeypatch.setattr("railgrip.campaign.workers._WITHOUT_WORKERS", 3.0)
+    (project / "few.toml").write_text(LINES, encoding="utf-8")
+    campaign = load_campaign(project / "few.toml")
+    with LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address=None) as cluster_here:
+        address = cluster_here.scheduler_address
+        begin = time.monotonic()
+        with pytest.raises(RailgripError, match="has had no worker for 3 s; start some with `dask worker") as end:
+            run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=address, tell=lambda _: None)
+        # Longer than the limit, and far shorter than for ever: a busy machine may take its time.
+        assert 3.0 < time.monotonic() - begin < 60.0
+        assert end.value.exit_code == 3
+        assert capfd.readouterr().err.count(f"--scheduler {address}: has no worker; waiting 3 s for one") == 1

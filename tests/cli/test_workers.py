@@ -60,6 +60,106 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path):
     assert list(folder.iterdir()) == []
 
 
+SLOW_START = """
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+stopping, second = Path("stopping"), Path("second")
+
+
+def hold(number, frame):
+    # The pool has dropped its locks by the time it ends its workers, one after the other.
+    stopping.touch()
+    time.sleep(1.5)
+    os._exit(0)
+
+
+def busy():
+    signal.signal(signal.SIGTERM, hold)
+    Path("busy").touch()
+    time.sleep(600)
+
+
+if __name__ == "__main__":
+    from railgrip.campaign.workers import workers
+
+    try:
+        with workers(2) as pool:
+            pool.submit(busy)
+            while not (Path("busy").exists() and second.exists()):
+                time.sleep(0.01)
+            raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        sys.exit(130)
+else:
+    try:
+        os.close(os.open("first", os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        # A worker whose imports take until the pool is ended; it opens its locks after them.
+        second.touch()
+        while not stopping.exists():
+            time.sleep(0.01)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
+def test_a_worker_that_still_starts_while_its_pool_is_ended_prints_nothing(tmp_path):
+    (tmp_path / "program.py").write_text(SLOW_START, encoding="utf-8")
+    result = subprocess.run(
+        [sys.executable, "program.py"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert (result.returncode, result.stderr) == (130, "")
+
+
+IN_A_THREAD = """
+import signal
+import threading
+
+from railgrip.campaign.workers import workers
+
+
+def blocked():
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
+def run():
+    with workers(1) as pool:
+        print(pool.submit(blocked).result(), blocked(), flush=True)
+
+
+if __name__ == "__main__":
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    run()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
+def test_workers_do_not_hear_ctrl_c_whichever_thread_starts_them(tmp_path):
+    """From their first instruction on: the mask is inherited, and no handler has to be set first."""
+    (tmp_path / "program.py").write_text(IN_A_THREAD, encoding="utf-8")
+    result = subprocess.run(
+        [sys.executable, "program.py"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=True,
+    )
+    assert result.stdout.split() == ["True", "False"] * 2
+
+
 def until(state):
     """Wait for a state, ten seconds at most: far more than a thread needs to wake up and a process to end."""
     for _ in range(200):

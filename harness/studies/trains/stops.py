@@ -2,7 +2,6 @@
 
 import os
 import re
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -16,6 +15,7 @@ from railgrip.assemble.files import plant_description
 from railgrip.bench.fmi import plant_step
 from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Vector
+from railgrip.files import scratch
 from railgrip.fmus.build import build_class
 from railgrip.loop import compiled_cycle
 from railgrip.rolling_stock.files import load_train
@@ -121,11 +121,11 @@ def dry_stop(train: str | Path) -> DryStop:
 
 
 def _build_seconds(train: Train) -> float:
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch("study") as folder:
         # A title that was never built: it is part of what the cache looks up.
-        text = class_text(train.model_copy(update={"description": folder}), pneumatic=False)
+        text = class_text(train.model_copy(update={"description": str(folder)}), pneumatic=False)
         name = class_name(train, pneumatic=False)
-        source = Path(folder) / f"{name}.mo"
+        source = folder / f"{name}.mo"
         source.write_text(text, encoding="utf-8")
         # The C compiler is a child.
         begin = sum(os.times()[:4])
