@@ -4,7 +4,11 @@ A signal comes with the instants that belong to it: in a table all columns share
 group has its own.
 """
 
+import gc
+import logging
 import re
+import sys
+import traceback
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -75,7 +79,7 @@ def _reading(path: Path, what: str) -> Generator[None]:
         yield
     except EstimationError:
         raise
-    except Exception as problem:
+    except Exception as problem:  # each library has exceptions of its own
         raise EstimationError(f"{path.name}: is not {what}: {cut(str(problem))}") from problem
 
 
@@ -214,9 +218,9 @@ def _instants(path: Path, values: Any, table: DataTable) -> Vector:
 
 def _mf4(path: Path, columns: Sequence[str]) -> dict[str, Series]:
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
-    with _reading(path, "an MDF file"):
-        file = library.MDF(path)
-    try:
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it logs of a damaged file, its exceptions say
+    # Damage may show as late as in a block of samples.
+    with _reading(path, "an MDF file"), _silently_collected(), library.MDF(path) as file:
         _all_there(path, columns, list(file.channels_db))
         for name in columns:
             places = file.channels_db[name]
@@ -235,6 +239,22 @@ def _mf4(path: Path, columns: Sequence[str]) -> dict[str, Series]:
                 values=values.astype(np.float64),
                 unit=signal.unit or None,
             )
-    finally:
-        file.close()
     return series
+
+
+@contextmanager
+def _silently_collected() -> Generator[None]:
+    """Collect what an exception has left half made: the destructor of asammdf's files prints a traceback then."""
+    try:
+        yield
+    except Exception as problem:
+        hook, sys.unraisablehook = sys.unraisablehook, lambda unraisable: None
+        try:
+            error: BaseException | None = problem
+            while error is not None:
+                traceback.clear_frames(error.__traceback__)
+                error = error.__context__
+            gc.collect()
+        finally:
+            sys.unraisablehook = hook
+        raise

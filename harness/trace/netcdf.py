@@ -58,7 +58,7 @@ def read_trace(path: Path) -> xarray.Dataset:
     times as long, and a report reads many traces.
 
     Raises:
-        RecordError: Missing or not a trace.
+        RecordError: Missing, damaged or not a trace.
     """
     try:
         with h5py.File(path, "r") as file:
@@ -66,10 +66,9 @@ def read_trace(path: Path) -> xarray.Dataset:
             attributes = {key: np.asarray(file.attrs[key]).reshape(()).item() for key in _OF_ALL if key in file.attrs}
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
-    except (OSError, ValueError) as problem:
+    except Exception as problem:  # whatever a damaged file makes h5py raise
         raise RecordError(f"{path}: is not a NetCDF file: {problem}") from problem
-    if "time" not in variables:
-        raise RecordError(f"{path}: is not a trace, it has no time axis")
+    _require_trace(path, variables, attributes)
     scales = [name for name, (dimensions, _, _) in variables.items() if dimensions == (name,)]
     return xarray.Dataset(
         {name: variable for name, variable in variables.items() if name not in scales},
@@ -78,7 +77,52 @@ def read_trace(path: Path) -> xarray.Dataset:
     )
 
 
-def _variable(name: str, samples: Any) -> tuple[tuple[str, ...], NDArray[Any], dict[str, str]]:
+_Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, str]]
+
+
+def _require_trace(path: Path, variables: dict[str, _Variable], attributes: dict[str, Any]) -> None:
+    """Check what the rest of the program relies on in a trace: times, shapes, and numbers in units.
+
+    Raises:
+        RecordError: The first thing that is wrong.
+    """
+    if "time" not in variables:
+        raise RecordError(f"{path}: is not a trace, it has no time axis")
+    dimensions, time, about = variables["time"]
+    if dimensions != ("time",) or time.dtype.kind not in "fiu" or not time.size:
+        raise RecordError(
+            f"{path}: time wants a dimension of its own and one number for each sample, it has {time.dtype} of shape "
+            f"{time.shape}"
+        )
+    if about.get("units", "s") != "s":
+        raise RecordError(f"{path}: time is in '{about['units']}', a trace has it in 's'; convert it")
+    if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
+        raise RecordError(f"{path}: time does not rise from sample to sample; sort the samples or cut the file there")
+    period = attributes.get("period", 1.0)
+    if not (isinstance(period, float | int) and np.isfinite(period) and period > 0):
+        raise RecordError(f"{path}: the attribute period is {period!r}, a positive number of seconds is wanted")
+    sizes: dict[str, int] = {}
+    for name, (dimensions, values, _) in variables.items():
+        if values.dtype.kind not in "fiub":
+            raise RecordError(f"{path}: variable '{name}' wants numbers, it has {values.dtype}")
+        if "time" in dimensions[1:]:
+            raise RecordError(
+                f"{path}: variable '{name}' has the dimensions {', '.join(dimensions)}; time is the first one, "
+                "transpose it"
+            )
+        if len(set(dimensions)) < len(dimensions) or (name in dimensions and len(dimensions) > 1):
+            raise RecordError(f"{path}: variable '{name}' has axes without a dimension of their own")
+        for dimension, size in zip(dimensions, values.shape, strict=True):
+            if sizes.setdefault(dimension, size) != size:
+                raise RecordError(
+                    f"{path}: variable '{name}' has {size} values along {dimension}, others have {sizes[dimension]}"
+                )
+
+
+def _variable(name: str, samples: Any) -> _Variable:
     """Return dimensions, values and attributes of a variable of a NetCDF 4 file."""
     dimensions = tuple(dimension[0].name.removeprefix("/") if len(dimension) else name for dimension in samples.dims)
-    return dimensions, samples[()], {key: samples.attrs[key] for key in _ATTRIBUTES if key in samples.attrs}
+    about = {key: samples.attrs[key] for key in _ATTRIBUTES if key in samples.attrs}
+    # Bytes that are no text may not stop a sentence from being printed.
+    texts = {key: str(text).encode(errors="backslashreplace").decode() for key, text in about.items()}
+    return dimensions, samples[()], texts

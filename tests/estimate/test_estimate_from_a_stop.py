@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,10 +10,10 @@ from typer.testing import CliRunner
 
 import railgrip as rg
 from railgrip.cli.main import app
-from railgrip.errors import EstimationError
+from railgrip.errors import EstimationError, InputError
 from railgrip.estimation.spec import LIBRARY
 from railgrip.estimators.tuning import NOISE_SETS
-from railgrip.trace.netcdf import read_trace
+from railgrip.trace.netcdf import read_trace, write_trace
 from railgrip.trace.samples import reading_of, readings_in, unit_of
 
 SPECIFICATION = LIBRARY / "stop.toml"
@@ -105,3 +106,112 @@ def test_a_stop_that_nobody_read_is_refused_by_name(stop):
     blind = stop.trace.drop_vars("reading_deflection")
     with pytest.raises(EstimationError, match=r"has no signal deflection\[1\], .*deflection\[6\]; it has speed, "):
         rg.estimate(blind)
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def rewritten(change):
+    """Return what writes the trace in a file anew, changed."""
+    return lambda path: write_trace(change(read_trace(path)), path)
+
+
+def retimed(change):
+    """Return what changes the instants of the trace in a file."""
+    return rewritten(lambda trace: trace.assign_coords(time=("time", change(trace["time"].values), {"units": "s"})))
+
+
+def on_another_axis(trace):
+    """Time is a table beside the samples."""
+    trace = trace.rename(time="t")
+    return trace.assign(time=(("t", "group"), np.zeros((trace.sizes["t"], trace.sizes["group"]))))
+
+
+def replaced(name, change):
+    """Return what puts another dataset in a variable's place, on the same dimensions."""
+
+    def damage(path):
+        with h5py.File(path, "r+") as file:
+            values, scales = file[name][()], [dimension[0].name for dimension in file[name].dims]
+            del file[name]
+            after = file.create_dataset(name, data=change(values))
+            for axis, scale in zip(after.dims, scales, strict=True):
+                axis.attach_scale(file[scale])
+
+    return damage
+
+
+def transposed(path):
+    with h5py.File(path, "r+") as file:
+        scales = [dimension[0].name for dimension in file["reading_wheelset_speed"].dims]
+        values = file["reading_wheelset_speed"][()]
+        del file["reading_wheelset_speed"]
+        after = file.create_dataset("reading_wheelset_speed", data=values.T)
+        for axis, scale in zip(after.dims, reversed(scales), strict=True):
+            axis.attach_scale(file[scale])
+
+
+def without(name):
+    def damage(path):
+        with h5py.File(path, "r+") as file:
+            del file[name]
+
+    return damage
+
+
+def attribute(name, key, value):
+    def damage(path):
+        with h5py.File(path, "r+") as file:
+            (file[name] if name else file).attrs[key] = value
+
+    return damage
+
+
+def backwards(time):
+    return time[::-1]
+
+
+def with_a_gap(time):
+    return np.where(np.arange(time.size) > 700, time + 0.5, time)
+
+
+def with_nan(time):
+    return np.where(np.arange(time.size) == 700, np.nan, time)
+
+
+@pytest.mark.parametrize(
+    ("damage", "sentence"),
+    [
+        (cut, "trace.nc: is not a NetCDF file"),
+        (lambda path: path.write_bytes(b"no hdf5 at all"), "trace.nc: is not a NetCDF file"),
+        (without("time"), "trace.nc: is not a NetCDF file"),
+        (rewritten(lambda trace: trace.rename(time="t")), "trace.nc: is not a trace, it has no time axis"),
+        (rewritten(on_another_axis), "trace.nc: time wants a dimension of its own"),
+        (rewritten(lambda trace: trace.isel(time=slice(0, 0))), "trace.nc: time wants a dimension of its own"),
+        (rewritten(lambda trace: trace.isel(time=slice(0, 1))), "1 samples; an estimate wants two at least"),
+        (retimed(backwards), "trace.nc: time does not rise"),
+        (retimed(with_nan), "trace.nc: time does not rise"),
+        (retimed(with_a_gap), "the grid is uneven"),
+        (attribute("time", "units", "ms"), "trace.nc: time is in 'ms', a trace has it in 's'"),
+        (attribute("", "period", "1 ms"), "trace.nc: the attribute period is '1 ms'"),
+        (attribute("", "period", [1.0, 2.0]), "trace.nc: is not a NetCDF file"),
+        (transposed, "'reading_wheelset_speed' has the dimensions group, time; time is the first one"),
+        (replaced("reading_speed", lambda v: v[:-5]), "'reading_speed' has"),
+        (replaced("reading_speed", lambda v: v.astype("S8")), "variable 'reading_speed' wants numbers, it has |S8"),
+        (replaced("reading_speed", lambda v: v.astype(complex)), "variable 'reading_speed' wants numbers"),
+        (attribute("reading_speed", "units", "kg"), "speed is in 'kg', the prediction wants 'm/s'"),
+        (attribute("reading_speed", "units", "furlong"), "speed is in 'furlong', the prediction wants 'm/s'"),
+        (attribute("reading_speed", "units", b"m/s\xff"), "speed is in 'm/s\\udcff', the prediction wants 'm/s'"),
+        (without("reading_speed"), "has no signal speed"),
+    ],
+)
+def test_a_damaged_or_transposed_trace_ends_in_a_sentence(stop, tmp_path, damage, sentence):
+    """And in exit code 2; an exception that is none of ours would come through as it is."""
+    stop.write(tmp_path / "mine")
+    file = tmp_path / "mine" / "trace.nc"
+    damage(file)
+    result = CliRunner().invoke(app, ["estimate", str(SPECIFICATION), "--data", str(file), "--out", str(tmp_path)])
+    assert isinstance(result.exception, InputError), result.exception
+    assert sentence in str(result.exception)
+    assert not (tmp_path / "estimates.nc").exists()

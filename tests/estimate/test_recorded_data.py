@@ -366,3 +366,22 @@ def test_a_file_of_another_format_or_none_gets_a_sentence(tmp_path):
         (tmp_path / f"bad{suffix}").write_bytes(b"not at all" * 100)
         with pytest.raises(EstimationError, match=f"is not {what}"):
             taken(tmp_path / f"bad{suffix}")
+
+
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+def test_a_damaged_mdf_file_ends_in_a_sentence_wherever_the_damage_is(tmp_path):
+    """Cut off, and with a block of zeros or of ones, everywhere: what can still be read may be."""
+    write_mf4(tmp_path / "whole.mf4", stop().iloc[:50])
+    whole = (tmp_path / "whole.mf4").read_bytes()
+    path, refusals = tmp_path / "run.mf4", list[str]()
+    damaged = [whole[:end] for end in range(0, len(whole), len(whole) // 40)]
+    for at in range(0, len(whole) - 16, len(whole) // 60):
+        damaged += [whole[:at] + block + whole[at + 16 :] for block in (bytes(16), b"\xff" * 16)]
+    for content in damaged:
+        path.write_bytes(content)
+        try:
+            taken(path)
+        except EstimationError as refusal:
+            refusals.append(str(refusal))
+    assert len(refusals) > len(damaged) // 3
+    assert [sentence for sentence in refusals if not sentence.startswith("run.mf4: ")] == []
