@@ -162,7 +162,8 @@ def _of_file(
     outputs = [name for name in description.names("output") if name.partition("[")[0] in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
-    fmus[description.file.name] = description
+    name = description.file.name
+    fmus[f"prediction: {name}" if name in fmus else name] = description
     return stack.enter_context(
         FmuPrediction(
             description,
@@ -216,7 +217,8 @@ def _evaluated(
     if table.kind != "fmu":
         return CasadiPrediction(model, parameters)
     description = prediction_description(table, consist)
-    fmus[description.file.name] = description
+    name = description.file.name
+    fmus[f"prediction: {name}" if name in fmus else name] = description
     return stack.enter_context(
         FmuPrediction(
             description,

@@ -73,6 +73,8 @@ def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[floa
     """
     first = rows[0]
     v, w, slip = (first[layout.output[name]] for name in ("speed", "wheelset_speed", "slip"))
+    if not np.all(w > 0.0):
+        return  # at rest no speed tells a radius; the same FMU is read when it starts moving
     found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
     for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
