@@ -11,7 +11,7 @@ from railgrip.custom import foreign
 from railgrip.errors import ScenarioError
 from railgrip.scenario import schema
 from railgrip.scenario.file import installed, is_file, is_folder
-from railgrip.scenario.load import demand_kind, read_toml, validated
+from railgrip.scenario.load import read_toml, require_kind, validated
 from railgrip.scenario.merge import merged, nested, parts_of
 from railgrip.units import cut, place, short
 
@@ -48,7 +48,7 @@ class Scenario(schema.Scenario):
         else:
             path = installed(_path(source, "scenario"), "library")
             table, directory, origin = read_toml(path), path.parent, path.name
-            demand_kind(table, "scenario", path)
+            require_kind(table, "scenario", path)
         return cls._of(merged(table, nested(_changes(changes))), directory, origin)
 
     def changed(self, changes: Mapping[str, Any]) -> Self:

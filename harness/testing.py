@@ -75,11 +75,11 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                 for observation in observations(formation, estimated=estimated):
                     before = copy.deepcopy(observation)
                     demands = controller.decide(observation)
-                    _demand_unchanged(law, before, observation)
-                    _demand_pressures(law, formation, demands)
+                    _require_unchanged(law, before, observation)
+                    _require_pressures(law, formation, demands)
                     yield tuple(limits.limit(demands, observation))
 
-        _demand_same(law, "decide", run)
+        _require_same(law, "decide", run)
 
 
 def check_estimator(factory: Callable[[], Estimator]) -> None:
@@ -101,14 +101,14 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
                     continue
                 before = copy.deepcopy(observation)
                 estimates = estimator.step(observation)
-                _demand_unchanged(own, before, observation)
+                _require_unchanged(own, before, observation)
                 for name in (name for name in estimates if name.endswith("_sd") and np.any(estimates[name] < 0.0)):
                     raise ContractBroken(
                         f"{type(own).__name__}.step gives a negative {name}: {estimates[name].tolist()}"
                     )
                 yield tuple(np.concatenate([estimates[name] for name in estimator.provides]).tolist())
 
-        _demand_same(own, "step", run)
+        _require_same(own, "step", run)
 
 
 def check_sensors(factory: Callable[[], Sensors]) -> None:
@@ -136,7 +136,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
                 raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
             yield from readings
 
-        _demand_same(own, "read", run)
+        _require_same(own, "read", run)
 
 
 def check_plant(factory: Callable[[], Plant], formation: Formation | None = None) -> None:
@@ -171,7 +171,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
                 raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
             yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
 
-        _demand_same(own, "step", run)
+        _require_same(own, "step", run)
 
 
 def _made(factory: Callable[[], T]) -> T:
@@ -216,7 +216,7 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
         yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure, formation.pressure_max)
 
 
-def _demand_pressures(law: object, formation: Formation, demands: tuple[float, ...]) -> None:
+def _require_pressures(law: object, formation: Formation, demands: tuple[float, ...]) -> None:
     for demand, most in zip(demands, formation.pressure_max, strict=True):
         if not 0.0 <= demand <= most:
             raise ContractBroken(
@@ -224,13 +224,13 @@ def _demand_pressures(law: object, formation: Formation, demands: tuple[float, .
             )
 
 
-def _demand_unchanged(own: object, before: Observation, after: Observation) -> None:
+def _require_unchanged(own: object, before: Observation, after: Observation) -> None:
     for name, one, other in zip(Observation._fields, before, after, strict=True):
         if one is not None and not np.array_equal(np.asarray(one), np.asarray(other), equal_nan=True):
             raise ContractBroken(f"{type(own).__name__} changes {name} of what it is shown")
 
 
-def _demand_same(own: object, method: str, run: Callable[[], Iterator[Row]]) -> None:
+def _require_same(own: object, method: str, run: Callable[[], Iterator[Row]]) -> None:
     """Refuse what fails in a run, or gives something else in a second one."""
     try:
         first, second = list(run()), list(run())

@@ -205,7 +205,7 @@ def assembled(
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, limits, tell, stack)
         actuation = Direct() if commands_valves else actuation_of(vehicle)
-        _demand_estimates(scenario, controller, estimates)
+        _require_estimates(scenario, controller, estimates)
         if commands_valves and demand is not None:
             raise ScenarioError(
                 f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
@@ -257,7 +257,7 @@ def assembled(
         )
 
 
-def _demand_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
+def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
     """Refuse a law that needs what nobody estimates.
 
     Raises:

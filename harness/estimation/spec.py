@@ -44,7 +44,7 @@ from railgrip.errors import EstimationError
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.scenario.load import demand_kind, read_toml, validated
+from railgrip.scenario.load import read_toml, require_kind, validated
 from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
@@ -197,7 +197,7 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
     """
     table = read_toml(path)
-    demand_kind(table, "estimation", path)
+    require_kind(table, "estimation", path)
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
         table = table | {"noise": _noise_elsewhere(path, noise)}

@@ -64,7 +64,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
             wheelsets, or nobody says where they are.
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
-    _demand_resolved(scenario)
+    _require_resolved(scenario)
     over_time = not scenario.runs_over_distance
     if over_time:
         if adhesion.patch:
@@ -80,7 +80,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         position = position_of(scenario, formation)
         if isinstance(adhesion, Constant):  # behind its patches nothing changes
             reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
-            _demand_tabulated(scenario, reach, "a wheelset meets the last patch")
+            _require_tabulated(scenario, reach, "a wheelset meets the last patch")
         else:
             reach = reach_of(scenario)
         axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
@@ -161,11 +161,11 @@ def reach_of(scenario: Scenario) -> float:
     has_traction = scenario.demand is not None and scenario.demand.has_traction
     reach = (FASTEST if has_traction else scenario.start.speed) * scenario.limits.horizon
     fastest = "any train" if has_traction else "[start] speed"
-    _demand_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
+    _require_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
     return reach
 
 
-def _demand_tabulated(scenario: Scenario, reach: float, what: str) -> None:
+def _require_tabulated(scenario: Scenario, reach: float, what: str) -> None:
     if reach > _FARTHEST:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] over distance is tabulated as far as {what}, {reach / 1e3:.3g} km; "
@@ -178,7 +178,7 @@ def _check_count(scenario: Scenario, what: str, count: int, wheelsets: int) -> N
         raise ScenarioError(f"{scenario.name}: {what} is for {count} wheelsets, the vehicle has {wheelsets}")
 
 
-def _demand_resolved(scenario: Scenario) -> None:
+def _require_resolved(scenario: Scenario) -> None:
     """Refuse a rail that changes faster than it is looked at.
 
     Raises:

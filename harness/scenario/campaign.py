@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.errors import ScenarioError
 from railgrip.scenario.file import installed, is_file
-from railgrip.scenario.load import demand_kind, read_toml, scenario_of, validated
+from railgrip.scenario.load import read_toml, require_kind, scenario_of, validated
 from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
@@ -144,7 +144,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     """
     path = installed(path, "campaigns")
     table = read_toml(path)
-    demand_kind(table, "campaign", path)
+    require_kind(table, "campaign", path)
     campaign = validated(CampaignFile, table, directory=path.parent, origin=path.name)
     axes = {
         axis: {

@@ -42,7 +42,7 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
     """
     path = installed(path, "library")
     table_of_file = read_toml(path)
-    demand_kind(table_of_file, "scenario", path)
+    require_kind(table_of_file, "scenario", path)
     table = merged(table_of_file, read_overrides(overrides))
     return scenario_of(table, directory=path.parent, origin=path.name)
 
@@ -75,7 +75,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ScenarioError(f"{name}: cannot be read: {problem}") from problem  # a path with a null in it
 
 
-def demand_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:
+def require_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:
     """Refuse a file of another kind, in one sentence in place of one for each of its keys.
 
     Raises:

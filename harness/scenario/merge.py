@@ -26,7 +26,7 @@ def parsed(text: str) -> dict[str, Any]:
     """
     try:
         table = tomllib.loads(text)
-        _demand_shallow(table, _DEEPEST)
+        _require_shallow(table, _DEEPEST)
     except RecursionError:
         raise tomllib.TOMLDecodeError(f"its tables are nested deeper than {_DEEPEST} levels") from None
     except ValueError as problem:
@@ -36,13 +36,13 @@ def parsed(text: str) -> dict[str, Any]:
     return table
 
 
-def _demand_shallow(value: Any, levels: int) -> None:
+def _require_shallow(value: Any, levels: int) -> None:
     if not isinstance(value, dict | list):
         return
     if not levels:
         raise RecursionError
     for inner in cast("Iterable[Any]", value.values() if isinstance(value, dict) else value):
-        _demand_shallow(inner, levels - 1)
+        _require_shallow(inner, levels - 1)
 
 
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
@@ -98,7 +98,7 @@ def nested(changes: Mapping[str, Any]) -> dict[str, Any]:
         for part in reversed(parts_of(key)):
             layer = {part: layer}
         try:
-            _demand_shallow(layer, _DEEPEST)
+            _require_shallow(layer, _DEEPEST)
         except RecursionError:
             raise ScenarioError(f"the value of {short(key)} is nested deeper than {_DEEPEST} levels") from None
         _insert(tree, layer)

@@ -193,11 +193,11 @@ def in_units(
             values[name] = magnitude.si(expected[name])
         except ValueError as problem:
             raise ScenarioError(f"{where} {name} {problem}") from problem
-        _demand_plausible(f"{where} {name}", values[name], expected[name])
+        _require_plausible(f"{where} {name}", values[name], expected[name])
     return values
 
 
-def _demand_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:
+def _require_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:
     """Refuse a value that no vehicle has; what is measured in a unit of one's own is not judged."""
     try:
         expected_unit = unit(unit_of_value) if isinstance(unit_of_value, str) else unit_of_value
