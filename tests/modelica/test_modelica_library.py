@@ -136,8 +136,7 @@ EXTENT = re.compile(r"extent=\{\{(-?\d+), (-?\d+)\}, \{(-?\d+), (-?\d+)\}\}")
 def test_a_class_has_an_icon_and_a_diagram_in_which_its_components_have_a_place(path: Path) -> None:
     """Places lie inside the diagram and do not cover each other."""
     source = text(path)
-    assert "Icon(" in code(path)
-    assert "%name" in source
+    assert "  extends Icons." in source or ("Icon(" in code(path) and "%name" in source)
     if not re.search(r"^(?:partial )?(?:model|block) ", source, re.MULTILINE):
         return
     edges = [int(x) for x in EXTENT.search(source, source.index("Diagram(")).groups()]
@@ -153,6 +152,15 @@ def test_a_class_has_an_icon_and_a_diagram_in_which_its_components_have_a_place(
         for other in places[:i]:
             apart = one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
             assert apart, f"{one} covers {other}"
+
+
+def test_the_icon_of_a_kind_is_drawn_once() -> None:
+    """A class draws what tells it from others over the icon that it extends."""
+    frames = [path for path in FILES if '"%name"' in text(path) and re.search(r"-100, 100\}, \{100, -100", text(path))]
+    kinds = [path for path in FILES if path.parent.name == "Icons" and path.name != "package.mo"]
+    assert {path for path in frames if path.parent.name != "Interfaces"} == set(kinds)
+    for kind in kinds:
+        assert any(f"  extends Icons.{kind.stem};" in text(path) for path in FILES), f"nothing looks like {kind.stem}"
 
 
 def without_strings(source: str) -> str:

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model Axle "Wheelset with its brake, or several that turn as one"
+  extends Icons.Component;
   replaceable block AxleContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
   replaceable block AxlePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
@@ -127,12 +128,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-70, 70}, {70, -70}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127}),
-        Rectangle(extent={{-15, 60}, {15, 30}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{-15, 60}, {15, 30}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

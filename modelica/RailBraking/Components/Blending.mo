@@ -1,5 +1,6 @@
 within RailBraking.Components;
 block Blending "Electrodynamic brake first, friction brake for the rest"
+  extends Icons.Component;
   parameter Integer n(min=1) = 2 "Number of units: axles, bogies or cars";
   parameter Types.Ratio share[n](each min=0) = fill(1/n, n)
     "Of the electrodynamic force that acts on each unit; sum 1";
@@ -31,12 +32,9 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-60, 60}, {60, 0}}, lineColor={0, 0, 127}),
         Rectangle(extent={{-60, 0}, {60, -60}}, lineColor={0, 0, 127}, fillColor={0, 0, 127},
-fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+fillPattern=FillPattern.Solid)}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model BodyForce "Force on a car body, of a magnetic track brake or of anything else"
+  extends Icons.Component;
   Interfaces.RealInput force(final unit="N") "Force on the car, forward"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.TranslationalFlange pivot "To the pivot of a car body"
@@ -13,11 +14,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-90, 0}, {90, 0}}, color={0, 0, 127}),
-        Line(points={{60, 20}, {90, 0}, {60, -20}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{60, 20}, {90, 0}, {60, -20}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>The force acts on what is connected; a brake gives a negative one.</p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model Bogie "Bogie of any number of axles, braked"
+  extends Icons.Component;
   replaceable block BogieContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
   replaceable block BogiePad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
@@ -147,13 +148,10 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-85, 10}, {85, 10}}, color={0, 0, 127}),
         Ellipse(extent={{-90, 0}, {-30, -60}}, lineColor={0, 0, 127}),
         Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127}),
-        Line(points={{0, 10}, {0, 100}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{0, 10}, {0, 100}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model BogieFrame "Bogie frame on its primary suspension: bounce and pitch"
+  extends Icons.Component;
   parameter Integer n(min=1) = 2 "Number of wheelsets" annotation(Evaluate=true);
   parameter Types.Mass m_wheelset[n](each start=14000) "Mass that each wheelset carries on the rail, its own included";
   parameter Types.Mass m_unsprung[n](each start=1500) "Mass of each wheelset itself";
@@ -53,12 +54,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-80, 10}, {80, 10}}, color={0, 0, 127}),
         Ellipse(extent={{-90, 0}, {-30, -60}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model CarBody "Mass of a car along the track, with drag"
+  extends Icons.Component;
   parameter Types.Mass m(min=1e-3, start=40000) "Mass of the car and its bogies, without rotating masses";
   parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
   parameter Data.Drag drag "Air";
@@ -39,12 +40,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-80, 50}, {80, -50}}, lineColor={0, 0, 127}),
         Line(points={{-100, 0}, {-80, 0}}, color={0, 0, 127}),
-        Line(points={{80, 0}, {100, 0}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{80, 0}, {100, 0}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

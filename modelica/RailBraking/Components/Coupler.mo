@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model Coupler "Coupler between two cars: spring, damper and slack; a bar when it is stiff and without slack"
+  extends Icons.Component;
   parameter Types.Stiffness k(min=1, start=5e7) "Stiffness";
   parameter Types.Damping c(min=0, start=5e5) "Damping";
   parameter Types.Length slack(min=0) = 0 "Way between pulling and pushing, half of it to either side at the start";
@@ -31,14 +32,11 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(
           points={
             {-100, 0}, {-60, 0}, {-50, 20}, {-30, -20}, {-10, 20}, {10, -20}, {30, 20}, {50, -20}, {60, 0}, {100, 0}},
           color={0, 0, 127}),
-        Rectangle(extent={{-60, -40}, {60, -70}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{-60, -40}, {60, -70}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 block ElectrodynamicBrake "Electrodynamic brake with its limits of force, power and low speed"
+  extends Icons.Component;
   parameter Types.Force F_max(start=60e3) "Largest force at the wheels";
   parameter Types.Power P_max(start=1e6) "Largest power at the wheels";
   parameter Types.Velocity v_full(start=3) "Speed down to which it brakes fully";
@@ -26,10 +27,7 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -60}, {-60, 40}, {0, 40}, {30, 5}, {80, -20}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -60}, {-60, 40}, {0, 40}, {30, 5}, {80, -20}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <blockquote><pre>

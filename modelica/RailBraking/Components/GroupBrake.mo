@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model GroupBrake "Brake units of one group, from the pad force to the torque"
+  extends Icons.Component;
   parameter Real n_units(final unit="1", start=2) "Number of brake units";
   parameter Types.Length r_friction(start=0.22) "Radius at which the pads rub";
   replaceable Friction.PadFriction pad constrainedby Interfaces.PartialPadFriction "Friction between pads and disc"
@@ -28,11 +29,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-60, 60}, {60, -60}}, lineColor={0, 0, 127}),
-        Rectangle(extent={{-15, 90}, {15, 40}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{-15, 90}, {15, 40}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>torque = n_units &mu; pad_force r_friction. Friction answers to the temperature of the bulk of the disc.</p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model GuidedBody "Car body with six motions on two bogies"
+  extends Icons.Component;
   parameter Types.Mass m(start=39000) "Mass";
   parameter Types.Inertia I_roll(start=6e4) "Inertia about the track";
   parameter Types.Inertia I_pitch(start=1.2e6) "Inertia across the track";
@@ -79,10 +80,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Rectangle(extent={{-80, 50}, {80, -50}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{-80, 50}, {80, -50}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

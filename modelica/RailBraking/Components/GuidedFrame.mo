@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model GuidedFrame "Bogie frame with six motions between two wheelsets and the car body"
+  extends Icons.Component;
   parameter Types.Mass m(start=2600) "Mass";
   parameter Types.Inertia I_roll(start=1700) "Inertia about the track";
   parameter Types.Inertia I_pitch(start=1500) "Inertia across the track";
@@ -72,12 +73,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-80, 10}, {80, 10}}, color={0, 0, 127}),
         Ellipse(extent={{-90, 0}, {-30, -60}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{30, 0}, {90, -60}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

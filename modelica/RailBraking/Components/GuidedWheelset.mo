@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rails, on elastic track"
+  extends Icons.Component;
   parameter Types.Mass m(start=1400) "Mass";
   parameter Types.Inertia I_yaw(start=800) "Inertia about the vertical axis";
   parameter Types.Inertia J(start=110) "Inertia about the axle";
@@ -100,12 +101,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-70, 0}, {70, 0}}, color={0, 0, 127}),
         Rectangle(extent={{-60, 60}, {-40, -60}}, lineColor={0, 0, 127}),
-        Rectangle(extent={{40, 60}, {60, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{40, 60}, {60, -60}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

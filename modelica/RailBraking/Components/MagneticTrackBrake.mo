@@ -1,5 +1,6 @@
 within RailBraking.Components;
 block MagneticTrackBrake "Magnets that are drawn to the rail and rub on it"
+  extends Icons.Component;
   parameter Real n_magnets(final unit="1", start=2) "Number of magnets of one bogie or car";
   parameter Types.Force F_attraction(start=66e3) "Force that draws one magnet to the rail";
   parameter Types.Ratio mu_stand = 0.2 "Friction at standstill";
@@ -29,13 +30,10 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-70, 20}, {70, -20}}, lineColor={0, 0, 127}),
         Line(points={{-90, -30}, {90, -30}}, color={0, 0, 127}, thickness=1),
         Line(points={{-40, 60}, {-40, 20}}, color={0, 0, 127}),
-        Line(points={{40, 60}, {40, 20}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{40, 60}, {40, 20}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <blockquote><pre>

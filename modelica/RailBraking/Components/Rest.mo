@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model Rest "When a train is at rest"
+  extends Icons.Component;
   parameter Integer n(min=1) = 1 "Number of cars" annotation(Evaluate=true);
   parameter Types.Velocity v_rest(min=1e-6) = 1e-3 "Speed at which the train comes to rest if it can be held";
   parameter Types.Force F_small(min=1e-3) = 10 "Force by which the track must exceed what holds the train to move it";
@@ -21,10 +22,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-70, 60}, {20, -50}, {80, -50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-70, 60}, {20, -50}, {80, -50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

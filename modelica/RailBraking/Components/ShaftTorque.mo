@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model ShaftTorque "Torque of a drive or an electrodynamic brake on an axle"
+  extends Icons.Component;
   Interfaces.RealInput torque(final unit="N.m") "Torque on the axle, forward"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.RotationalFlange shaft "To the shaft of an axle"
@@ -13,11 +14,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-100, 0}, {100, 0}}, color={0, 0, 127}),
-        Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>The torque acts on what is connected; a brake gives a negative one.</p>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model TrainBody "All masses of the train along the track, with drag and rest"
+  extends Icons.Component;
   parameter Types.Mass m(start=84000) "Mass of the whole train, without rotating masses";
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
   parameter Types.Area A_drag = 10 "Frontal area";
@@ -53,10 +54,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Rectangle(extent={{-80, 50}, {80, -50}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{-80, 50}, {80, -50}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

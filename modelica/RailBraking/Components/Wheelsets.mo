@@ -1,5 +1,6 @@
 within RailBraking.Components;
 model Wheelsets "Wheelsets that turn as one, with their contacts"
+  extends Icons.Component;
   replaceable block WheelsetsContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
   parameter Integer n(min=1) = 1 "Number of wheelsets coupled to each other" annotation(Evaluate=true);
@@ -76,10 +77,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Ellipse(extent={{-70, 70}, {70, -70}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{-70, 70}, {70, -70}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

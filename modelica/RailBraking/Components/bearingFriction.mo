@@ -1,5 +1,6 @@
 within RailBraking.Components;
 function bearingFriction "Resistance of the axle bearings over load"
+  extends Icons.Function;
   input Types.Ratio mu_bearing "Friction coefficient of the bearings";
   input Types.Length r_bearing "Radius of the bearings";
   input Types.Length r_wheel "Rolling radius of the wheels";
@@ -7,13 +8,6 @@ function bearingFriction "Resistance of the axle bearings over load"
 algorithm
   f := 1/sqrt((r_wheel/(mu_bearing*r_bearing))^2*(1 + mu_bearing^2) - 1);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>Schwarz, L&uuml;dicke and Heckmann (2019), equation (5); about mu_bearing r_bearing/r_wheel.</p>
 <h4>Syntax</h4>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 function deflectionAcceleration "Second derivative of the deflection over one wheelset of a bogie"
+  extends Icons.Function;
   input Types.Torque torque "Torque that tips the frame nose-down, springs excluded";
   input Types.Force spring "Spring and damper force over this wheelset, change from static, compression positive";
   input Types.Force spring_other "The same over the other wheelset";
@@ -15,13 +16,6 @@ algorithm
   pitch := (torque - (spring - spring_other)*arm)/I_frame;
   a := bounce + pitch*arm;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Components;
 function frameTorque "Torque that tips a bogie frame nose-down in braking, springs excluded"
+  extends Icons.Function;
   input Types.Force F "Braking force of the track on both wheelsets together";
   input Types.Torque tau "Brake torque on both wheelsets together";
   input Types.Acceleration a "Acceleration along the track";
@@ -17,13 +18,6 @@ algorithm
   rod := X + m_frame*a;
   torque := tau + X*(h_frame - r_wheel) - rod*(h_frame - h_rod);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,17 +1,12 @@
 within RailBraking.Contact;
 record Parameters "Polach's description of a rail surface"
+  extends Icons.Record;
   parameter Types.Ratio k_A(min=0, max=1) "Reduction of the creep stiffness in the area of adhesion";
   parameter Types.Ratio k_S(min=0, max=1) "Reduction of the creep stiffness in the area of slip, not above k_A";
   parameter Types.Ratio mu0(min=0, max=1) "Maximum friction coefficient, at no slip speed";
   parameter Types.Ratio A(min=0, max=1) "Friction at infinite slip speed over maximum friction";
   parameter Types.InverseVelocity B(min=0) "Rate at which friction falls with slip speed";
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 k_A and k_S are those of Polach (2005): (k_A + k_S)/2 is the creep stiffness over that of a clean, smooth

@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 block WheelsetContact "The two contacts of one wheelset"
+  extends Icons.Contact;
   extends Interfaces.PartialContact;
   final parameter Real factor = creepFactor(r/(1 + r*curvature_rail), r_rail, E, nu)
     "Slope of epsilon, see creepFactor";
@@ -16,11 +17,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-50, 70}, {50, -30}}, lineColor={0, 0, 127}),
-        Line(points={{-80, -30}, {80, -30}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -30}, {80, -30}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 function combinedChord "Adhesion over creepage of a wheel that creeps along and across the track"
+  extends Icons.Function;
   input Types.Ratio creep_x "Creepage along the track, positive when the wheel turns too slowly";
   input Types.Ratio creep_y "Creepage across the track";
   input Types.Velocity v "Speed of the wheelset, positive";
@@ -21,13 +22,6 @@ algorithm
   factor_here := factor*sqrt(creep_x^2 + (ratio*creep_y)^2 + creep_small^2)/creep;
   chord := polach(creep, creep*v, Q, mu0, factor_here, k_A, k_S, A, B)/creep;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 function creepFactor "Slope of Polach's epsilon over slip, times friction and the cube root of the load"
+  extends Icons.Function;
   input Types.Length r "Rolling radius of the wheel";
   input Types.Length r_rail "Radius of the rail head across the track";
   input Types.Modulus E "Young's modulus of wheel and rail";
@@ -13,13 +14,6 @@ algorithm
   (a, b) := hertz(Q, r, r_rail, E, nu);
   factor := E/(2*(1 + nu))*3.14159265358979*a*b*kalker11(a/b)/(4*Q^(2/3));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 Everything in &epsilon; that does not change while a train runs. The slope of the force at small slip is

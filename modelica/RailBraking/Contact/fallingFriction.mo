@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 function fallingFriction "Friction at a slip speed"
+  extends Icons.Function;
   input Types.Velocity slip_speed "Speed of the wheel over the rail";
   input Types.Ratio mu0 "Maximum friction coefficient";
   input Types.Ratio A "Friction at infinite slip speed over maximum friction";
@@ -12,13 +13,6 @@ algorithm
   w := sqrt(slip_speed^2 + w_small^2) - w_small;
   mu := mu0*((1 - A)*exp(-B*w) + A);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 function hertz "Semi-axes of the contact ellipse of a conical wheel on a rail head"
+  extends Icons.Function;
   input Types.Force Q "Load of the wheel";
   input Types.Length r "Rolling radius of the wheel";
   input Types.Length r_rail "Radius of the rail head across the track";
@@ -20,13 +21,6 @@ algorithm
   a := c*sqrt(ratio);
   b := c/sqrt(ratio);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 Greenwood's approximation (Tribology International 30, 1997) of Hertz's solution with elliptic integrals: with the

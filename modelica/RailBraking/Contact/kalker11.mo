@@ -1,17 +1,11 @@
 within RailBraking.Contact;
 function kalker11 "Kalker's coefficient of longitudinal creepage"
+  extends Icons.Function;
   input Types.Ratio ratio "Semi-axis along the track over semi-axis across";
   output Types.Ratio c11 "Kalker's coefficient";
 algorithm
   c11 := 3.1190 + ratio*(0.99604 - 0.0018374*ratio);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 Parabola through Kalker's table for Poisson's ratio 0.25 (Kalker, Three-dimensional Elastic Bodies in Rolling

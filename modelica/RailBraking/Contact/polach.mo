@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 function polach "Adhesion of a wheel at a slip"
+  extends Icons.Function;
   input Types.Ratio slip "Slip, 0 rolling, 1 locked";
   input Types.Velocity slip_speed "Speed of the wheel over the rail";
   input Types.Force Q "Load of the wheel";
@@ -19,13 +20,6 @@ algorithm
   epsilon := factor*slip/((mu + mu_small)*Q^(1/3));
   alpha := 2*mu/3.14159265358979*(k_A*epsilon/(1 + (k_A*epsilon)^2) + atan(k_S*epsilon));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

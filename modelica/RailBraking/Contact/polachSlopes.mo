@@ -1,5 +1,6 @@
 within RailBraking.Contact;
 function polachSlopes "Derivatives of the creep force of a wheel at a given friction"
+  extends Icons.Function;
   input Types.Ratio creep "Total creep";
   input Types.Ratio friction "Friction coefficient at the present creep speed, positive";
   input Types.Force Q "Load of the wheel";
@@ -21,13 +22,6 @@ algorithm
   by_creep := 2*Q/3.14159265358979*factor/Q^(1/3)*slope;
   by_friction := 2*Q/3.14159265358979*(E/(1 + E^2) + atan(S) - epsilon*slope);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Data;
 record Creep "Contact of wheels and rails, but for the friction itself"
+  extends Icons.Record;
   parameter Types.Ratio k_A(min=0, max=1) = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
   parameter Types.Ratio k_S(min=0, max=1) = 0.1 "Polach: reduction of the creep stiffness in the area of slip";
   parameter Types.Ratio A(min=0, max=1) = 0.4 "Polach: friction at infinite slip speed over maximum friction";
@@ -11,12 +12,6 @@ record Creep "Contact of wheels and rails, but for the friction itself"
   parameter Types.Ratio nu(min=0, max=0.5) = 0.28 "Poisson's ratio of wheel and rail";
   parameter Types.Velocity v_small(min=1e-3) = 0.1 "Speed below which slip is regularised";
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 Parameters of <a href=\"modelica://RailBraking.Contact.WheelsetContact\">WheelsetContact</a>; the defaults are a wet

@@ -1,16 +1,11 @@
 within RailBraking.Data;
 record CreepCurve "Shape of the creep curve of a wheelset, which may change along the track"
+  extends Icons.Record;
   Types.Ratio k_A(min=0, max=1) = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
   Types.Ratio k_S(min=0, max=1) = 0.1 "Polach: reduction of the creep stiffness in the area of slip, not above k_A";
   Types.Ratio A(min=0, max=1) = 0.4 "Polach: friction at infinite slip speed over maximum friction";
   Types.InverseVelocity B(min=0) = 0.2 "Polach: rate at which friction falls with slip speed";
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 What <a href=\"modelica://RailBraking.Contact.polach\">Contact.polach</a> takes beside the friction. A vehicle has one

@@ -1,5 +1,6 @@
 within RailBraking.Data;
 record Disc "Brake disc of one kind, and the air that cools it"
+  extends Icons.Record;
   parameter Types.Mass m(min=1e-3) = 110 "Mass of the disc";
   parameter Types.Mass m_surface(min=1e-3) = 12 "Mass of the friction rings near the surface";
   parameter Types.SpecificHeat c_p(min=1e-3) = 500 "Specific heat capacity of grey iron";
@@ -9,12 +10,6 @@ record Disc "Brake disc of one kind, and the air that cools it"
   parameter Types.Ratio pad_share(min=0, max=1) = 0.07 "Share of the friction heat that stays in the pads";
   parameter Types.Temperature T_ambient = 293.15 "Temperature of the air";
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>Parameters of <a href=\"modelica://RailBraking.Friction.Disc\">Disc</a>.</p>
 </html>"));

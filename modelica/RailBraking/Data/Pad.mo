@@ -1,5 +1,6 @@
 within RailBraking.Data;
 record Pad "Friction of a kind of brake pads"
+  extends Icons.Record;
   parameter Types.Ratio speed_effect = 0.12 "Rise of friction from nominal speed to standstill, relative";
   parameter Types.Velocity pad_speed_nominal(min=1e-3) = 13 "Sliding speed at which friction is nominal";
   parameter Types.Ratio temperature_effect = 0.10 "Rise of friction over the temperature range, relative";
@@ -13,12 +14,6 @@ record Pad "Friction of a kind of brake pads"
   parameter Types.Time T_settle(min=1e-3) = 3 "Time in which friction settles at little power";
   parameter Types.Force F_release(min=1e-3) = 1e3 "Pad force below which pads count as released";
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>
 Parameters of <a href=\"modelica://RailBraking.Friction.PadFriction\">PadFriction</a> that all groups of a train

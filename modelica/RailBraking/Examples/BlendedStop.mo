@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model BlendedStop "Stop of a tram with electrodynamic, friction and track brake"
+  extends Icons.Example;
   parameter Types.Mass m = 42000 "Mass";
   parameter Types.Acceleration demanded = 1.2 "Deceleration that is demanded of the wheels";
   Components.Blending blending(n=3, share={0.5, 0, 0.5}) "Outer bogies are motored"
@@ -34,13 +35,6 @@ equation
   der(s) = v;
   m*der(v) = -noEvent(if v > 0 then dynamic.force + friction + magnets.force else 0);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=8, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

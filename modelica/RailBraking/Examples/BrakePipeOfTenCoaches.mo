@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model BrakePipeOfTenCoaches "Emergency brake of a locomotive with ten coaches through the brake pipe"
+  extends Icons.Example;
   parameter Integer n = 11 "Vehicles";
   Pneumatics.Compressor compressor(q_nominal=0.04) "On the locomotive"
     annotation(Placement(transformation(extent={{-110, 60}, {-90, 80}})));
@@ -43,13 +44,6 @@ equation
     full = time - 1;
   end when;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=15, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

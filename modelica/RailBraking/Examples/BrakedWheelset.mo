@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model BrakedWheelset "One braked wheelset under a mass, put together from components"
+  extends Icons.Example;
   parameter Types.Mass m = 14500 "Mass on the wheelset";
   Pneumatics.PrescribedPressure cylinder(p_max=2e5, V=6e-3) "Cylinder with a measured pressure"
     annotation(Placement(transformation(extent={{-73, 20}, {-33, 60}})));
@@ -33,13 +34,6 @@ equation
   connect(wheelset.capacity, body.capacity)
     annotation(Line(points={{-33, -40}, {-27, -40}, {-27, -40}, {-20, -40}}, color={0, 0, 127}));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=30, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

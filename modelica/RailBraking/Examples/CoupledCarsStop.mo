@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model CoupledCarsStop "Emergency stop of two coupled cars of which one does not brake"
+  extends Icons.Example;
   FMUs.Consist train(
     cars=2, speed_start=60/3.6, k_A=dry.k_A, k_S=dry.k_S, A_falling=dry.A, B_falling=dry.B, k_coupler=1e7,
     c_coupler=2e5, slack_coupler=0.04) "Train"
@@ -13,13 +14,6 @@ equation
   train.mu0 = fill(dry.mu0, 8);
   train.track_force = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=60, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model CreepCurves "Adhesion over slip of every named surface at 80 km/h"
+  extends Icons.Example;
   parameter Types.Velocity v = 80/3.6 "Speed of the wheelset";
   parameter Types.Force Q = 68.7e3 "Load of a wheel";
   parameter Types.Time T = 1 "Time in which slip goes from zero to one";
@@ -64,13 +65,6 @@ equation
   alpha_soap = Contact.polach(slip, slip*v, Q, soap.mu0, factor, soap.k_A, soap.k_S, soap.A, soap.B);
   alpha_leaf = Contact.polach(slip, slip*v, Q, leaf.mu0, factor, leaf.k_A, leaf.k_S, leaf.A, leaf.B);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=1, Tolerance=1e-8, Interval=0.0005),
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model DownhillStop "Stop on a falling gradient in a curve, and the same on level track"
+  extends Icons.Example;
   FMUs.TwoPartTrain train(speed_start=60/3.6) "Train on the gradient"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   FMUs.TwoPartTrain train_level(speed_start=60/3.6) "Train on level track"
@@ -23,13 +24,6 @@ equation
   train.mu0 = fill(0.3, 6);
   train_level.mu0 = fill(0.3, 6);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=25, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

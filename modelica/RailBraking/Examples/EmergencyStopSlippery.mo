@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model EmergencyStopSlippery "Emergency stop from 80 km/h on a slippery rail without wheel-slide protection"
+  extends Icons.Example;
   FMUs.TwoPartTrain train(speed_start=80/3.6) "Train; its surface is that of a wet rail"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   Types.Ratio build_up "Share of full pressure after 0.4 s of dead time, with a time constant of 0.5 s";
@@ -9,13 +10,6 @@ equation
   train.mu0 = {0.10, 0.10, 0.10, 0.10, 0.10, 0.10};
   train.track_force = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=45, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model InstrumentedCar "The instrumented car meets a sine in the alignment"
+  extends Icons.Example;
   FMUs.MultiPurposeVehicle car(speed_set=17.88, k_A=0.3, k_S=0.1) "Car on wet rail"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
@@ -13,13 +14,6 @@ equation
   car.gauge = zeros(4);
   car.mu0 = fill(0.2, 4);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=10, Tolerance=1e-6, Interval=0.005),
     Documentation(info="<html>

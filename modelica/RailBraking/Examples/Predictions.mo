@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model Predictions "The prediction models of a train beside each other, braked at a constant adhesion"
+  extends Icons.Example;
   FMUs.TrainPrediction full(alpha_start={0.12, 0.08, 0.08, 0.12}) "With suspension"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
   FMUs.TrainPredictionReduced reduced(alpha_start={0.12, 0.08, 0.08, 0.12}) "Without suspension"
@@ -15,13 +16,6 @@ equation
   full.track_force = 0;
   reduced.track_force = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=2, Tolerance=1e-8, Interval=0.001),
     Documentation(info="<html>

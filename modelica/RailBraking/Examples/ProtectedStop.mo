@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model ProtectedStop "Stop from 50 km/h on a slippery rail with valves and a plain slip control"
+  extends Icons.Example;
   parameter Types.Ratio slip_low = 0.10 "Slip below which a group is filled";
   parameter Types.Ratio slip_high = 0.15 "Slip above which a group is vented";
   FMUs.TwoPartTrainPneumatic train(speed_start=50/3.6, hysteresis=0.06) "Train"
@@ -13,13 +14,6 @@ equation
   train.mu0 = {0.08, 0.08, 0.085, 0.09, 0.095, 0.095};
   train.track_force = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=30, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model WagonStop "Wagon braked on a rail that is worse under its front wheelset"
+  extends Icons.Example;
   FMUs.Wagon wagon(speed_start=10) "Wagon"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 equation
@@ -7,13 +8,6 @@ equation
   wagon.pressure_command = {1.5e5, 1.5e5};
   wagon.track_force = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=5, Tolerance=1e-7, Interval=0.01),
     Documentation(info="<html>

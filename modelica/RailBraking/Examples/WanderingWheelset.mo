@@ -1,5 +1,6 @@
 within RailBraking.Examples;
 model WanderingWheelset "A wheelset on a wavy dry track, and what three predictions without readings make of it"
+  extends Icons.Example;
   parameter Types.Velocity v = 25 "Speed along the track";
   parameter Types.Length amplitude = 3e-3 "Of the track";
   parameter Types.Frequency f = 1 "At which the track is passed";
@@ -45,13 +46,6 @@ equation
   point.mu0 = exp(known.log_mu0);
   point.speed = v;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Polygon(points={{-40, 60}, {60, 0}, {-40, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     experiment(StopTime=3, Tolerance=1e-8, Interval=0.001),
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block ContactPoint "Adhesion of one wheelset at a given slip, speed, load and friction"
+  extends Icons.Vehicle;
   parameter Types.Length r_wheel(min=1e-3) = 0.38 "Rolling radius of the wheels";
   parameter Types.Ratio k_A(min=0, max=1) = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
   parameter Types.Ratio k_S(min=0, max=1) = 0.1 "Polach: reduction of the creep stiffness in the area of slip";
@@ -24,12 +25,6 @@ protected
 equation
   adhesion = Contact.polach(slip, slip*speed, load/2, mu0, factor, k_A, k_S, A_falling, B_falling);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block LateralContact "Creep, creep force and friction of a wheelset in a given lateral motion"
+  extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite creep speed over maximum friction";
   parameter Types.InverseVelocity B_falling = 0.2 "Polach: rate at which friction falls with creep speed";
@@ -27,12 +28,6 @@ equation
   creep_force = Q*Contact.polach(creep, creep*speed, Q, mu0, factor, k_A, k_S, A_falling, B_falling);
   friction = Contact.fallingFriction(creep*speed, mu0, A_falling, B_falling);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block LateralLiteral "Lateral dynamics as five states, creep, friction and creep force among them"
+  extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Ratio friction_start = 0.46 "Friction coefficient at the start";
   Interfaces.RealInput lateral_position(final unit="m", start=0) "Integral of the lateral velocity"
@@ -56,12 +57,6 @@ equation
   der(U) = friction_rate;
   der(F) = F_by_creep*creep_rate + F_by_friction*friction_rate;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,17 +1,12 @@
 within RailBraking.FMUs;
 block LateralPrediction "Lateral dynamics with unknown friction, on a track whose position is known"
+  extends Icons.Vehicle;
   extends Vehicles.PartialLateralPrediction;
   Interfaces.RealInput track(final unit="m", start=0) "Lateral position of the middle of the track"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
 equation
   displacement = y - track;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Five states: y, dy, psi, dpsi, log_mu0, in this order.</p>

@@ -1,6 +1,7 @@
 within RailBraking.FMUs;
 block LateralPredictionUnknownTrack
   "Lateral dynamics with unknown friction, on a track of which only the spectrum is known"
+  extends Icons.Vehicle;
   extends Vehicles.PartialLateralPrediction;
   parameter Types.Frequency track_frequency = 2 "Corner frequency of the track irregularity at the present speed";
   parameter Types.Ratio track_damping = 0.70710678118654752 "Damping of the irregularity's low-pass";
@@ -13,12 +14,6 @@ equation
   der(track) = track_rate;
   der(track_rate) = -w_track^2*track - 2*track_damping*w_track*track_rate;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block LateralWheelset "Conical wheelset on two halves of a torsional axle, disturbed sideways by the track"
+  extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Velocity speed_start(min=1) = 25 "Speed at the start";
   parameter Types.Inertia J[2] = {134, 64} "Inertia of right and left half of the axle with its wheel";
@@ -79,12 +80,6 @@ equation
   J[2]*der(w[2]) = torsion - r_wheel*F_x[2];
   der(theta) = w[1] - w[2];
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block RollerRig "One braked wheelset on a roller that stands for the rail and for the wagon"
+  extends Icons.Vehicle;
   extends Vehicles.PartialRollerRig;
   parameter Types.Time T_fill = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));
   parameter Types.Time T_vent = 0.2 "Time constant of venting" annotation(Dialog(group="Brake"));
@@ -27,12 +28,6 @@ equation
   connect(rigging.pad_force, pad_force)
     annotation(Line(points={{62, -60}, {95, -60}, {95, -19}, {110, -19}}, color={0, 0, 127}));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <h4>Limitations</h4>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block RollerRigPrediction "Roller rig as an estimator believes it to be"
+  extends Icons.Vehicle;
   parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start";
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
   parameter Types.Ratio alpha_start = 0 "Adhesion at the start";
@@ -41,12 +42,6 @@ equation
   der(mu_b) = mu_b_relaxes*Friction.relaxation(mu_b, mu_b_rest, T_mu);
   der(alpha) = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block TrainPrediction "Two-part train as an estimator believes it to be"
+  extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartPrediction(
     final n_bogies=3, final group_of_wheelset={1, 1, 2, 3, 4, 4},
     m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},
@@ -10,12 +11,6 @@ block TrainPrediction "Two-part train as an estimator believes it to be"
   parameter Types.Stiffness k_primary = 2.4e6 "Stiffness of the primary suspension over one wheelset";
   parameter Types.Damping c_primary = 2.4e4 "Damping of the primary suspension over one wheelset";
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

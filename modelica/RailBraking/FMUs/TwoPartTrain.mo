@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block TwoPartTrain "Two-part train whose cylinders follow pressure commands"
+  extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartTrain;
   parameter Types.Time T_pressure(min=1e-4) = 0.02 "Time constant of the cylinder pressure"
     annotation(Dialog(group="Brake"));
@@ -27,12 +28,6 @@ equation
   end for;
   air_flow = sum(cylinder.air_flow);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and vented by valves"
+  extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartTrain;
   parameter Types.Time T_fill(min=1e-3) = 0.4 "Time constant of filling" annotation(Dialog(group="Brake"));
   parameter Types.Time T_vent(min=1e-3) = 0.2 "Time constant of venting" annotation(Dialog(group="Brake"));
@@ -43,12 +44,6 @@ equation
   end for;
   air_flow = sum(cylinder.air_flow);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

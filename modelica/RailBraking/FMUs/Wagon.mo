@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block Wagon "Wagon of two braked wheelsets whose cylinders follow pressure commands"
+  extends Icons.Vehicle;
   extends Vehicles.PartialWagon;
   parameter Types.Time T_pressure = 0.05 "Time constant of the cylinder pressure" annotation(Dialog(group="Brake"));
   Interfaces.RealInput pressure_command[2](each final unit="Pa", each start=0)
@@ -25,12 +26,6 @@ equation
       annotation(Line(points={{62, -60}, {95, -60}, {95, -21}, {110, -21}}, color={0, 0, 127}));
   end for;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <h4>Limitations</h4>

@@ -1,5 +1,6 @@
 within RailBraking.FMUs;
 block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
+  extends Icons.Vehicle;
   parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start";
   parameter Types.Ratio mu_b_start[2] = {0.35, 0.35} "Pad friction at the start";
   parameter Types.Ratio alpha_start = 0 "Adhesion at the start";
@@ -59,12 +60,6 @@ equation
   m*der(v) = pull - adhesion_share*alpha*m*g;
   der(alpha) = 0;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Friction;
 block Disc "Brake disc of two thermal nodes, cooled by the airstream"
+  extends Icons.Component;
   parameter Types.Mass m = 110 "Mass of the disc";
   parameter Types.Mass m_surface = 12 "Mass of the friction rings near the surface";
   parameter Types.SpecificHeat c_p = 500 "Specific heat capacity of grey iron";
@@ -28,12 +29,6 @@ equation
   temperature = T_bulk;
   temperature_surface = T_surface;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Friction;
 block PadFriction "Pads whose friction follows temperature, speed and pressure"
+  extends Icons.Component;
   extends Interfaces.PartialPadFriction(mu(start=mu_start, fixed=true));
   output Types.Ratio mu_steady "Friction that the present conditions lead to";
 protected
@@ -11,12 +12,6 @@ equation
   rate = sqrt(1/T_settle^2 + (pad_force*pad_speed/E_settle)^2)*pad_force^4/(pad_force^4 + F_release^4);
   der(mu) = rate*(mu_steady - mu);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Friction;
 function relaxation "Rate of a pad friction that relaxes towards a rest value, the faster the smaller it is"
+  extends Icons.Function;
   input Types.Ratio mu "Pad friction";
   input Types.Ratio mu_rest "Pad friction that it leads to";
   input Types.Time T "Time constant, times pad friction";
@@ -10,13 +11,6 @@ protected
 algorithm
   rate := (mu_rest - mu)/(T*(mu_floor + Pneumatics.positivePart(mu - mu_floor, mu_small)));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

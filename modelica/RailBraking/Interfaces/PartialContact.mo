@@ -1,5 +1,6 @@
 within RailBraking.Interfaces;
 partial block PartialContact "What carries the force between a wheelset and its rails"
+  extends Icons.Component;
   parameter Types.Length r(start=0.38) "Rolling radius of the wheels";
   parameter Types.Length r_rail = 0.30 "Radius of the rail head across the track";
   parameter Types.Curvature curvature_rail(min=0) = 0
@@ -25,12 +26,6 @@ partial block PartialContact "What carries the force between a wheelset and its 
   RealOutput heat_flow(final unit="W") "Heat made in both contacts"
     annotation(Placement(transformation(extent={{100, -85}, {120, -65}})));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

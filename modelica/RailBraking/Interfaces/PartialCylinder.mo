@@ -1,5 +1,6 @@
 within RailBraking.Interfaces;
 partial block PartialCylinder "What fills and empties the brake cylinders of one group"
+  extends Icons.Component;
   parameter Types.Pressure p_max(start=3.4e5) "Largest pressure that reaches the cylinders";
   parameter Types.Volume V(start=6e-3) "Volume of all cylinders and hoses of the group";
   parameter Types.Pressure p_start = 0 "Pressure at the start";
@@ -11,12 +12,6 @@ partial block PartialCylinder "What fills and empties the brake cylinders of one
   RealOutput air_flow(final unit="m3/s") "Free air taken from the supply"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Free air is counted at the temperature of the cylinder: V &Delta;p / p_free.</p>

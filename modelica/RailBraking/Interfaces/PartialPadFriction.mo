@@ -1,5 +1,6 @@
 within RailBraking.Interfaces;
 partial block PartialPadFriction "Friction coefficient between the pads and the disc of one group"
+  extends Icons.Component;
   parameter Types.Ratio mu_nominal = 0.35 "Friction at the nominal speed, pressure and temperature";
   parameter Types.Ratio speed_effect = 0.12 "Rise of friction from nominal speed to standstill, relative";
   parameter Types.Velocity pad_speed_nominal = 13 "Sliding speed at which friction is nominal";
@@ -22,12 +23,6 @@ partial block PartialPadFriction "Friction coefficient between the pads and the 
   RealOutput mu(final unit="1") "Friction coefficient"
     annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model Accelerator "Accelerator valve: vents the brake pipe where it stands when its pressure falls fast"
+  extends Icons.Pneumatic;
   parameter Real C(final unit="m3/(s.Pa)", min=0) = 2e-7 "Sonic conductance of the vent, about 1 cm2";
   parameter Types.PressureRate rate_open(min=1) = 5e4 "Fall of the pressure at which it opens";
   parameter Types.Pressure p_close = 2.5e5 "Pressure of the pipe at which it closes again";
@@ -24,12 +25,9 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{0, 100}, {0, 20}}, color={0, 0, 127}),
         Line(points={{-40, 20}, {40, 20}, {0, -40}, {-40, 20}}, color={0, 0, 127}),
-        Line(points={{0, -40}, {0, -80}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{0, -40}, {0, -80}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

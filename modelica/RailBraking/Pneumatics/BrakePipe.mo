@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model BrakePipe "Brake pipe through a train, one cell to a car"
+  extends Icons.Pneumatic;
   parameter Integer n(min=1) = 2 "Number of cells";
   parameter Types.Length length[n](each start=26.4) "Length of pipe in each cell";
   parameter Types.Length D = 0.032 "Inner diameter";
@@ -43,12 +44,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-100, 20}, {100, -20}}, lineColor={0, 0, 127}),
         Line(points={{-30, 20}, {-30, -20}}, color={0, 0, 127}),
-        Line(points={{30, 20}, {30, -20}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{30, 20}, {30, -20}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Mass and momentum of isothermal air, with the free air q that crosses the border of a cell and the absolute

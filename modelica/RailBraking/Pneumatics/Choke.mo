@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model Choke "Orifice between two parts"
+  extends Icons.Pneumatic;
   parameter Real C(final unit="m3/(s.Pa)", start=1e-8) "Sonic conductance";
   Interfaces.AirPort a "One side"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
@@ -12,11 +13,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-90, 60}, {0, 20}, {90, 60}}, color={0, 0, 127}),
-        Line(points={{-90, -60}, {0, -20}, {90, -60}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-90, -60}, {0, -20}, {90, -60}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>See <a href=\"modelica://RailBraking.Pneumatics.orificeFlow\">orificeFlow</a>.</p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model Compressor "Compressor that keeps a pressure between two limits"
+  extends Icons.Pneumatic;
   parameter Types.VolumeFlow q_nominal(start=0.02) "Free air that it delivers while it runs";
   parameter Types.Pressure p_in = 8.5e5 "Pressure at which it starts";
   parameter Types.Pressure p_out = 10e5 "Pressure at which it stops";
@@ -23,12 +24,9 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-60, 60}, {60, -60}}, lineColor={0, 0, 127}),
         Line(points={{-45, 40}, {58, 14}}, color={0, 0, 127}),
-        Line(points={{-45, -40}, {58, -14}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-45, -40}, {58, -14}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Screw and piston compressors of multiple units deliver 0.5 to 2 m&sup3;/min and are governed between 8.5 and 10

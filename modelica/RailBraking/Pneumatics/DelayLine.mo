@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 block DelayLine "Signal as it was a while ago"
+  extends Icons.Pneumatic;
   parameter Types.Time delay(min=0, start=0.4) "How long ago";
   parameter Integer n(min=2) = 101 "Samples that are kept";
   parameter Types.Time period = 0.01 "Between samples; make it final";
@@ -23,10 +24,7 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -50}, {0, -50}, {0, 50}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -50}, {0, -50}, {0, 50}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model DriversBrakeValve "Valve that keeps the brake pipe at a pressure, or vents it"
+  extends Icons.Pneumatic;
   parameter Real C_fill(final unit="m3/(s.Pa)") = 1.5e-7 "Sonic conductance when filling";
   parameter Real C_vent(final unit="m3/(s.Pa)") = 1e-7 "Sonic conductance of service braking";
   parameter Real C_emergency(final unit="m3/(s.Pa)") = 8e-7 "Sonic conductance of the emergency opening";
@@ -30,11 +31,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-50, 50}, {50, -50}}, lineColor={0, 0, 127}),
-        Line(points={{0, 0}, {30, 90}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{0, 0}, {30, 90}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 block ElectropneumaticCommand "Pressure demanded by wire: the same delay and build-up in each car"
+  extends Icons.Pneumatic;
   parameter Types.Time delay = 0.4 "From the demand to the first pressure";
   parameter Types.Time T = 0.5 "Time constant of the build-up";
   parameter Types.Time T_release = 0.5 "Time constant of the release";
@@ -19,10 +20,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, -40}, {-10, 10}, {20, 35}, {80, 40}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, -40}, {-10, 10}, {20, 35}, {80, 40}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

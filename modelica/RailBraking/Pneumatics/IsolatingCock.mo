@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model IsolatingCock "Cock that shuts a brake unit off and vents it"
+  extends Icons.Pneumatic;
   parameter Boolean isolated = false "= true, if it is shut";
   parameter Real C(final unit="m3/(s.Pa)", start=4e-8) "Sonic conductance, open and of the vent";
   Interfaces.AirPort a "Supply"
@@ -13,13 +14,10 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-40, 40}, {40, -40}}, lineColor={0, 0, 127}),
         Line(points={{-100, 0}, {-40, 0}}, color={0, 0, 127}),
         Line(points={{40, 0}, {100, 0}}, color={0, 0, 127}),
-        Line(points={{0, 40}, {0, -40}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{0, 40}, {0, -40}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>One unit that hangs is shut off by hand; the others of its car brake on. Isolated for the whole simulation.</p>

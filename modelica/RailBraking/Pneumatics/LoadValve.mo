@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 block LoadValve "Pressure in proportion to the load"
+  extends Icons.Pneumatic;
   parameter Types.Mass m_tare(start=40000) "Load at and below which the pressure is lowest";
   parameter Types.Mass m_laden(start=50000) "Load at and above which the pressure is the demand";
   parameter Types.Ratio share_tare(min=0, max=1, start=0.8) "Share of the demand at and below m_tare";
@@ -18,10 +19,7 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-40, -40}, {40, 40}, {80, 40}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-40, -40}, {40, 40}, {80, 40}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <blockquote><pre>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 block ParkingUnit "Brake unit with a spring that parks and air that releases it"
+  extends Icons.Pneumatic;
   parameter Types.Area A_piston(start=0.0324) "Area of the service piston";
   parameter Types.Ratio i_rigging(start=6) "Force of both pads over force of the piston";
   parameter Types.Ratio eta_rigging(start=0.95) "Efficiency of the rigging";
@@ -23,11 +24,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-60, 60}, {-60, -60}}, color={0, 0, 127}),
-        Line(points={{-60, 0}, {-40, 30}, {-20, -30}, {0, 30}, {20, -30}, {40, 0}, {80, 0}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-60, 0}, {-40, 30}, {-20, -30}, {0, 30}, {20, -30}, {40, 0}, {80, 0}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 partial model PartialDistributor "Distributor valve; what share of its pressure the relay gives on is left open"
+  extends Icons.Pneumatic;
   parameter Types.Pressure p_max = 3.8e5 "Cylinder pressure of a full brake";
   parameter Types.Time T_fill = 4 "From the first pressure to 95 % of p_max when the pipe is vented";
   parameter Types.Time T_release = 17 "From p_max to 0.4 bar when the pipe is filled";
@@ -36,10 +37,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -60}, {-40, 40}, {10, 40}, {30, 0}, {80, -50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -60}, {-40, 40}, {10, 40}, {30, 0}, {80, -50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 block PrescribedPressure "Cylinders whose pressure is the command itself"
+  extends Icons.Pneumatic;
   extends Interfaces.PartialCylinder;
 equation
   pressure = command;
@@ -8,12 +9,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-70, 40}, {70, -40}}, lineColor={0, 0, 127}),
         Line(points={{-10, 40}, {-10, -40}}, color={0, 0, 127}),
-        Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-10, 0}, {90, 0}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>The cylinder that does nothing: for validation, and where the pressure was measured.</p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model PrescribedSupply "Air of a given pressure, as much as is wanted"
+  extends Icons.Pneumatic;
   Interfaces.RealInput pressure(final unit="Pa") "Pressure"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.AirPort port "Outlet" annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
@@ -9,10 +10,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Ellipse(extent={{-50, 50}, {50, -50}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{-50, 50}, {50, -50}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Where what supplies the cylinders is given, and not how its vessels empty.</p>

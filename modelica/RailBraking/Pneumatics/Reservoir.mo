@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model Reservoir "Vessel of compressed air"
+  extends Icons.Pneumatic;
   parameter Types.Volume V(min=1e-6, start=0.1) "Volume";
   parameter Types.Pressure p_start = 0 "Pressure at the start";
   Interfaces.AirPort port "Air"
@@ -16,10 +17,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Ellipse(extent={{-80, 40}, {80, -40}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{-80, 40}, {80, -40}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>V dp/dt = p_free q: the temperature stays that of the surroundings.</p>

@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 model TwoStageDistributor "Distributor in position R whose relay has a high and a low stage, chosen by speed"
+  extends Icons.Pneumatic;
   extends PartialDistributor;
   parameter Types.Ratio share_low(min=0, max=1) = 0.5 "Cylinder pressure of the low stage over that of the high one";
   parameter Types.Velocity v_up(min=0) = 70/3.6 "Speed at and above which the high stage comes in";
@@ -21,10 +22,7 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -60}, {-40, 40}, {10, 40}, {30, 0}, {80, -50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -60}, {-40, 40}, {10, 40}, {30, 0}, {80, -50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

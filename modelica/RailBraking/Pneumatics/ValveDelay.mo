@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 block ValveDelay "Dead time of a fill and a vent valve that share a three-state command"
+  extends Icons.Pneumatic;
   parameter Types.Time dead_fill = 0.05 "Dead time of the fill valve";
   parameter Types.Time dead_vent = 0.04 "Dead time of the vent valve";
   constant Types.Time period = 0.002 "Resolution of the dead times";
@@ -36,10 +37,7 @@ initial equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -50}, {0, -50}, {0, 50}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -50}, {0, -50}, {0, 50}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

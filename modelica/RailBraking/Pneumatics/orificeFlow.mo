@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 function orificeFlow "Free air through an orifice"
+  extends Icons.Function;
   input Real C(final unit="m3/(s.Pa)") "Sonic conductance: free air a second for a pascal of absolute pressure";
   input Types.Pressure p_a "Pressure on one side, above the atmosphere";
   input Types.Pressure p_b "Pressure on the other side, above the atmosphere";
@@ -14,13 +15,6 @@ algorithm
   dp := p_a - p_b;
   q := C*(if 2*p_low > p_high then 2*sqrt(p_low)*dp/sqrt(sqrt(dp^2 + 1e4)) elseif dp > 0 then p_high else -p_high);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Inline=true,
     Documentation(info="<html>
 <h4>Syntax</h4>

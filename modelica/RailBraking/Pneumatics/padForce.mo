@@ -1,5 +1,6 @@
 within RailBraking.Pneumatics;
 function padForce "Normal force of both pads of a brake unit together"
+  extends Icons.Function;
   input Types.Pressure pressure "Pressure in the cylinder, above the atmosphere";
   input Types.Area A_piston "Area of the piston";
   input Types.Ratio i_rigging "Force of both pads over force of the piston";
@@ -11,13 +12,6 @@ protected
 algorithm
   pad_force := eta_rigging*i_rigging*positivePart(pressure*A_piston - F_spring, F_small);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

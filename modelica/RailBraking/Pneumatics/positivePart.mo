@@ -1,18 +1,12 @@
 within RailBraking.Pneumatics;
 function positivePart "A number or zero, whichever is larger, with a rounded corner"
+  extends Icons.Function;
   input Real x "Number";
   input Real x_small "Width of the corner, in the unit of x, positive";
   output Real y "Positive number";
 algorithm
   y := (x + sqrt(x^2 + x_small^2))/2;
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Tracks;
 block UniformTrack "Track of constant gradient and curvature after a place"
+  extends Icons.Component;
   extends Interfaces.PartialTrack;
   parameter Types.Ratio gradient = 0 "Rise over length, positive uphill";
   parameter Types.Curvature curvature = 0 "Curvature";
@@ -12,12 +13,6 @@ equation
   share = (1 + tanh(4*(distance - begin)/transition))/2;
   track_force = share*(gradientForce(m, gradient) + curveForce(m, curvature, wheelbase));
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Gradient and curve set in together around <code>begin</code>, smoothly: the train is as long as the transition.</p>

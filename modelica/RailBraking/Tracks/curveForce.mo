@@ -1,5 +1,6 @@
 within RailBraking.Tracks;
 function curveForce "Force of a curve, forward, after Schwarz and others"
+  extends Icons.Function;
   input Types.Mass m "Mass of the train";
   input Types.Curvature curvature "Curvature of the track";
   input Types.Length wheelbase "Wheelbase of the bogies";
@@ -8,13 +9,6 @@ function curveForce "Force of a curve, forward, after Schwarz and others"
 algorithm
   F := -m*g*sqrt(curvature^2 + 1e-12)*(0.158*wheelbase + 0.033*gauge);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,18 +1,12 @@
 within RailBraking.Tracks;
 function gradientForce "Force of a gradient, forward"
+  extends Icons.Function;
   input Types.Mass m "Mass of the train";
   input Types.Ratio gradient "Rise over length along the horizontal, positive uphill";
   output Types.Force F "Force on the train, forward";
 algorithm
   F := -m*g*gradient/sqrt(1 + gradient^2);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Ellipse(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     smoothOrder=100,
     Inline=true,
     Documentation(info="<html>

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model AcceleratedPipe "Accelerators open in an emergency brake only, once, and vent as a choked vessel does"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=5e-3);
 
   constant Types.Volume V = 0.02 "Pipe of a vehicle";

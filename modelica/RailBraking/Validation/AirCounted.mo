@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model AirCounted "Every filling takes V p/p_free of free air"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   Pneumatics.ValveCylinder cylinder(p_max=3.4e5, V=6e-3, leak=0) "Cylinder filled by a valve";

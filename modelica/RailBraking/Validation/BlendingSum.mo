@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model BlendingSum "Electrodynamic and friction brake sum to the demand, and slide lowers both"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   Components.Blending blending(n=3, share={0.5, 0.5, 0}) "Two motored axles and a trailer";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model CarsOnACoupler "Two cars swing on an undamped coupler at its natural frequency"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   parameter Types.Mass m1 = 40e3 "Mass of the leading car";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ChokedVessel "A vessel empties through a choke as the nozzle formula says"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.Reservoir vessel(V=0.1, p_start=8e5) "Vessel";

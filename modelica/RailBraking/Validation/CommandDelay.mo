@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model CommandDelay "A demand by wire arrives late and builds up as a lag"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.ElectropneumaticCommand wire(delay=0.4, T=0.5, T_release=0.3) "Command";

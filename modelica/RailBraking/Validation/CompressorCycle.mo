@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model CompressorCycle "A compressor fills a reservoir in V (p_out - p_in)/(p_free q)"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   Pneumatics.Reservoir reservoir(V=0.5, p_start=8e5) "Main reservoir";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model CouplerForce "A coupler pulls the mass behind it by its share of the force"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Mass m1 = 80e3 "Mass of the leading car, which is held back";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model DiscCooling "A disc cools with its time constant"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Friction.Disc disc(G=1e7, T_start=500) "Disc, both nodes tied to each other";

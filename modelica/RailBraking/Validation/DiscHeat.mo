@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model DiscHeat "The disc keeps the heat of the pads"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   Friction.Disc disc(G_rest=0, G_speed=0) "Disc without cooling";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model DistributorTimes "Filling and release in positions P and G lie within the limits of UIC 540"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1);
 
   constant Types.Time shortest_fill[2] = {3, 18} "In P and G";

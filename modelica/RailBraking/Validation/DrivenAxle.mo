@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model DrivenAxle "Shaft torque and track brake take the energy that the car loses"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Velocity v_start = 10 "Speed at the start";

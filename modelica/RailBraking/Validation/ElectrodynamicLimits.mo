@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ElectrodynamicLimits "An electrodynamic brake gives constant force, then constant power, and fades out"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-3);
 
   Components.ElectrodynamicBrake brake(F_max=60e3, P_max=9e5, v_full=3, v_end=1, T=1e-3) "Brake";

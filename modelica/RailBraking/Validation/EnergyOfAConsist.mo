@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model EnergyOfAConsist "Energy of coupled cars becomes heat and work, nothing is lost"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   FMUs.Consist train(

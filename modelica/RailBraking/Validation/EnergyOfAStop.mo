@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model EnergyOfAStop "Energy of motion becomes heat and work, nothing is lost"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   FMUs.TwoPartTrain train(speed_start=85/3.6) "Train on a wet rail";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model HertzTable "Semi-axes and creep stiffness of the contact against tabulated values"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=0.01);
 
   parameter Types.Force Q[3] = {65.7e3, 69.2e3, 71.1e3} "Loads of a wheel";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model HoldingOnSlope "Brakes hold a train on a slope until the slope is too strong"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model HysteresisLoop "The pad force lies below the mean when applying and above it when releasing"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   Pneumatics.HystereticRigging rigging(A_piston=0.0324, i_rigging=6, eta_rigging=0.95, F_spring=1200, hysteresis=0.06)

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model IsolatedUnit "An isolated unit is vented and takes no air"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.Reservoir reservoir(V=0.1, p_start=5e5) "Supply";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model KlingelMotion "A free wheelset swings with Klingel's wavelength"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=0.02);
 
   parameter Types.Velocity v = 1 "Speed, so slow that inertia plays no part";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model LoadProportional "A load valve keeps the deceleration from tare to laden"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-9);
 
   Pneumatics.LoadValve valve(m_tare=40000, m_laden=50000, share_tare=0.8) "Valve";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model LoadTransfer "Braking shifts the load by the closed form"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Force F = 40e3 "Braking force of the track on both wheelsets";

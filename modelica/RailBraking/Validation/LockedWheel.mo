@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model LockedWheel "Locked wheels stop the train in v^2/(2 mu g)"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   parameter Types.Velocity v_start = 20 "Speed at the start";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model LowSupply "Cylinders fill to the pressure of a supply that rises slowly"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   parameter Types.Pressure p_end = 2e5 "Pressure that the supply comes to, below that of the cylinders";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model MomentumKept "Force times time is mass times speed, rotating masses included"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model PadRelaxation "Relaxing pad friction follows its closed form"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   parameter Types.Ratio mu_start = 0.20 "Pad friction at the start";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ParkedUnit "A vented parking cylinder parks, and never adds to the service brake"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   Pneumatics.ParkingUnit unit(A_piston=0.03, i_rigging=5, eta_rigging=1, F_spring=1000, F_parking=8000, p_release=4e5)

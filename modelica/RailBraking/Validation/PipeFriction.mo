@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model PipeFriction "Steady flow in a brake pipe falls in pressure as Darcy says of isothermal air"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   Pneumatics.Reservoir vessel(V=1e6, p_start=5e5) "So large that it keeps its pressure";

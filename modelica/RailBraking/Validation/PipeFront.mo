@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model PipeFront "The front in a brake pipe runs at 250 to 300 m/s"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=25/275);
 
   parameter Integer n = 60 "Cells";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model PitchMode "An undamped frame pitches at its natural frequency"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   parameter Types.Torque tau = 10e3 "Torque that appears at the start";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model PredictedBraking "Rig and wagon slow as adhesion and masses say"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Ratio alpha = 0.08 "Adhesion, kept";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model PredictedParts "Bogies and a body make the prediction of the two-part train, rigid groups that of the reduced one"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
   parameter Types.Ratio alpha[4] = {0.12, 0.08, 0.08, 0.12} "Adhesion of each group, kept";
   parameter Types.Pressure pressure[4] = {3e5, 2e5, 2e5, 3e5} "Cylinder pressure of each group";

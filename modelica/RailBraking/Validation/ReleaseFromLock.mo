@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ReleaseFromLock "A locked group turns again as soon as the track is stronger than the brake"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=2e-3);
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";

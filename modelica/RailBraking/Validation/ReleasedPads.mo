@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ReleasedPads "Released pads keep their friction, applied ones settle"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Friction.PadFriction released(mu_start=0.30) "Pads released";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ReservoirBalance "Air that valves take is missing in the reservoir, and filling follows its pressure"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.Reservoir reservoir(V=0.02, p_start=6e5) "Reservoir, small enough to sag";

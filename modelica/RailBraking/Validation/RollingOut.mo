@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model RollingOut "Bearing and rolling resistance slow a train at a constant rate"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";

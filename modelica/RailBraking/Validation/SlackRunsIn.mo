@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model SlackRunsIn "A car that runs into another through the slack leaves it as an elastic blow does"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   parameter Types.Mass m1 = 40e3 "Mass of the leading car";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ThreeAxleBogie "A bogie of three axles shifts the load by the closed form"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Torque tau = 20e3 "Torque that tips the frame";

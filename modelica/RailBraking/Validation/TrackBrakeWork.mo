@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model TrackBrakeWork "A track brake comes late, and its friction falls with speed"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Components.MagneticTrackBrake brake(

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model TrackForces "Gradients and curves against numbers worked by hand"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-3);
 
 equation

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model TwoStages "Position R brakes high above the changeover and low below it, with hysteresis"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-3);
 
   constant Types.Pressure p_max = 3.8e5 "Cylinder pressure of the high stage";

@@ -1,5 +1,6 @@
 within RailBraking.Validation;
 model ValveTimes "Cylinders fill and vent with their dead times and time constants"
+  extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   Pneumatics.ValveCylinder cylinder(

@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 block BodyPrediction "All masses of a train along the track, as an estimator believes them to be"
+  extends Icons.Vehicle;
   extends PartialBodyPrediction;
   Interfaces.RealInput force(final unit="N", start=0) "Braking force of the track on all wheelsets"
     annotation(Placement(transformation(extent={{-120, 40}, {-100, 60}})));
@@ -13,10 +14,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>What the parts of a train share in an estimator: its speed and its acceleration.</p>

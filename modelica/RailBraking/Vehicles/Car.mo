@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 model Car "Car body on equal bogies"
+  extends Icons.Vehicle;
   replaceable block CarContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
     "Law of the contacts";
   replaceable block CarPad = Friction.PadFriction constrainedby Interfaces.PartialPadFriction "Law of the pads";
@@ -178,14 +179,11 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-90, 40}, {90, -30}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-80, -35}, {-50, -65}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-40, -35}, {-10, -65}}, lineColor={0, 0, 127}),
         Ellipse(extent={{10, -35}, {40, -65}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{50, -35}, {80, -65}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{50, -35}, {80, -65}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 block ConsistPrediction "Train of any number of groups and bogies as an estimator believes it to be"
+  extends Icons.Vehicle;
   extends PartialBodyPrediction(final m=sum(m_group));
   extends PartialConsistPrediction;
   Interfaces.RealInput cylinder_pressure[n_groups](each final unit="Pa", each start=0)
@@ -24,10 +25,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>Free of events; states v, w, mu_b, alpha, dz, ddz.</p>

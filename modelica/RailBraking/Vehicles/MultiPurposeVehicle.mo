@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed on irregular track"
+  extends Icons.Vehicle;
   parameter Types.Velocity speed_set = 17.88 "Speed to hold, and speed at the start";
   parameter Types.Mass m_body = 39000 "Mass of the car body";
   parameter Types.Mass m_frame = 2600 "Mass of a bogie frame";
@@ -119,14 +120,11 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-90, 40}, {90, -40}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-90, -45}, {-60, -75}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-55, -45}, {-25, -75}}, lineColor={0, 0, 127}),
         Ellipse(extent={{25, -45}, {55, -75}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{60, -45}, {90, -75}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{60, -45}, {90, -75}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

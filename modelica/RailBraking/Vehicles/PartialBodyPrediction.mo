@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialBodyPrediction "All masses of a train along the track, what pushes them left open"
+  extends Icons.Vehicle;
   parameter Types.Mass m(min=1e-3) = 84000 "Mass of the whole train, without rotating masses";
   parameter Types.Ratio c_drag = 0.9 "Drag coefficient";
   parameter Types.Area A_drag = 10 "Frontal area";
@@ -16,10 +17,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <h4>Limitations</h4>

@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialConsist "Train of equal cars; what fills the brake cylinders is left open"
+  extends Icons.Vehicle;
   extends PartialUniformTrain(
     final bogies=cars*bogies_per_car, final groups=cars*groups_of_car, final wheelsets=cars*wheelsets_of_car,
     wheelset_position=wheelsetPositions(
@@ -91,12 +92,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-95, 30}, {-35, -30}}, lineColor={0, 0, 127}),
         Rectangle(extent={{-30, 30}, {30, -30}}, lineColor={0, 0, 127}),
-        Rectangle(extent={{35, 30}, {95, -30}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{35, 30}, {95, -30}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

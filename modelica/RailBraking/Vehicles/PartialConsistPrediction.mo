@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialConsistPrediction "Wheelsets and bogies of an estimator, each with data of its own"
+  extends Icons.Vehicle;
   extends PartialPrediction(
     radius=r_wheel, frame_height=h_frame, rod_height=h_rod, stiffness=k_primary, damping=c_primary);
   parameter Types.Length r_wheel[n_groups](each min=1e-3, each start=0.46) "Rolling radius of each group";
@@ -27,10 +28,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <h4>Limitations</h4>

@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialLateralPrediction "Lateral and yaw dynamics with friction as a random walk"
+  extends Icons.Vehicle;
   extends PartialLateralWheelset;
   parameter Types.Ratio mu0_start = 0.25 "Maximum friction coefficient at the start";
   parameter Types.Ratio A_falling = 0.4 "Polach: friction at infinite creep speed over maximum friction";
@@ -38,10 +39,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

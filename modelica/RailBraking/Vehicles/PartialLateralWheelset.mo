@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialLateralWheelset "A conical wheelset free to move sideways and to yaw"
+  extends Icons.Vehicle;
   parameter Types.Length r_wheel = 0.5 "Rolling radius of the wheels, centred";
   parameter Types.Length half_gauge = 0.75 "Half of the distance of the contacts";
   parameter Types.Ratio conicity = 0.15 "Change of rolling radius over lateral displacement";
@@ -21,12 +22,9 @@ protected
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Line(points={{-70, 0}, {70, 0}}, color={0, 0, 127}),
         Rectangle(extent={{-60, 60}, {-40, -60}}, lineColor={0, 0, 127}),
-        Rectangle(extent={{40, 60}, {60, -60}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{40, 60}, {60, -60}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialPrediction "Any number of wheelsets and bogies, as an estimator believes them to be"
+  extends Icons.Vehicle;
   parameter Integer n_groups(min=1) = 1 "Number of groups of wheelsets that turn as one" annotation(Evaluate=true);
   parameter Integer n_bogies(min=0) = 0 "Number of bogies of two wheelsets on a suspension" annotation(Evaluate=true);
   parameter Integer group_of_wheelset[2*n_bogies] = fill(1, 2*n_bogies)
@@ -75,10 +76,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

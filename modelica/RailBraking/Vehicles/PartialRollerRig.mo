@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialRollerRig "Braked wheelset on a roller that imitates a wagon; what fills the cylinders is open"
+  extends Icons.Vehicle;
   parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed of the roller's surface at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Mass m_imitated = 20e3 "Mass that roller and drive imitate together" annotation(Dialog(group="Rig"));
@@ -147,11 +148,8 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Ellipse(extent={{-35, 70}, {35, 0}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{-45, 0}, {45, -90}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{-45, 0}, {45, -90}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

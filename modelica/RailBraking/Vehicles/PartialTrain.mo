@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialTrain "What every train made of cars, bogies and couplers shows and is told"
+  extends Icons.Vehicle;
   parameter Integer cars(min=1) = 1 "Number of cars" annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer bodies(min=1) = cars "Number of bodies that couplers join; cars without give between them are one"
     annotation(Evaluate=true, Dialog(group="Formation"));
@@ -223,15 +224,12 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-90, 40}, {-2, -40}}, lineColor={0, 0, 127}),
         Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-85, -43}, {-55, -73}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-40, -43}, {-10, -73}}, lineColor={0, 0, 127}),
         Ellipse(extent={{10, -43}, {40, -73}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{55, -43}, {85, -73}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{55, -43}, {85, -73}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

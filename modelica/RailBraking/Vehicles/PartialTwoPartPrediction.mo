@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialTwoPartPrediction "What the prediction models of the two-part train have in common"
+  extends Icons.Vehicle;
   extends PartialBodyPrediction(final m=sum(m_wheelset), v(start=speed_start));
   extends PartialPrediction(
     final n_groups=4,
@@ -44,10 +45,7 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Line(points={{-80, -40}, {-30, 30}, {20, 0}, {80, 50}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

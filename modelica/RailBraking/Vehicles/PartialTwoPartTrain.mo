@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialTwoPartTrain "Two-part train with a Jacobs bogie; what fills the brake cylinders is left open"
+  extends Icons.Vehicle;
   extends PartialUniformTrain(
     final cars=2, final bodies=1, final bogies=3, final groups=4, final wheelsets=6,
     wheelsets_per_group={2, 1, 1, 2}, wheelsets_per_car={3, 3},
@@ -94,8 +95,6 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-90, 40}, {-2, -40}}, lineColor={0, 0, 127}),
         Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-87, -43}, {-63, -67}}, lineColor={0, 0, 127}),
@@ -103,8 +102,7 @@ equation
         Ellipse(extent={{-24, -43}, {0, -67}}, lineColor={0, 0, 127}),
         Ellipse(extent={{0, -43}, {24, -67}}, lineColor={0, 0, 127}),
         Ellipse(extent={{38, -43}, {62, -67}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{63, -43}, {87, -67}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{63, -43}, {87, -67}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

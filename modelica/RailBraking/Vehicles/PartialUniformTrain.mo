@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialUniformTrain "Train with bogies, riggings and pads of one kind"
+  extends Icons.Vehicle;
   extends PartialTrain;
   parameter Types.Length h_frame = 0.55 "Height of the frames' centres of gravity over the rail"
     annotation(Dialog(group="Geometry"));
@@ -45,11 +46,8 @@ protected
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-90, 40}, {-2, -40}}, lineColor={0, 0, 127}),
-        Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Rectangle(extent={{2, 40}, {90, -40}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

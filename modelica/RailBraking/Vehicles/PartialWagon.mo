@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylinders is open"
+  extends Icons.Vehicle;
   parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
@@ -165,12 +166,9 @@ equation
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
         Rectangle(extent={{-90, 20}, {90, -40}}, lineColor={0, 0, 127}),
         Ellipse(extent={{-78, -52}, {-42, -88}}, lineColor={0, 0, 127}),
-        Ellipse(extent={{42, -52}, {78, -88}}, lineColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Ellipse(extent={{42, -52}, {78, -88}}, lineColor={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>

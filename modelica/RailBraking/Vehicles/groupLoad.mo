@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 function groupLoad "Load of a group of wheelsets on the rail"
+  extends Icons.Function;
   input Types.Force static "Its static load";
   input Types.Force spring[:] "Spring and damper force over each wheelset of bogies, change from static";
   input Integer group_of_wheelset[size(spring, 1)] "Group of each of these wheelsets";
@@ -12,10 +13,7 @@ algorithm
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127})}),
     Documentation(info="<html>
 <h4>Syntax</h4>
 <blockquote><pre>

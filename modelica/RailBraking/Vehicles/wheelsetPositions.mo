@@ -1,5 +1,6 @@
 within RailBraking.Vehicles;
 function wheelsetPositions "Distance of each wheelset of a train of equal cars behind the leading one"
+  extends Icons.Function;
   input Integer cars "Number of cars";
   input Integer bogies "Number of bogies of a car";
   input Integer axles "Number of wheelsets of a bogie";
@@ -20,10 +21,7 @@ algorithm
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),
       graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127}),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
+        Text(extent={{-90, 90}, {90, -90}}, textString="f", textColor={0, 0, 127})}),
     Documentation(info="<html>
 <h4>Syntax</h4>
 <blockquote><pre>

@@ -1,13 +1,8 @@
 within RailBraking.Contact.Surfaces;
 record BroadLeaf "Rail with a film of leaves"
+  extends Icons.Record;
   extends Parameters(k_A=0.04, k_S=0.015, mu0=0.10, A=0.5, B=0.10);
   annotation (
-    Icon(
-      coordinateSystem(extent={{-100, -100}, {100, 100}}),
-      graphics={
-        Rectangle(extent={{-100, 100}, {100, -100}}, lineColor={0, 0, 127}, fillColor={255, 255, 255},
-        fillPattern=FillPattern.Solid),
-        Text(extent={{-150, 150}, {150, 110}}, textString="%name", textColor={0, 0, 255})}),
     Documentation(info="<html>
 <p>An engineering estimate of this library, not a measurement: the peak is broad and lies near 16 % slip at 80 km/h.</p>
 </html>"));
