@@ -44,7 +44,12 @@ def require_strict(model: Any, class_name: str, sources: Sources) -> None:
     text: str = model.codegen(str(DECLARATIONS)).files[0].content
     text = re.sub(r"\bnone\b", "null", text)
     text = re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m[1], 16):04x}", text)
-    _refuse(f"{class_name} is not Modelica as the language has it", _Checker(json.loads(text), sources).findings())
+    try:
+        tree = json.loads(text)
+    except json.JSONDecodeError as error:
+        # rumoca writes quoted names as they are, so that one with a quotation mark ends its own text.
+        raise TranslationError(f"{class_name}: a quoted name with a quotation mark in it is not translated.") from error
+    _refuse(f"{class_name} is not Modelica as the language has it", _Checker(tree, sources).findings())
 
 
 def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:

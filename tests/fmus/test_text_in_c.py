@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from railgrip.errors import InputError
+from railgrip.errors import InputError, TranslationError
 from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower
@@ -127,9 +127,16 @@ def test_c_that_casadi_writes_has_no_names_of_variables(name: str):
     assert text(name) == text("x")
 
 
+def test_a_quoted_name_with_a_quotation_mark_is_refused(tmp_path: Path):
+    file = tmp_path / "M.mo"
+    file.write_text(re.sub(r"\bv\b", lambda _: "'v??/\"; int crow(void) { return 1; }'", MODEL))
+    with pytest.raises(TranslationError, match="a quoted name with a quotation mark"):
+        read("M", file)
+
+
 def test_a_quoted_name_of_a_class_is_text(tmp_path: Path):
     file = tmp_path / "M.mo"
-    name = "'v??/\"; int crow(void) { return 1; }'"
+    name = "'v??/; int crow(void) { return 1; }'"
     file.write_text(re.sub(r"\bv\b", lambda _: name, MODEL))
     source = sources(explicit(read("M", file)), interfaces=("cs",))
     assert "crow(void)" in source.files["model.c"]

@@ -167,7 +167,7 @@ def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
 
 def test_what_cannot_be_called_from_c_is_said():
     question = load(
-        LIBRARY / "trapezoid.toml", ["estimator={kind='fmu', model='TrainPrediction', noise='ideal'}", *SHORT]
+        LIBRARY / "trapezoid.toml", ["estimator={kind='python', model='TrainPrediction', noise='ideal'}", *SHORT]
     )
     with pytest.raises(
         ScenarioError, match=r"trapezoid: the compiled engine .*: the estimator is not a compiled filter"
